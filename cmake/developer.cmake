@@ -1,0 +1,45 @@
+# Options for those who work on ccvt, and the compiler settings of every target of ours. Nothing
+# here reaches a target that links ccvt.
+
+option(CCVT_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
+option(CCVT_CLANG_TIDY "Run clang-tidy along with the compiler" OFF)
+set(CCVT_SANITIZE "" CACHE STRING "Sanitizers: address;undefined, or thread")
+
+if(CCVT_SANITIZE MATCHES "thread" AND NOT CCVT_PARALLEL STREQUAL "threads")
+  message(FATAL_ERROR
+    "CCVT_SANITIZE=thread needs CCVT_PARALLEL=threads: ThreadSanitizer does not see the "
+    "synchronization inside a TBB library that was not built with it, and reports false races")
+endif()
+if(CCVT_CLANG_TIDY)
+  find_program(CCVT_CLANG_TIDY_PROGRAM NAMES clang-tidy-14 clang-tidy REQUIRED)
+endif()
+
+# Applies to a target of ours: C++20, warnings, sanitizers, clang-tidy.
+function(ccvt_compile_settings target)
+  target_compile_features(${target} PRIVATE cxx_std_20)
+  set_target_properties(${target} PROPERTIES
+    CXX_EXTENSIONS OFF
+    CXX_VISIBILITY_PRESET hidden
+    VISIBILITY_INLINES_HIDDEN ON
+    COMPILE_WARNING_AS_ERROR ${CCVT_WARNINGS_AS_ERRORS})
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    # GCC 12 takes "text" + string for overlapping copies: https://gcc.gnu.org/PR105651
+    target_compile_options(${target} PRIVATE -Wno-restrict)
+  endif()
+
+  # A fused multiply-add rounds once where a multiplication and an addition round twice. Compilers
+  # contract wherever the instruction set has one, so without this flag the bits of a result would
+  # depend on the processor that the code was compiled for, or dispatched to.
+  target_compile_options(${target} PRIVATE -ffp-contract=off)
+
+  if(CCVT_SANITIZE)
+    list(JOIN CCVT_SANITIZE "," sanitizers)
+    target_compile_options(${target} PRIVATE
+      -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(${target} PRIVATE -fsanitize=${sanitizers})
+  endif()
+  if(CCVT_CLANG_TIDY)
+    set_target_properties(${target} PROPERTIES CXX_CLANG_TIDY "${CCVT_CLANG_TIDY_PROGRAM}")
+  endif()
+endfunction()

@@ -1,0 +1,42 @@
+# What `cmake --install` puts under the prefix. The prefix may be moved afterwards.
+
+include(CMakePackageConfigHelpers)
+get_target_property(CCVT_LIBRARY_TYPE ccvt TYPE)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/ccvt)
+
+install(TARGETS ccvt EXPORT ccvtTargets FILE_SET HEADERS)
+if(TARGET ccvt_cli)
+  # The installed program finds a shared library that was installed beside it.
+  cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_LIBDIR
+    BASE_DIRECTORY ${CMAKE_INSTALL_FULL_BINDIR} OUTPUT_VARIABLE libdir_from_bindir)
+  set_target_properties(ccvt_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${libdir_from_bindir}")
+  install(TARGETS ccvt_cli)
+endif()
+
+install(EXPORT ccvtTargets NAMESPACE ccvt:: DESTINATION ${package_dir})
+configure_package_config_file(cmake/ccvtConfig.cmake.in ${PROJECT_BINARY_DIR}/ccvtConfig.cmake
+  INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/ccvtConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES
+  ${PROJECT_BINARY_DIR}/ccvtConfig.cmake ${PROJECT_BINARY_DIR}/ccvtConfigVersion.cmake
+  DESTINATION ${package_dir})
+
+# pkg-config. A static library needs the others to be linked. They are not under Requires.private:
+# only one kind of library is installed, so `pkg-config --libs ccvt` should do without --static.
+cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_INCLUDEDIR
+  BASE_DIRECTORY ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig OUTPUT_VARIABLE CCVT_PC_INCLUDEDIR)
+set(CCVT_PC_REQUIRES "eigen3 >= 3.4")
+set(CCVT_PC_LIBS "")
+set(CCVT_PC_CFLAGS "")
+if(CCVT_LIBRARY_TYPE STREQUAL "STATIC_LIBRARY")
+  string(APPEND CCVT_PC_REQUIRES ", libhwy >= 1.0, liblz4")
+  string(APPEND CCVT_PC_CFLAGS " -DCCVT_STATIC_DEFINE")
+  if(CCVT_PARALLEL STREQUAL "tbb")
+    string(APPEND CCVT_PC_REQUIRES ", tbb >= 2021")
+  else()
+    string(APPEND CCVT_PC_LIBS " -pthread")
+  endif()
+endif()
+configure_file(cmake/ccvt.pc.in ${PROJECT_BINARY_DIR}/ccvt.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/ccvt.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

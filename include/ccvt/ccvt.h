@@ -1,0 +1,15 @@
+#pragma once
+
+/// The whole library.
+#include "ccvt/capacity.h"      // IWYU pragma: export
+#include "ccvt/density.h"       // IWYU pragma: export
+#include "ccvt/domain.h"        // IWYU pragma: export
+#include "ccvt/io.h"            // IWYU pragma: export
+#include "ccvt/options.h"       // IWYU pragma: export
+#include "ccvt/problem.h"       // IWYU pragma: export
+#include "ccvt/sampling.h"      // IWYU pragma: export
+#include "ccvt/solver.h"        // IWYU pragma: export
+#include "ccvt/stipple.h"       // IWYU pragma: export
+#include "ccvt/summary.h"       // IWYU pragma: export
+#include "ccvt/tessellation.h"  // IWYU pragma: export
+#include "ccvt/types.h"         // IWYU pragma: export

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ccvt/export.h"
+#include "ccvt/types.h"
+
+/// Points, owners and pictures in files, by extension:
+///
+///   .npy        NumPy arrays, versions 1.0 to 3.0, little endian, C order. Points: float32 or
+///               float64 of shape (#points, #dimensions). Owners: int32 of shape (#points,).
+///   .csv, .txt  One point, or one whole number, a line. Fields are separated by blanks, or by
+///               one comma or one semicolon. '#' starts a comment, blank lines count for nothing,
+///               and a first line in which no field is a number is a header. Numbers are written
+///               with as many digits as it takes to read the same bits back.
+///   .png, .jpg  Pictures.
+///
+/// Readers throw InvalidInput with one line that names the file, the place (rows of .npy and
+/// columns from 0, lines of text from 1), the value and the rule. They compare what a header
+/// promises with the size of the file before they allocate.
+///
+/// Writers replace the file at once, when it is complete: until then it grows under
+/// temporary_path(). They throw InvalidInput for an unknown extension, IoError when the system
+/// refuses; either way a file of that name that was there before is still there.
+namespace ccvt {
+
+/// Thrown when the operating system fails a read or a write. The message names the file.
+class IoError : public std::runtime_error {
+ public:
+  explicit IoError(const std::string& message) : std::runtime_error(message) {}
+};
+
+/// How a file stores its coordinates.
+enum class ScalarType { float32, float64 };
+
+/// What a file of points promises to hold.
+struct PointsHeader {
+  ScalarType scalar = ScalarType::float64;  ///< float64 for text
+  int dimension = 0;
+  std::uint64_t count = 0;  ///< points; of text the number of lines, an upper bound
+};
+
+/// Looks at a file of points without reading the points.
+CCVT_EXPORT PointsHeader inspect_points(const std::filesystem::path& path);
+
+/// #dimensions by #points, all finite, at least one point. A float64 file read as float is
+/// rounded; a coordinate too large for float is refused.
+template <class Scalar>
+CCVT_EXPORT Points<Scalar> read_points(const std::filesystem::path& path);
+
+/// `points`: one a row or line, float32 or float64 as Scalar is.
+template <class Scalar>
+CCVT_EXPORT void write_points(const std::filesystem::path& path, PointsView<Scalar> points);
+template <class Derived>
+void write_points(const std::filesystem::path& path, const Eigen::DenseBase<Derived>& points) {
+  write_points(path, view_points(points));
+}
+
+/// Whole numbers, such as capacities or owners: one a line, or int32 or int64 of shape (#,).
+/// At least one. Throws InvalidInput for those that do not fit Index.
+CCVT_EXPORT std::vector<Index> read_indices(const std::filesystem::path& path);
+
+/// One a line, or int32 of shape (#owners,).
+CCVT_EXPORT void write_owners(const std::filesystem::path& path, std::span<const Index> owners);
+
+/// Writes `text` as it is, whatever the extension.
+CCVT_EXPORT void write_text(const std::filesystem::path& path, std::string_view text);
+
+/// A grey picture, row by row from the top: 0 is black, 1 is white, as stored (perceptual values,
+/// not linear light). Pixel (x, y), x to the right and y down, covers [x, x+1) by [y, y+1).
+struct Image {
+  int width = 0;
+  int height = 0;
+  std::vector<float> values;  ///< width * height of them, in [0, 1]
+
+  [[nodiscard]] float operator()(int x, int y) const {
+    return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                  static_cast<std::size_t>(x)];
+  }
+};
+
+/// Reads PNG or JPEG, 8 or 16 bits, told by the file's contents. Colours become grey by the luma
+/// weights of Rec. 709 (0.2126, 0.7152, 0.0722); alpha is composited on white. White stays 1
+/// exactly. Throws InvalidInput for truncated and damaged files too.
+CCVT_EXPORT Image read_image(const std::filesystem::path& path);
+
+/// Writes 8-bit grey; `path` ends in .png. Throws InvalidInput unless the image has pixels and as
+/// many values; values outside [0, 1] are clamped.
+CCVT_EXPORT void write_png(const std::filesystem::path& path, const Image& image);
+
+/// The file beside `target` that writers of this process fill before they rename it to `target`;
+/// they remove it when they fail. A program that is killed by a signal may remove it likewise.
+CCVT_EXPORT std::filesystem::path temporary_path(const std::filesystem::path& target);
+
+}  // namespace ccvt

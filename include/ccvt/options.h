@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "ccvt/export.h"
+#include "ccvt/summary.h"
+
+namespace ccvt {
+
+/// How points get their first owners. All keep the capacities exactly.
+enum class Initialization {
+  /// Every point takes its nearest site; the excess then flows between neighbouring sites until
+  /// capacities are exact. Leaves no strays; the fastest start, and the default up to 8 dimensions.
+  balanced,
+  /// Every point, in a seeded random order, takes the nearest site that still has room [Program 6].
+  coherent,
+  /// Random owners [Program 1].
+  random,
+};
+
+/// How a swap picks the points that two cells exchange. All reach the same energy.
+enum class SwapMethod {
+  /// Selection of the cut by its rank, in linear time [4.1, Program 3].
+  median,
+  /// Two heaps, popped while an exchange still gains [Program 1].
+  heap,
+  /// A full sort of both cells: the slow, obvious version, kept as an oracle.
+  sort,
+};
+
+/// Which points of a pair take part in a swap.
+enum class PointPruning {
+  /// All of both cells.
+  none,
+  /// Those within the distance of [5.2, eq. 8 and 9] of the other site.
+  distance,
+  /// Those whose key lies beyond the other cell's extreme key: the exact set that can move.
+  extremes,
+};
+
+/// Which pairs of sites are examined in a full pass.
+enum class PairSelection {
+  /// All n(n-1)/2 of them [Program 1], in round-robin batches [Program 5].
+  all,
+  /// Those whose bounding spheres meet [5.1, eq. 7] and of which at least one cell has changed
+  /// since the last full pass. In high dimension, where all spheres meet, those that one blocked
+  /// matrix product shows to gain.
+  meeting,
+};
+
+/// What to do and how. The defaults are the fastest combination that keeps a clean spectrum; see
+/// benchmarks/README.md for the measurements. Every field may be set alone.
+struct CCVT_EXPORT Options {
+  /// Threads to use; 0: one per processor. Any number gives identical bits.
+  int threads = 0;
+  /// Fixes every random choice: initial sites, subsets of levels, visiting orders.
+  std::uint64_t seed = 0;
+
+  /// Stops after this many iterations (passes), those of coarse levels included. At least 0; points
+  /// of levels not reached then join by initialization alone.
+  int max_iterations = 1'000'000;
+  /// Stops on the finest level when an iteration lowers the energy by less than this share of it.
+  /// In [0, 1); 0: run until stable.
+  double energy_tolerance = 0;
+
+  /// The start; `automatic_initialization` lets the dimension decide.
+  Initialization initialization = Initialization::balanced;
+  /// Ignores `initialization` and takes balanced up to 8 dimensions, coherent beyond.
+  bool automatic_initialization = true;
+
+  /// Multi-level optimisation [5.2]: relax a random subset of `level_points` points per site
+  /// first, then `level_factor` times as many, and so on. Ends lower and more even than one level.
+  bool multilevel = true;
+  int level_points = 4;
+  int level_factor = 4;
+
+  SwapMethod swap = SwapMethod::median;
+  PointPruning point_pruning = PointPruning::extremes;
+  /// Leave a pair alone when its cells are already separated [5.2].
+  bool median_cut_pruning = true;
+
+  PairSelection pairs = PairSelection::meeting;
+  /// Two-stage pair cache [4.2, Program 4]: after each full pass, at most this many passes over
+  /// the pairs that swapped in the pass before. 0: full passes only.
+  int cached_passes = 0;
+
+  /// Sites a tile. Pairs inside one tile, or between two, make one task: a tile stays in cache and
+  /// tasks of a batch share no site. 1: every pair a task of its own, as in the paper [4.3].
+  int tile_sites = 64;
+
+  /// Called after each iteration from the thread that runs the solver; false cancels.
+  std::function<bool(const IterationRecord&)> on_iteration = {};
+  /// Asked between batches, from the thread that runs the solver; true ends the run there, with
+  /// the points owned as they then are.
+  std::function<bool()> cancelled = {};
+
+  /// Throws InvalidInput naming the first field outside its bounds.
+  void validate() const;
+
+  /// The method of Balzer et al. 2009 [Program 1]: random start, all pairs, heap swap, one level.
+  static Options balzer2009();
+  /// The method of the paper's section 4: median swap, two-stage cache, batches of single pairs.
+  static Options section4();
+  /// Section 4 with all optimisations of section 5: the last row of Table 1.
+  static Options fast_ccvt();
+};
+
+}  // namespace ccvt

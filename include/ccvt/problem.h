@@ -1,0 +1,68 @@
+#pragma once
+
+#include <vector>
+
+#include "ccvt/capacity.h"
+#include "ccvt/domain.h"
+#include "ccvt/export.h"
+#include "ccvt/types.h"
+
+namespace ccvt {
+
+/// What is to be tessellated: m points, n sites with capacities that sum to m, and a domain.
+///
+/// The points are not copied: they must outlive the problem and every solver made from it.
+/// Each setter checks its argument at once and throws InvalidInput; a Problem that exists is valid.
+///
+///     ccvt::Problem problem(points, 1000);
+///     problem.set_domain(ccvt::Domain::periodic(ccvt::Box::unit(2)));
+template <class Scalar>
+class CCVT_EXPORT Problem {
+ public:
+  /// `points`: #dimensions by m, finite, at least one dimension. `sites`: 1 <= n <= m.
+  template <class Derived>
+  Problem(const Eigen::DenseBase<Derived>& points, Index sites)
+      : Problem(view_points(points), sites) {}
+  template <class Derived>
+  Problem(Eigen::PlainObjectBase<Derived>&& points, Index sites) = delete;
+  Problem(PointsView<Scalar> points, Index sites);
+
+  /// Default: Euclidean space. A box must have the points' dimension and contain all points (a
+  /// periodic box: both faces included).
+  Problem& set_domain(Domain domain);
+  /// Default: equal, see equal_capacities(). One positive number per site, summing to m.
+  Problem& set_capacities(std::vector<Index> capacities);
+  /// Default: n distinct points drawn by Options::seed. #dimensions by n, finite.
+  Problem& set_initial_sites(const Eigen::Ref<const Points<Scalar>>& sites);
+  /// A warm start: the owner of every point, in 0..n-1, each site owning as many points as its
+  /// capacity. Initial sites are then the centroids of the cells. Set capacities first.
+  Problem& set_initial_owners(std::vector<Index> owners);
+
+  [[nodiscard]] const PointsView<Scalar>& points() const { return points_; }
+  [[nodiscard]] int dimension() const { return points_.dimension; }
+  [[nodiscard]] Index point_count() const { return points_.count; }
+  [[nodiscard]] Index site_count() const { return static_cast<Index>(capacities_.size()); }
+  [[nodiscard]] const Domain& domain() const { return domain_; }
+  [[nodiscard]] const std::vector<Index>& capacities() const { return capacities_; }
+  /// Empty unless set.
+  [[nodiscard]] const Points<Scalar>& initial_sites() const { return initial_sites_; }
+  /// Empty unless set.
+  [[nodiscard]] const std::vector<Index>& initial_owners() const { return initial_owners_; }
+  /// The domain's box, or the bounding box of the points.
+  [[nodiscard]] Box bounding_box() const;
+
+ private:
+  PointsView<Scalar> points_;
+  Domain domain_;
+  std::vector<Index> capacities_;
+  Points<Scalar> initial_sites_;
+  std::vector<Index> initial_owners_;
+};
+
+template <class Derived>
+Problem(const Eigen::DenseBase<Derived>&, Index) -> Problem<typename Derived::Scalar>;
+
+extern template class Problem<float>;
+extern template class Problem<double>;
+
+}  // namespace ccvt

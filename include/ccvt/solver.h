@@ -1,0 +1,88 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "ccvt/export.h"
+#include "ccvt/options.h"
+#include "ccvt/problem.h"
+#include "ccvt/summary.h"
+#include "ccvt/tessellation.h"
+
+namespace ccvt {
+
+/// Capacity-constrained Voronoi tessellation, one iteration at a time.
+///
+///     ccvt::Solver solver(problem, options);
+///     while (solver.step()) draw(solver.sites());
+///
+/// The points behind the problem must outlive the solver. Not thread-safe; several solvers may
+/// run at the same time.
+template <class Scalar>
+class CCVT_EXPORT Solver {
+ public:
+  /// Validates the options (InvalidInput) and assigns the first owners.
+  explicit Solver(Problem<Scalar> problem, Options options = {});
+  Solver(Solver&&) noexcept;
+  Solver& operator=(Solver&&) noexcept;
+  ~Solver();
+
+  /// One iteration: a pass and the centroid update after it. False when the run has ended, for
+  /// the reason in summary().termination; further calls then do nothing.
+  bool step();
+  /// Steps until the run has ended.
+  void run();
+  /// Ends the run with termination `cancelled`, unless it has ended already.
+  void cancel();
+
+  /// #dimensions by n: where the sites are now. In a periodic domain inside the box.
+  [[nodiscard]] Points<Scalar> sites() const;
+  /// The owner of every point. While a coarse level is being relaxed, points that have not yet
+  /// joined have the owner -1.
+  [[nodiscard]] std::vector<Index> owners() const;
+  [[nodiscard]] const Summary& summary() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+extern template class Solver<float>;
+extern template class Solver<double>;
+
+/// What tessellate() returns.
+template <class Scalar, int Dimension = Eigen::Dynamic>
+struct Result {
+  /// #dimensions by n: the centroid of each cell.
+  Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sites;
+  /// The owner of each point, in 0..n-1.
+  std::vector<Index> owners;
+  Summary summary;
+
+  /// The points of each site.
+  [[nodiscard]] Tessellation tessellation() const {
+    return Tessellation(owners, static_cast<Index>(sites.cols()));
+  }
+};
+
+/// Runs a problem to its end. Time near-linear in m, memory about twice that of the points.
+/// Throws InvalidInput for bad options.
+template <int Dimension = Eigen::Dynamic, class Scalar>
+Result<Scalar, Dimension> tessellate(const Problem<Scalar>& problem, const Options& options = {}) {
+  Solver<Scalar> solver(problem, options);
+  solver.run();
+  return {solver.sites(), solver.owners(), solver.summary()};
+}
+
+/// Tessellates `points` (#dimensions by m, one a column, float or double) into `sites` cells of
+/// equal capacity in Euclidean space.
+///
+///     auto [sites, owners, summary] = ccvt::tessellate(points, 1000, {.threads = 8, .seed = 7});
+template <class Derived>
+auto tessellate(const Eigen::DenseBase<Derived>& points, Index sites, const Options& options = {}) {
+  using Scalar = typename Derived::Scalar;
+  return tessellate<Derived::RowsAtCompileTime>(Problem<Scalar>(view_points(points), sites),
+                                                options);
+}
+
+}  // namespace ccvt

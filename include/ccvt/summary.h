@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "ccvt/export.h"
+#include "ccvt/types.h"
+
+namespace ccvt {
+
+/// How a run ended.
+enum class Termination {
+  /// Not ended yet.
+  running,
+  /// A full pass over every pair whose bounding spheres meet made no swap, and every site is the
+  /// centroid of its cell: no exchange of points between any two sites lowers the energy.
+  stable,
+  /// (E_before - E_after) < Options::energy_tolerance * E_before on the finest level.
+  energy_tolerance,
+  /// Options::max_iterations passes were made.
+  iteration_limit,
+  /// Options::on_iteration returned false.
+  cancelled,
+};
+
+/// The words of the enumerators: "stable", "energy_tolerance", …
+CCVT_EXPORT const char* to_string(Termination termination);
+
+/// One iteration: a pass over a schedule of pairs, and the centroid update after it.
+struct IterationRecord {
+  int iteration = 0;           ///< from 1
+  int level = 0;               ///< 0 is the coarsest
+  int levels = 1;              ///< how many there are
+  Index points = 0;            ///< points that take part on this level
+  bool full = true;            ///< a full pass, not one over cached pairs
+  std::int64_t pairs = 0;      ///< pairs examined
+  std::int64_t swaps = 0;      ///< pairs that exchanged points
+  std::int64_t exchanged = 0;  ///< points that changed owner
+  Index active_sites = 0;      ///< sites whose cell changed
+  double energy = 0;           ///< after the centroid update; falls within a level
+  double seconds = 0;          ///< since the start of the run
+};
+
+/// What happened in a run. Energies are sums of squared distances in the units of the points.
+struct CCVT_EXPORT Summary {
+  Termination termination = Termination::running;
+  int dimension = 0;
+  Index points = 0;
+  Index sites = 0;
+  int threads_given = 0;
+  int threads_used = 0;
+  std::uint64_t seed = 0;
+  std::string initialization_used;  ///< "balanced", "coherent", "random" or "owners"
+  int levels = 1;
+
+  int iterations = 0;
+  std::int64_t pairs = 0;      ///< pairs examined in all passes
+  std::int64_t swaps = 0;      ///< of which exchanged points
+  std::int64_t exchanged = 0;  ///< points that changed owner by swaps
+  double initial_energy = 0;   ///< when all points have joined
+  double energy = 0;
+  /// energy * n^(2/D) / (m * |domain|^(2/D)); 0 when the domain has no volume.
+  double normalized_energy = 0;
+  /// See ccvt::capacity_error(): not zero when capacities are meant to differ.
+  double capacity_error = 0;
+
+  double seconds_total = 0;
+  double seconds_initialization = 0;
+  double seconds_relaxation = 0;
+  std::vector<IterationRecord> iterations_log;
+
+  /// One line: how it ended, iterations, energy, seconds.
+  [[nodiscard]] std::string brief() const;
+  /// All of it, as a table.
+  [[nodiscard]] std::string full() const;
+};
+
+}  // namespace ccvt

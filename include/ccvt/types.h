@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+namespace ccvt {
+
+/// Number of a point or a site, and the unit of capacities. A problem has fewer than 2^31 points.
+using Index = std::int32_t;
+
+/// A point set with dimension known at run time: #dimensions by #points, one point a column.
+/// The memory layout is that of a NumPy array of shape (#points, #dimensions) in C order.
+template <class Scalar>
+using Points = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+/// Thrown for every mistake in what the caller hands in. The message names the argument, the
+/// offending value and its index, and the rule it breaks.
+class InvalidInput : public std::invalid_argument {
+ public:
+  explicit InvalidInput(const std::string& message) : std::invalid_argument(message) {}
+};
+
+/// A read-only view of a point set owned by somebody else: column p is at data + p * stride.
+/// The coordinates of a point are contiguous; `stride` >= `dimension`.
+template <class Scalar>
+struct PointsView {
+  const Scalar* data = nullptr;
+  int dimension = 0;
+  Index count = 0;
+  std::ptrdiff_t stride = 0;
+
+  [[nodiscard]] const Scalar* operator[](Index point) const { return data + point * stride; }
+};
+
+/// Views any Eigen matrix that stores its points as columns, without a copy.
+/// RowMajor matrices and unevaluated expressions are refused at compile time: they would have to
+/// be copied. Throws InvalidInput when there are 2^31 points or more.
+template <class Derived>
+PointsView<typename Derived::Scalar> view_points(const Eigen::DenseBase<Derived>& points) {
+  static_assert((Derived::Flags & Eigen::DirectAccessBit) != 0,
+                "ccvt: evaluate the expression into a matrix first: points are used in place");
+  static_assert(!Derived::IsRowMajor || Derived::RowsAtCompileTime == 1,
+                "ccvt: points are columns: pass a column-major #dimensions x #points matrix");
+  if (points.cols() > INT32_MAX) {
+    throw InvalidInput("points: there are " + std::to_string(points.cols()) +
+                       " of them, but at most 2147483647 are supported");
+  }
+  const auto& p = points.derived();
+  const bool one_row = Derived::RowsAtCompileTime == 1 && Derived::IsRowMajor;
+  return {p.data(), static_cast<int>(p.rows()), static_cast<Index>(p.cols()),
+          one_row ? p.innerStride() : p.outerStride()};
+}
+
+}  // namespace ccvt

@@ -1,0 +1,53 @@
+#include "ccvt/capacity.h"
+
+#include <string>
+
+namespace ccvt {
+
+std::vector<Index> equal_capacities(Index points, Index sites) {
+  if (sites < 1 || sites > points) {
+    throw InvalidInput("sites: " + std::to_string(sites) + " for " + std::to_string(points) +
+                       " points: there must be at least one site, and no more sites than points");
+  }
+  std::vector<Index> capacities(static_cast<std::size_t>(sites), points / sites);
+  for (Index s = 0; s < points % sites; ++s) ++capacities[static_cast<std::size_t>(s)];
+  return capacities;
+}
+
+void validate_capacities(std::span<const Index> capacities, Index points) {
+  if (capacities.empty()) throw InvalidInput("capacities: there are none");
+  std::int64_t sum = 0;
+  for (std::size_t s = 0; s < capacities.size(); ++s) {
+    if (capacities[s] < 1) {
+      throw InvalidInput("capacities[" + std::to_string(s) + "] is " +
+                         std::to_string(capacities[s]) + ": capacities must be positive");
+    }
+    sum += capacities[s];
+  }
+  if (sum != points) {
+    throw InvalidInput("capacities: they sum to " + std::to_string(sum) + ", but there are " +
+                       std::to_string(points) + " points: the two must be equal");
+  }
+}
+
+double capacity_error(std::span<const Index> owners, Index sites) {
+  if (sites < 1) throw InvalidInput("sites: " + std::to_string(sites) + " is not positive");
+  if (owners.empty()) throw InvalidInput("owners: there are none");
+  std::vector<std::int64_t> size(static_cast<std::size_t>(sites), 0);
+  for (std::size_t p = 0; p < owners.size(); ++p) {
+    if (owners[p] < 0 || owners[p] >= sites) {
+      throw InvalidInput("owners[" + std::to_string(p) + "] is " + std::to_string(owners[p]) +
+                         ": it must be in 0.." + std::to_string(sites - 1));
+    }
+    ++size[static_cast<std::size_t>(owners[p])];
+  }
+  const double mean = static_cast<double>(owners.size()) / sites;
+  double sum = 0;
+  for (const std::int64_t s : size) {
+    const double deviation = static_cast<double>(s) / mean - 1;
+    sum += deviation * deviation;
+  }
+  return sum / sites;
+}
+
+}  // namespace ccvt

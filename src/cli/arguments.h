@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ccvt/io.h"
+#include "ccvt/sampling.h"
+#include "ccvt/types.h"
+
+namespace ccvt::cli {
+
+/// What all commands understand.
+struct CommonArguments {
+  std::string command;
+  std::filesystem::path output;
+  std::filesystem::path summary;  ///< empty: none
+  std::uint64_t seed = 0;
+  int threads = 0;
+  std::optional<int> max_iterations;
+  double energy_tolerance = 0;
+  std::optional<ScalarType> scalar;
+  bool quiet = false;
+};
+
+struct SampleArguments : CommonArguments {
+  int dimension = 0;
+  Index sites = 0;
+  Index points_per_site = 256;
+  bool periodic = false;
+  Distribution distribution = Distribution::jittered;
+  std::filesystem::path points_out;
+  std::filesystem::path owners_out;
+};
+
+struct TessellateArguments : CommonArguments {
+  std::filesystem::path points;
+  Index sites = 0;                      ///< 0: as many as there are initial sites
+  std::filesystem::path initial_sites;  ///< empty: drawn from the points
+  std::filesystem::path capacities;     ///< empty: equal
+  bool periodic = false;
+  std::vector<double> box;  ///< all lower bounds, then all upper bounds; empty: none
+  std::filesystem::path owners_out;
+};
+
+struct StippleArguments : CommonArguments {
+  std::filesystem::path image;
+  Index sites = 0;
+  Index points_per_site = 256;
+  bool invert = false;
+  double gamma = 1;
+  double dot_radius = 0;  ///< 0: automatic
+};
+
+/// Each runs one command and returns the exit status. They throw InvalidInput, IoError and
+/// std::bad_alloc.
+int run_sample(const SampleArguments& arguments);
+int run_tessellate(const TessellateArguments& arguments);
+int run_stipple(const StippleArguments& arguments);
+
+/// Parses the command line and runs the command that it names. Prints help and version. Throws
+/// InvalidInput for whatever is wrong with the line.
+int run_command_line(int argc, const char* const* argv);
+
+}  // namespace ccvt::cli

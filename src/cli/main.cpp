@@ -1,0 +1,42 @@
+#include <algorithm>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <string>
+
+#include "ccvt/io.h"
+#include "cli/arguments.h"
+#include "cli/run.h"
+#include "cli/signals.h"
+
+namespace {
+
+/// One line, whatever file names and values hold.
+int report(std::string message, int status) {
+  std::replace_if(
+      message.begin(), message.end(),
+      [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, '?');
+  std::cerr << "ccvt: error: " + message + "\n";
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    ccvt::cli::handle_signals();
+    return ccvt::cli::run_command_line(argc, argv);
+  } catch (const ccvt::InvalidInput& error) {
+    return report(error.what(), 2);
+  } catch (const ccvt::IoError& error) {
+    return report(error.what(), 2);
+  } catch (const ccvt::cli::Interrupted&) {
+    return report("interrupted before there was anything to write", 130);
+  } catch (const std::bad_alloc&) {
+    return report("out of memory", 1);
+  } catch (const std::exception& error) {
+    return report(error.what(), 1);
+  } catch (...) {
+    return report("unknown failure", 1);
+  }
+}

@@ -1,0 +1,54 @@
+#include "cli/memory.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <limits>
+
+#include "ccvt/types.h"
+#include "cli/values.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+/// "12.3 GiB".
+std::string bytes_text(double bytes) {
+  const char* const units[] = {"bytes", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
+  std::size_t unit = 0;
+  while (bytes >= 1024 && unit < 6) {
+    bytes /= 1024;
+    ++unit;
+  }
+  return to_text(std::round(bytes * 10) / 10) + " " + units[unit];
+}
+
+}  // namespace
+
+void check_memory(const std::string& what, std::uint64_t points, std::uint64_t dimension,
+                  std::size_t scalar_bytes) {
+  // In double, which no product of three such numbers overflows.
+  const double needed = 4.0 * static_cast<double>(points) * static_cast<double>(dimension) *
+                            static_cast<double>(scalar_bytes) +
+                        100e6;
+  const std::string would_need = what + ": " + std::to_string(points) + " points in " +
+                                 std::to_string(dimension) + " dimensions would need about " +
+                                 bytes_text(needed) + " of memory";
+  if (points > static_cast<std::uint64_t>(std::numeric_limits<Index>::max())) {
+    throw InvalidInput(would_need + ", and are more than the 2147483647 points supported");
+  }
+  const auto pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES));
+  const auto page = static_cast<double>(::sysconf(_SC_PAGESIZE));
+  if (pages > 0 && page > 0 && needed > pages * page) {
+    throw InvalidInput(would_need + ", but this machine has " + bytes_text(pages * page));
+  }
+}
+
+std::uint64_t peak_memory_bytes() {
+  struct rusage usage = {};
+  if (::getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+}  // namespace ccvt::cli

@@ -1,0 +1,57 @@
+#include "cli/progress.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdio>
+#include <string>
+
+namespace ccvt::cli {
+
+namespace {
+
+constexpr std::size_t kBarWidth = 24;
+constexpr auto kInterval = std::chrono::milliseconds(50);
+
+std::size_t terminal_width() {
+  struct winsize size = {};
+  if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return 80;
+  return size.ws_col;
+}
+
+void write_line(const std::string& text) {
+  const std::string line = "\r\x1b[K" + text;
+  std::fwrite(line.data(), 1, line.size(), stderr);
+  std::fflush(stderr);
+}
+
+}  // namespace
+
+Progress::Progress(bool quiet)
+    : live_(!quiet && ::isatty(STDERR_FILENO) != 0), last_(Clock::now() - kInterval) {}
+
+Progress::~Progress() {
+  if (drawn_) write_line("");
+}
+
+void Progress::show(const IterationRecord& record, Index sites) {
+  const auto now = Clock::now();
+  if (!live_ || now - last_ < kInterval) return;
+  last_ = now;
+  drawn_ = true;
+  const double active = static_cast<double>(record.active_sites) / std::max(sites, Index{1});
+  const auto settled = static_cast<std::size_t>(
+      std::clamp(1 - active, 0.0, 1.0) * static_cast<double>(kBarWidth) + 0.5);
+  char text[200];
+  const int length = std::snprintf(
+      text, sizeof text, "] level %d/%d  iteration %d  active %5.1f %%  energy %.6g  %.1f s",
+      record.level + 1, record.levels, record.iteration, 100 * active, record.energy,
+      record.seconds);
+  std::string line = "[" + std::string(settled, '#') + std::string(kBarWidth - settled, '.');
+  line.append(text, static_cast<std::size_t>(std::max(length, 0)));
+  write_line(line.substr(0, terminal_width() - 1));
+}
+
+}  // namespace ccvt::cli

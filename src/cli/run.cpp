@@ -1,0 +1,72 @@
+#include "cli/run.h"
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "ccvt/io.h"
+#include "ccvt/version.h"
+#include "cli/memory.h"
+#include "cli/signals.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+std::string summary_json(const std::string& command, const Summary& summary) {
+  nlohmann::ordered_json json;
+  json["version"] = CCVT_VERSION;
+  json["command"] = command;
+  json["dimension"] = summary.dimension;
+  json["points"] = summary.points;
+  json["sites"] = summary.sites;
+  json["seed"] = summary.seed;
+  json["threads"] = summary.threads_used;
+  json["initialization"] = summary.initialization_used;
+  json["levels"] = summary.levels;
+  json["termination"] = to_string(summary.termination);
+  json["iterations"] = summary.iterations;
+  json["pairs"] = summary.pairs;
+  json["swaps"] = summary.swaps;
+  json["exchanged"] = summary.exchanged;
+  json["initial_energy"] = summary.initial_energy;
+  json["energy"] = summary.energy;
+  json["normalized_energy"] = summary.normalized_energy;
+  json["capacity_error"] = summary.capacity_error;
+  json["seconds"] = {{"total", summary.seconds_total},
+                     {"initialization", summary.seconds_initialization},
+                     {"relaxation", summary.seconds_relaxation}};
+  json["peak_memory_bytes"] = peak_memory_bytes();
+  // JSON has no infinity and no NaN; the library writes null for them.
+  return json.dump(2) + "\n";
+}
+
+}  // namespace
+
+Options make_options(const CommonArguments& common, Index sites, Progress& progress) {
+  Options options;
+  options.seed = common.seed;
+  options.threads = common.threads;
+  if (common.max_iterations) options.max_iterations = *common.max_iterations;
+  options.energy_tolerance = common.energy_tolerance;
+  options.on_iteration = [sites, &progress](const IterationRecord& record) {
+    progress.show(record, sites);
+    return true;
+  };
+  options.cancelled = [] { return interrupted(); };
+  return options;
+}
+
+void stop_if_interrupted() {
+  if (interrupted()) throw Interrupted();
+}
+
+int finish(const CommonArguments& common, const Summary& summary) {
+  if (!common.summary.empty()) write_text(common.summary, summary_json(common.command, summary));
+  if (!common.quiet) {
+    std::cout << summary.brief() << std::endl;
+    if (!std::cout) throw IoError("standard output: cannot be written");
+  }
+  return interrupted() ? 130 : 0;
+}
+
+}  // namespace ccvt::cli

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "ccvt/options.h"
+#include "ccvt/summary.h"
+#include "ccvt/types.h"
+#include "cli/arguments.h"
+#include "cli/progress.h"
+
+namespace ccvt::cli {
+
+/// Options for a tessellation of `sites` sites that draws on `progress`, which must outlive them,
+/// and ends when the user interrupts it.
+Options make_options(const CommonArguments& common, Index sites, Progress& progress);
+
+/// Throws Interrupted when there was a Ctrl-C. For use before there is anything to write.
+void stop_if_interrupted();
+struct Interrupted {};
+
+/// Writes the summary file, prints the closing line and gives the exit status. To be called when
+/// all else is written.
+int finish(const CommonArguments& common, const Summary& summary);
+
+/// Calls `work`; an InvalidInput that it throws gets the name of the file that is to blame.
+template <class Work>
+decltype(auto) blame(const std::filesystem::path& path, Work&& work) {
+  try {
+    return std::forward<Work>(work)();
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(path.string() + ": " + error.what());
+  }
+}
+
+}  // namespace ccvt::cli

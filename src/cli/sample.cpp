@@ -1,0 +1,52 @@
+#include <cstdint>
+
+#include "ccvt/io.h"
+#include "ccvt/problem.h"
+#include "ccvt/sampling.h"
+#include "ccvt/solver.h"
+#include "cli/memory.h"
+#include "cli/outputs.h"
+#include "cli/run.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+template <class Scalar>
+int sample(const SampleArguments& arguments) {
+  const std::uint64_t count = static_cast<std::uint64_t>(arguments.sites) *
+                              static_cast<std::uint64_t>(arguments.points_per_site);
+  check_memory("--sites " + std::to_string(arguments.sites), count,
+               static_cast<std::uint64_t>(arguments.dimension), sizeof(Scalar));
+  const Box box = Box::unit(arguments.dimension);
+  const Points<Scalar> points = sample_uniform<Scalar>(box, static_cast<Index>(count),
+                                                       arguments.seed, arguments.distribution);
+  stop_if_interrupted();
+
+  Problem<Scalar> problem(points, arguments.sites);
+  problem.set_domain(arguments.periodic ? Domain::periodic(box) : Domain::euclidean(box));
+  const auto result = [&] {
+    Progress progress(arguments.quiet);
+    return tessellate(problem, make_options(arguments, arguments.sites, progress));
+  }();
+
+  write_points(arguments.output, result.sites);
+  if (!arguments.points_out.empty()) write_points(arguments.points_out, points);
+  if (!arguments.owners_out.empty()) write_owners(arguments.owners_out, result.owners);
+  return finish(arguments, result.summary);
+}
+
+}  // namespace
+
+int run_sample(const SampleArguments& arguments) {
+  Outputs()
+      .add("--output", arguments.output, {".npy", ".csv", ".txt"})
+      .add("--points-out", arguments.points_out, {".npy", ".csv", ".txt"})
+      .add("--owners-out", arguments.owners_out, {".npy", ".csv", ".txt"})
+      .add("--summary", arguments.summary, {})
+      .check();
+  return arguments.scalar == ScalarType::float64 ? sample<double>(arguments)
+                                                 : sample<float>(arguments);
+}
+
+}  // namespace ccvt::cli

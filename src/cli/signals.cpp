@@ -1,0 +1,73 @@
+#include "cli/signals.h"
+
+#include <csignal>
+#include <cstddef>
+#include <cstring>
+#include <string>
+
+#include <unistd.h>
+
+#include "ccvt/io.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+constexpr std::size_t kMostOutputs = 4;
+constexpr std::size_t kLongestPath = 4096;
+
+// Read by the handler, which may call but few functions and allocate nothing. The temporary names
+// are known before the files exist; unlinking one that does not exist is harmless.
+char temporary_names[kMostOutputs][kLongestPath];
+volatile std::sig_atomic_t temporary_count = 0;
+volatile std::sig_atomic_t interrupt_count = 0;
+
+void remove_temporary_files() {
+  for (int i = 0; i < temporary_count; ++i) ::unlink(temporary_names[i]);
+}
+
+extern "C" void on_interrupt(int) {
+  if (interrupt_count == 0) {
+    interrupt_count = 1;
+    return;
+  }
+  remove_temporary_files();
+  ::_exit(130);
+}
+
+extern "C" void on_termination(int signal) {
+  remove_temporary_files();
+  ::_exit(128 + signal);
+}
+
+void handle(int signal, void (*handler)(int)) {
+  struct sigaction action = {};
+  if (::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN) return;
+  action = {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;
+  ::sigemptyset(&action.sa_mask);
+  ::sigaction(signal, &action, nullptr);
+}
+
+}  // namespace
+
+void handle_signals() {
+  handle(SIGINT, on_interrupt);
+  handle(SIGTERM, on_termination);
+  handle(SIGHUP, on_termination);
+}
+
+bool interrupted() { return interrupt_count != 0; }
+
+void protect_outputs(const std::vector<std::filesystem::path>& outputs) {
+  int count = 0;
+  for (const auto& output : outputs) {
+    const std::string name = temporary_path(output).string();
+    if (count == static_cast<int>(kMostOutputs) || name.size() >= kLongestPath) continue;
+    std::memcpy(temporary_names[count], name.c_str(), name.size() + 1);
+    temporary_count = ++count;
+  }
+}
+
+}  // namespace ccvt::cli

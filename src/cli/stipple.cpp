@@ -1,0 +1,56 @@
+#include "ccvt/stipple.h"
+
+#include <cstdint>
+
+#include "ccvt/io.h"
+#include "cli/memory.h"
+#include "cli/outputs.h"
+#include "cli/run.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+template <class Scalar>
+int stipple_file(const StippleArguments& arguments) {
+  const std::uint64_t count = static_cast<std::uint64_t>(arguments.sites) *
+                              static_cast<std::uint64_t>(arguments.points_per_site);
+  check_memory("--sites " + std::to_string(arguments.sites), count, 2, sizeof(Scalar));
+  const Image image = read_image(arguments.image);
+  stop_if_interrupted();
+
+  StippleOptions options;
+  options.points_per_site = arguments.points_per_site;
+  options.invert = arguments.invert;
+  options.gamma = arguments.gamma;
+  options.dot_radius = arguments.dot_radius;
+  const Stippling<Scalar> stippling = blame(arguments.image, [&] {
+    Progress progress(arguments.quiet);
+    options.tessellation = make_options(arguments, arguments.sites, progress);
+    return stipple<Scalar>(image, arguments.sites, options);
+  });
+
+  const std::string extension = lower_extension(arguments.output);
+  if (extension == ".svg") {
+    write_svg(arguments.output, stippling);
+  } else if (extension == ".png") {
+    write_png(arguments.output, render(stippling));
+  } else {
+    write_points(arguments.output, stippling.dots);
+  }
+  return finish(arguments, stippling.summary);
+}
+
+}  // namespace
+
+int run_stipple(const StippleArguments& arguments) {
+  Outputs()
+      .add("--output", arguments.output, {".svg", ".png", ".csv", ".txt", ".npy"})
+      .add("--summary", arguments.summary, {})
+      .add_input("IMAGE", arguments.image)
+      .check();
+  return arguments.scalar == ScalarType::float64 ? stipple_file<double>(arguments)
+                                                 : stipple_file<float>(arguments);
+}
+
+}  // namespace ccvt::cli

@@ -1,0 +1,92 @@
+#include <Eigen/Core>
+#include <utility>
+
+#include "ccvt/io.h"
+#include "ccvt/problem.h"
+#include "ccvt/solver.h"
+#include "cli/memory.h"
+#include "cli/outputs.h"
+#include "cli/run.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+Domain make_domain(const TessellateArguments& arguments, int dimension) {
+  if (arguments.box.empty()) return Domain();
+  const auto given = static_cast<Eigen::Index>(arguments.box.size());
+  if (given != 2 * Eigen::Index{dimension}) {
+    throw InvalidInput("--box: has " + std::to_string(given) + " numbers, but the points in " +
+                       arguments.points.string() + " have " + std::to_string(dimension) +
+                       " dimensions; " + std::to_string(2 * Eigen::Index{dimension}) +
+                       " are needed");
+  }
+  const Eigen::Map<const Eigen::VectorXd> bounds(arguments.box.data(), given);
+  Box box{bounds.head(dimension), bounds.tail(dimension)};
+  for (int i = 0; i < dimension; ++i) {
+    if (box.lower[i] < box.upper[i]) continue;
+    throw InvalidInput("--box: dimension " + std::to_string(i) + " goes from " +
+                       std::to_string(box.lower[i]) + " to " + std::to_string(box.upper[i]) +
+                       "; the upper bound must be above the lower one");
+  }
+  return arguments.periodic ? Domain::periodic(std::move(box)) : Domain::euclidean(std::move(box));
+}
+
+template <class Scalar>
+int tessellate_file(const TessellateArguments& arguments, const PointsHeader& header) {
+  check_memory(arguments.points.string(), header.count,
+               static_cast<std::uint64_t>(header.dimension), sizeof(Scalar));
+  Domain domain = make_domain(arguments, header.dimension);
+  Points<Scalar> initial_sites;
+  Index sites = arguments.sites;
+  if (!arguments.initial_sites.empty()) {
+    initial_sites = read_points<Scalar>(arguments.initial_sites);
+    sites = static_cast<Index>(initial_sites.cols());
+  }
+  const Points<Scalar> points = read_points<Scalar>(arguments.points);
+  stop_if_interrupted();
+
+  Problem<Scalar> problem =
+      blame(arguments.points, [&] { return Problem<Scalar>(points, sites); });
+  blame(arguments.points, [&] { problem.set_domain(std::move(domain)); });
+  if (!arguments.capacities.empty()) {
+    auto capacities = read_indices(arguments.capacities);
+    blame(arguments.capacities, [&] { problem.set_capacities(std::move(capacities)); });
+  }
+  if (initial_sites.size() > 0) {
+    blame(arguments.initial_sites, [&] { problem.set_initial_sites(initial_sites); });
+  }
+  const auto result = [&] {
+    Progress progress(arguments.quiet);
+    return tessellate(problem, make_options(arguments, sites, progress));
+  }();
+
+  write_points(arguments.output, result.sites);
+  if (!arguments.owners_out.empty()) write_owners(arguments.owners_out, result.owners);
+  return finish(arguments, result.summary);
+}
+
+}  // namespace
+
+int run_tessellate(const TessellateArguments& arguments) {
+  if (arguments.sites == 0 && arguments.initial_sites.empty()) {
+    throw InvalidInput("tessellate: needs --sites or --initial-sites; see ccvt --help");
+  }
+  if (arguments.periodic && arguments.box.empty()) {
+    throw InvalidInput("--periodic: needs --box, the bounds of one period; see ccvt --help");
+  }
+  const PointsHeader header = inspect_points(arguments.points);
+  Outputs()
+      .add("--output", arguments.output, {".npy", ".csv", ".txt"})
+      .add("--owners-out", arguments.owners_out, {".npy", ".csv", ".txt"})
+      .add("--summary", arguments.summary, {})
+      .add_input("POINTS", arguments.points)
+      .add_input("--initial-sites", arguments.initial_sites)
+      .add_input("--capacities", arguments.capacities)
+      .check();
+  return arguments.scalar.value_or(header.scalar) == ScalarType::float32
+             ? tessellate_file<float>(arguments, header)
+             : tessellate_file<double>(arguments, header);
+}
+
+}  // namespace ccvt::cli

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+
+namespace ccvt::cli {
+
+/// What a number on the command line must be.
+template <class Number>
+struct Range {
+  Number least = std::numeric_limits<Number>::lowest();
+  Number most = std::numeric_limits<Number>::max();
+  bool open_below = false;  ///< `least` itself is out
+  bool open_above = false;  ///< `most` itself is out
+};
+
+template <class Number>
+std::string to_text(Number value) {
+  char digits[64];
+  const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
+  return {digits, end};
+}
+
+template <class Number>
+std::string describe(const Range<Number>& range) {
+  std::string text = std::is_integral_v<Number> ? "a whole number" : "a finite number";
+  const bool least = range.least != std::numeric_limits<Number>::lowest();
+  const bool most = range.most != std::numeric_limits<Number>::max();
+  if (least) text += (range.open_below ? " above " : " of at least ") + to_text(range.least);
+  if (most) {
+    text += least ? " and" : "";
+    text += (range.open_above ? " below " : " at most ") + to_text(range.most);
+  }
+  return text;
+}
+
+/// Parses all of `text`, in plain decimal notation whatever the locale. Returns what is wrong with
+/// it, or nothing.
+template <class Number>
+std::string parse_number(std::string_view text, const Range<Number>& range, Number& value) {
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  bool good = error == std::errc() && stop == end && value >= range.least &&
+              value <= range.most && !(range.open_below && value == range.least) &&
+              !(range.open_above && value == range.most);
+  if constexpr (!std::is_integral_v<Number>) good = good && std::isfinite(value);
+  if (good) return {};
+  return "'" + std::string(text) + "' is not " + describe(range);
+}
+
+}  // namespace ccvt::cli

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/input_file.h"
+
+namespace ccvt::io {
+
+/// The header of a NumPy array file.
+struct NpyHeader {
+  std::string descr;                 ///< as NumPy writes it, "<f4" for float32
+  std::vector<std::uint64_t> shape;  ///< at most 32 numbers
+  std::uint64_t data_bytes = 0;      ///< bytes of the file behind the header
+};
+
+/// Reads the header and leaves `file` at the data. Throws InvalidInput when it is malformed, in
+/// Fortran order, or of a version other than 1.0, 2.0 and 3.0.
+NpyHeader read_npy_header(InputFile& file);
+
+/// Throws InvalidInput unless the data of `header` are exactly the numbers of its shape, each
+/// `item_bytes` wide.
+void check_npy_size(const InputFile& file, const NpyHeader& header, std::size_t item_bytes);
+
+/// "(3, 4)" or "(3,)".
+std::string shape_text(const std::vector<std::uint64_t>& shape);
+
+/// The bytes in front of the data of a version 1.0 file: a multiple of 64 of them.
+std::string format_npy_header(std::string_view descr, const std::vector<std::uint64_t>& shape);
+
+}  // namespace ccvt::io

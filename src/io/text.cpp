@@ -1,0 +1,178 @@
+#include "io/text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <system_error>
+
+namespace ccvt::io {
+
+namespace {
+
+constexpr std::size_t kBlock = std::size_t{1} << 20;
+constexpr std::size_t kLongestLine = std::size_t{64} << 20;
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+bool is_separator(char c) { return c == ',' || c == ';'; }
+
+bool looks_numeric(std::string_view field) {
+  double value = 0;
+  if (!field.empty() && field.front() == '+') field.remove_prefix(1);
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  return error != std::errc::invalid_argument && end == field.data() + field.size();
+}
+
+template <class Number>
+std::from_chars_result parse_whole(std::string_view field, Number& value) {
+  if (field.size() > 1 && field.front() == '+' && field[1] != '-') field.remove_prefix(1);
+  const char* const end = field.data() + field.size();
+  auto result = std::from_chars(field.data(), end, value);
+  if (result.ec == std::errc() && result.ptr != end) result.ec = std::errc::invalid_argument;
+  return result;
+}
+
+template <class Number>
+void append_shortest(std::string& text, Number value) {
+  char digits[64];
+  const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
+  text.append(digits, end);
+}
+
+const char* check_finite(double value) {
+  return std::isfinite(value) ? nullptr : "is not finite; coordinates must be finite";
+}
+
+}  // namespace
+
+TextRows::TextRows(const std::filesystem::path& path) : file_(path), buffer_(kBlock) {}
+
+bool TextRows::next_line(std::string_view& line) {
+  std::size_t searched = begin_;
+  for (;;) {
+    const void* newline = std::memchr(buffer_.data() + searched, '\n', end_ - searched);
+    if (newline != nullptr) {
+      const auto at = static_cast<std::size_t>(static_cast<const char*>(newline) - buffer_.data());
+      line = {buffer_.data() + begin_, at - begin_};
+      begin_ = at + 1;
+      ++line_;
+      return true;
+    }
+    std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_),
+              buffer_.begin() + static_cast<std::ptrdiff_t>(end_), buffer_.begin());
+    end_ -= begin_;
+    begin_ = 0;
+    searched = end_;
+    if (end_ == buffer_.size()) {
+      if (end_ >= kLongestLine) {
+        ++line_;
+        fail("is longer than 64 MiB; this is not a table of numbers");
+      }
+      buffer_.resize(2 * buffer_.size());
+    }
+    const std::size_t got = file_.read_some(buffer_.data() + end_, buffer_.size() - end_);
+    end_ += got;
+    if (got == 0) {
+      if (end_ == 0) return false;
+      line = {buffer_.data(), end_};
+      begin_ = end_;
+      ++line_;
+      return true;
+    }
+  }
+}
+
+std::string TextRows::split(std::string_view line) {
+  fields_.clear();
+  std::string problem;
+  char separator = 0;  // ' ' stands for blanks alone
+  std::size_t at = 0;
+  const auto skip_blanks = [&] {
+    while (at < line.size() && is_blank(line[at])) ++at;
+  };
+  skip_blanks();
+  if (at == line.size()) return problem;
+  for (;;) {
+    const std::size_t start = at;
+    while (at < line.size() && !is_blank(line[at]) && !is_separator(line[at])) ++at;
+    fields_.push_back(line.substr(start, at - start));
+    if (start == at) problem = "field " + std::to_string(fields_.size()) + " is empty";
+    skip_blanks();
+    if (at == line.size()) return problem;
+    const char found = is_separator(line[at]) ? line[at] : ' ';
+    if (separator != 0 && separator != found) {
+      problem = "fields are separated in two ways; use blanks, ',' or ';', and a decimal point";
+    }
+    separator = found;
+    if (found != ' ') ++at;
+    skip_blanks();
+  }
+}
+
+bool TextRows::next() {
+  std::string_view line;
+  while (next_line(line)) {
+    if (line_ == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
+    const std::string problem = split(line.substr(0, line.find('#')));
+    if (fields_.empty()) continue;
+    const bool header = first_ && std::none_of(fields_.begin(), fields_.end(), looks_numeric);
+    first_ = false;
+    if (header) continue;
+    if (!problem.empty()) fail(problem);
+    return true;
+  }
+  return false;
+}
+
+std::uint64_t TextRows::count_lines() {
+  std::uint64_t lines = 0;
+  bool ended = true;
+  while (end_ > begin_) {
+    const auto first = buffer_.begin() + static_cast<std::ptrdiff_t>(begin_);
+    const auto last = buffer_.begin() + static_cast<std::ptrdiff_t>(end_);
+    lines += static_cast<std::uint64_t>(std::count(first, last, '\n'));
+    ended = *(last - 1) == '\n';
+    begin_ = 0;
+    end_ = file_.read_some(buffer_.data(), buffer_.size());
+  }
+  return lines + (ended ? 0U : 1U);
+}
+
+void TextRows::fail(const std::string& message) const {
+  file_.fail("line " + std::to_string(line_) + ": " + message);
+}
+
+const char* parse(std::string_view field, double& value) {
+  const auto error = parse_whole(field, value).ec;
+  if (error == std::errc::result_out_of_range) return "is out of the range of float64";
+  if (error != std::errc()) return "is not a number";
+  return check_finite(value);
+}
+
+const char* parse(std::string_view field, float& value) {
+  // Straight to float, so that a float that was written comes back, and not by way of double,
+  // which rounds twice. What is too small for float becomes zero.
+  const auto error = parse_whole(field, value).ec;
+  if (error == std::errc::result_out_of_range) {
+    double wide = 0;
+    if (parse_whole(field, wide).ec == std::errc() && std::abs(wide) < 1) {
+      value = static_cast<float>(wide);
+      return nullptr;
+    }
+    return "is out of the range of float32";
+  }
+  if (error != std::errc()) return "is not a number";
+  return check_finite(static_cast<double>(value));
+}
+
+const char* parse(std::string_view field, std::int32_t& value) {
+  const auto error = parse_whole(field, value).ec;
+  if (error == std::errc::result_out_of_range) return "does not fit 32 bits";
+  return error == std::errc() ? nullptr : "is not a whole number";
+}
+
+void append(std::string& text, float value) { append_shortest(text, value); }
+void append(std::string& text, double value) { append_shortest(text, value); }
+void append(std::string& text, std::int32_t value) { append_shortest(text, value); }
+
+}  // namespace ccvt::io

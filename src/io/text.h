@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/input_file.h"
+
+namespace ccvt::io {
+
+/// The rows of fields of a text file, without comments, blank lines and the header.
+class TextRows {
+ public:
+  explicit TextRows(const std::filesystem::path& path);
+
+  /// Advances to the next row; false at the end.
+  bool next();
+  /// The fields of the row, valid until the next call of next(). Never empty.
+  [[nodiscard]] const std::vector<std::string_view>& fields() const { return fields_; }
+  /// 1-based number of the line that the row is on.
+  [[nodiscard]] std::uint64_t line() const { return line_; }
+  /// Counts the lines left in the file, by their ends; next() is then of no use any more.
+  std::uint64_t count_lines();
+
+  /// Throws InvalidInput(path: line N: message).
+  [[noreturn]] void fail(const std::string& message) const;
+  /// Throws InvalidInput(path: message).
+  [[noreturn]] void fail_file(const std::string& message) const { file_.fail(message); }
+
+ private:
+  bool next_line(std::string_view& line);
+  /// Fills fields_; returns what is wrong with the line, or nothing.
+  std::string split(std::string_view line);
+
+  InputFile file_;
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  std::uint64_t line_ = 0;
+  bool first_ = true;
+  std::vector<std::string_view> fields_;
+};
+
+/// The value of a whole field. Sets it and returns nullptr, or returns what is wrong with it.
+const char* parse(std::string_view field, float& value);
+const char* parse(std::string_view field, double& value);
+const char* parse(std::string_view field, std::int32_t& value);
+
+/// Appends the shortest text that reads back as the same value.
+void append(std::string& text, float value);
+void append(std::string& text, double value);
+void append(std::string& text, std::int32_t value);
+
+}  // namespace ccvt::io

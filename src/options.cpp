@@ -1,0 +1,62 @@
+#include "ccvt/options.h"
+
+#include <string>
+
+#include "ccvt/types.h"
+#include "format.h"
+
+namespace ccvt {
+namespace {
+
+void require(bool valid, const char* field, const std::string& value, const char* rule) {
+  if (!valid) throw InvalidInput("Options::" + std::string(field) + " is " + value + ": " + rule);
+}
+
+}  // namespace
+
+void Options::validate() const {
+  const auto at_least = [](const char* field, int value, int least, const char* rule) {
+    require(value >= least, field, std::to_string(value), rule);
+  };
+  at_least("threads", threads, 0, "it must be 0 (one per processor) or more");
+  require(threads <= 4096, "threads", std::to_string(threads), "it must be at most 4096");
+  at_least("max_iterations", max_iterations, 0, "it must be 0 or more");
+  require(energy_tolerance >= 0 && energy_tolerance < 1, "energy_tolerance",
+          text(energy_tolerance), "it must be in [0, 1)");
+  at_least("level_points", level_points, 1, "it must be 1 or more");
+  at_least("level_factor", level_factor, 2, "it must be 2 or more");
+  at_least("cached_passes", cached_passes, 0, "it must be 0 or more");
+  at_least("tile_sites", tile_sites, 1, "it must be 1 or more");
+}
+
+Options Options::balzer2009() {
+  Options options;
+  options.automatic_initialization = false;
+  options.initialization = Initialization::random;
+  options.multilevel = false;
+  options.swap = SwapMethod::heap;
+  options.point_pruning = PointPruning::none;
+  options.median_cut_pruning = false;
+  options.pairs = PairSelection::all;
+  options.tile_sites = 1;
+  return options;
+}
+
+Options Options::section4() {
+  Options options = balzer2009();
+  options.swap = SwapMethod::median;
+  options.cached_passes = 5;
+  return options;
+}
+
+Options Options::fast_ccvt() {
+  Options options = section4();
+  options.initialization = Initialization::coherent;
+  options.pairs = PairSelection::meeting;
+  options.point_pruning = PointPruning::distance;
+  options.median_cut_pruning = true;
+  options.multilevel = true;
+  return options;
+}
+
+}  // namespace ccvt

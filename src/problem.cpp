@@ -1,0 +1,135 @@
+#include "ccvt/problem.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "format.h"
+
+namespace ccvt {
+namespace {
+
+/// Squared distances must stay finite in the points' own precision.
+template <class Scalar>
+constexpr double kLargest = sizeof(Scalar) == sizeof(float) ? 1e17 : 1e150;
+
+template <class Scalar>
+void require_finite(const char* argument, const PointsView<Scalar>& points) {
+  for (Index p = 0; p < points.count; ++p) {
+    const Scalar* x = points[p];
+    for (int d = 0; d < points.dimension; ++d) {
+      const auto value = static_cast<double>(x[d]);
+      if (std::abs(value) <= kLargest<Scalar>) continue;
+      throw InvalidInput(std::string(argument) + ": coordinate " + std::to_string(d) + " of " +
+                         argument + "[" + std::to_string(p) + "] is " + text(value) +
+                         ": coordinates must be finite and at most " + text(kLargest<Scalar>) +
+                         " in magnitude");
+    }
+  }
+}
+
+template <class Scalar>
+void require_inside(const char* argument, const PointsView<Scalar>& points, const Box& box) {
+  for (Index p = 0; p < points.count; ++p) {
+    for (int d = 0; d < points.dimension; ++d) {
+      const auto value = static_cast<double>(points[p][d]);
+      if (value >= box.lower[d] && value <= box.upper[d]) continue;
+      throw InvalidInput(std::string(argument) + ": coordinate " + std::to_string(d) + " of " +
+                         argument + "[" + std::to_string(p) + "] is " + text(value) +
+                         ": it must lie in the box, from " + text(box.lower[d]) + " to " +
+                         text(box.upper[d]));
+    }
+  }
+}
+
+}  // namespace
+
+template <class Scalar>
+Problem<Scalar>::Problem(PointsView<Scalar> points, Index sites) : points_(points) {
+  if (points.dimension < 1) throw InvalidInput("points: they have no dimension");
+  if (points.count < 1) throw InvalidInput("points: there are none");
+  capacities_ = equal_capacities(points.count, sites);
+  require_finite("points", points);
+}
+
+template <class Scalar>
+Problem<Scalar>& Problem<Scalar>::set_domain(Domain domain) {
+  if (domain.has_box()) {
+    if (domain.box().dimension() != dimension()) {
+      throw InvalidInput("domain: its box has " + std::to_string(domain.box().dimension()) +
+                         " dimensions, the points have " + std::to_string(dimension()));
+    }
+    require_inside("points", points_, domain.box());
+  }
+  domain_ = std::move(domain);
+  return *this;
+}
+
+template <class Scalar>
+Problem<Scalar>& Problem<Scalar>::set_capacities(std::vector<Index> capacities) {
+  if (capacities.size() != capacities_.size()) {
+    throw InvalidInput("capacities: there are " + std::to_string(capacities.size()) + " for " +
+                       std::to_string(site_count()) + " sites: there must be one per site");
+  }
+  validate_capacities(capacities, point_count());
+  capacities_ = std::move(capacities);
+  initial_owners_.clear();
+  return *this;
+}
+
+template <class Scalar>
+Problem<Scalar>& Problem<Scalar>::set_initial_sites(const Eigen::Ref<const Points<Scalar>>& sites) {
+  if (sites.cols() != site_count() || sites.rows() != dimension()) {
+    throw InvalidInput("initial_sites: the matrix is " + std::to_string(sites.rows()) + " by " +
+                       std::to_string(sites.cols()) + ": it must be " +
+                       std::to_string(dimension()) + " by " + std::to_string(site_count()) +
+                       ", one column per site");
+  }
+  require_finite("initial_sites", view_points(sites));
+  initial_sites_ = sites;
+  return *this;
+}
+
+template <class Scalar>
+Problem<Scalar>& Problem<Scalar>::set_initial_owners(std::vector<Index> owners) {
+  if (owners.size() != static_cast<std::size_t>(point_count())) {
+    throw InvalidInput("initial_owners: there are " + std::to_string(owners.size()) + " for " +
+                       std::to_string(point_count()) + " points: there must be one per point");
+  }
+  std::vector<Index> room = capacities_;
+  for (std::size_t p = 0; p < owners.size(); ++p) {
+    const std::string element = "initial_owners[" + std::to_string(p) + "]";
+    if (owners[p] < 0 || owners[p] >= site_count()) {
+      throw InvalidInput(element + " is " + std::to_string(owners[p]) + ": it must be in 0.." +
+                         std::to_string(site_count() - 1));
+    }
+    if (room[static_cast<std::size_t>(owners[p])]-- == 0) {
+      throw InvalidInput(element + " is " + std::to_string(owners[p]) +
+                         ": that site owns more points than its capacity " +
+                         std::to_string(capacities_[static_cast<std::size_t>(owners[p])]));
+    }
+  }
+  initial_owners_ = std::move(owners);
+  return *this;
+}
+
+template <class Scalar>
+Box Problem<Scalar>::bounding_box() const {
+  if (domain_.has_box()) return domain_.box();
+  Box box{Eigen::VectorXd(dimension()), Eigen::VectorXd(dimension())};
+  for (int d = 0; d < dimension(); ++d) box.lower[d] = box.upper[d] = points_[0][d];
+  for (Index p = 1; p < points_.count; ++p) {
+    const Scalar* x = points_[p];
+    for (int d = 0; d < dimension(); ++d) {
+      const auto value = static_cast<double>(x[d]);
+      if (value < box.lower[d]) box.lower[d] = value;
+      if (value > box.upper[d]) box.upper[d] = value;
+    }
+  }
+  return box;
+}
+
+template class Problem<float>;
+template class Problem<double>;
+
+}  // namespace ccvt

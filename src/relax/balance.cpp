@@ -1,0 +1,186 @@
+#include "relax/balance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include "relax/kernels.h"
+#include "relax/site_graph.h"
+
+namespace ccvt {
+namespace {
+
+/// Passes points from one site to another by the swap key.
+template <class Scalar>
+class Mover {
+ public:
+  Mover(const Metric& metric, const SiteState& sites, Filling<Scalar>& filling)
+      : metric_(metric), sites_(sites), filling_(filling) {
+    const auto size = static_cast<std::size_t>(metric.dimension());
+    middle_.resize(size);
+    normal_.resize(size);
+    for (std::size_t d = 0; metric.periodic() && d < size; ++d) {
+      extent_.push_back(static_cast<Scalar>(metric.extent()[d]));
+      inverse_extent_.push_back(static_cast<Scalar>(1 / metric.extent()[d]));
+    }
+  }
+
+  /// Moves the `count` points of `from` that gain most, or lose least, by changing to `to`; fewer
+  /// when there are not as many.
+  void move(Index from, Index to, Index count) {
+    const auto f = static_cast<std::size_t>(from);
+    place_cut(from, to);
+    const Index filled = filling_.filled[f];
+    keys_.resize(static_cast<std::size_t>(filling_.cells.size(from)));
+    // A cell that is not full has the stride of a full one: keys of empty places are not used.
+    keys_of(filling_.cells.block(from), filling_.cells.size(from));
+    choices_.clear();
+    const auto wanted = static_cast<std::size_t>(count);
+    for (Index k = 0; k < filled; ++k) offer({keys_[static_cast<std::size_t>(k)], k}, wanted);
+    auto& waiting = filling_.excess[f];
+    for (std::size_t w = 0; w < waiting.size(); ++w) {
+      keys_of(filling_.points[waiting[w]], 1);
+      offer({keys_[0], filled + static_cast<Index>(w)}, wanted);
+    }
+    // From the last place to the first, so that filling a gap does not move a chosen point.
+    std::sort(choices_.begin(), choices_.end(),
+              [](const Choice& a, const Choice& b) { return a.place > b.place; });
+    auto& arrivals = filling_.excess[static_cast<std::size_t>(to)];
+    for (const Choice& choice : choices_) {
+      if (choice.place >= filled) {
+        const auto w = static_cast<std::size_t>(choice.place - filled);
+        arrivals.push_back(waiting[w]);
+        waiting[w] = waiting.back();
+        waiting.pop_back();
+      } else {
+        arrivals.push_back(filling_.take(from, choice.place));
+      }
+    }
+  }
+
+ private:
+  struct Choice {
+    Scalar key;
+    Index place;
+  };
+
+  static bool better(const Choice& a, const Choice& b) {
+    return a.key != b.key ? a.key > b.key : a.place < b.place;
+  }
+
+  /// Keeps the best `wanted` of all choices offered, in a heap with the worst of them on top.
+  void offer(const Choice& choice, std::size_t wanted) {
+    if (choices_.size() < wanted) {
+      choices_.push_back(choice);
+      std::push_heap(choices_.begin(), choices_.end(), better);
+    } else if (better(choice, choices_.front())) {
+      std::pop_heap(choices_.begin(), choices_.end(), better);
+      choices_.back() = choice;
+      std::push_heap(choices_.begin(), choices_.end(), better);
+    }
+  }
+
+  void place_cut(Index from, Index to) {
+    const double* a = sites_.at(from);
+    const double* b = sites_.at(to);
+    for (std::size_t d = 0; d < middle_.size(); ++d) {
+      if (metric_.periodic()) {
+        middle_[d] = static_cast<Scalar>(a[d]);
+        normal_[d] = static_cast<Scalar>(b[d]);
+      } else {
+        middle_[d] = static_cast<Scalar>((a[d] + b[d]) / 2);
+        normal_[d] = static_cast<Scalar>(b[d] - a[d]);
+      }
+    }
+  }
+
+  void keys_of(const Scalar* block, Index count) {
+    if (metric_.periodic()) {
+      kernels::keys(block, count, metric_.dimension(),
+                    kernels::TorusCut<Scalar>{middle_.data(), normal_.data(), extent_.data(),
+                                              inverse_extent_.data()},
+                    keys_.data());
+    } else {
+      kernels::keys(block, count, metric_.dimension(),
+                    kernels::Cut<Scalar>{middle_.data(), normal_.data()}, keys_.data());
+    }
+  }
+
+  const Metric& metric_;
+  const SiteState& sites_;
+  Filling<Scalar>& filling_;
+  std::vector<Scalar> middle_;  ///< on a torus: site a
+  std::vector<Scalar> normal_;  ///< on a torus: site b
+  std::vector<Scalar> extent_;
+  std::vector<Scalar> inverse_extent_;
+  std::vector<Scalar> keys_;
+  std::vector<Choice> choices_;
+};
+
+template <class Scalar>
+std::vector<Index> surpluses(const Filling<Scalar>& filling) {
+  std::vector<Index> surplus(filling.filled.size());
+  for (std::size_t s = 0; s < surplus.size(); ++s) {
+    surplus[s] = filling.surplus(static_cast<Index>(s));
+  }
+  return surplus;
+}
+
+template <class Scalar>
+void flow_downhill(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scalar>& filling) {
+  const std::vector<double> phi = graph.potential(surpluses(filling));
+  std::vector<Index> order(phi.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto at = [&](Index s) { return phi[static_cast<std::size_t>(s)]; };
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+    return at(a) != at(b) ? at(a) > at(b) : a < b;
+  });
+  for (const Index site : order) {
+    for (const Index next : graph.neighbours(site)) {
+      const double flow = std::nearbyint(at(site) - at(next));
+      if (flow >= 1) mover.move(site, next, static_cast<Index>(std::min(flow, 2147483647.0)));
+    }
+    filling.settle(site);
+  }
+}
+
+/// What a subtree has too much goes up to its parent; then what it lacks comes down. A site never
+/// has to pass on more points than it has: see the order of both sweeps.
+template <class Scalar>
+void flow_along_tree(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scalar>& filling) {
+  const SiteGraph::SpanningTree tree = graph.spanning_tree();
+  std::vector<Index> subtree = surpluses(filling);
+  const auto parent = [&](Index s) { return tree.parent[static_cast<std::size_t>(s)]; };
+  for (auto s = tree.order.rbegin(); s != tree.order.rend(); ++s) {
+    const Index surplus = subtree[static_cast<std::size_t>(*s)];
+    if (parent(*s) < 0) {
+      if (surplus != 0) throw std::logic_error("balance: surpluses do not sum to zero");
+      continue;
+    }
+    subtree[static_cast<std::size_t>(parent(*s))] += surplus;
+    if (surplus > 0) mover.move(*s, parent(*s), surplus);
+  }
+  for (const Index s : tree.order) {
+    if (parent(s) < 0) continue;
+    const Index lack = -subtree[static_cast<std::size_t>(s)];
+    if (lack > 0) mover.move(parent(s), s, lack);
+  }
+  for (const Index s : tree.order) filling.settle(s);
+}
+
+}  // namespace
+
+template <class Scalar>
+void balance(const Metric& metric, const SiteState& sites, std::span<const Pair> near,
+             Filling<Scalar>& filling) {
+  const SiteGraph graph(sites.count(), gabriel_pairs(metric, sites, near));
+  Mover<Scalar> mover(metric, sites, filling);
+  flow_downhill(graph, mover, filling);
+  flow_along_tree(graph, mover, filling);
+}
+
+template void balance(const Metric&, const SiteState&, std::span<const Pair>, Filling<float>&);
+template void balance(const Metric&, const SiteState&, std::span<const Pair>, Filling<double>&);
+
+}  // namespace ccvt

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "ccvt/types.h"
+#include "relax/metric.h"
+
+namespace ccvt {
+
+/// The working tessellation: a permutation of the points grouped by site, with a copy of their
+/// coordinates in that order. Cell sizes never change, so capacities hold by construction and
+/// nothing is allocated while relaxing.
+///
+/// The coordinates of cell s are one block of size(s) * dimension scalars, one contiguous stream
+/// per dimension, so that a pair of cells is examined by streaming two blocks.
+template <class Scalar>
+class Cells {
+ public:
+  Cells() = default;
+  Cells(int dimension, std::span<const Index> sizes)
+      : dimension_(dimension), offset_(sizes.size() + 1, 0) {
+    for (std::size_t s = 0; s < sizes.size(); ++s) offset_[s + 1] = offset_[s] + sizes[s];
+    order_.resize(static_cast<std::size_t>(offset_.back()));
+    coordinates_.resize(order_.size() * static_cast<std::size_t>(dimension));
+  }
+
+  [[nodiscard]] int dimension() const { return dimension_; }
+  [[nodiscard]] Index site_count() const { return static_cast<Index>(offset_.size()) - 1; }
+  [[nodiscard]] Index point_count() const { return static_cast<Index>(order_.size()); }
+  [[nodiscard]] Index size(Index site) const { return offset_[at(site) + 1] - offset_[at(site)]; }
+
+  /// The points of a cell, by number.
+  [[nodiscard]] Index* points(Index site) { return order_.data() + offset_[at(site)]; }
+  [[nodiscard]] const Index* points(Index site) const { return order_.data() + offset_[at(site)]; }
+
+  /// The block of a cell: coordinate d of its k-th point is at [d * size(site) + k].
+  [[nodiscard]] Scalar* block(Index site) {
+    return coordinates_.data() + at(offset_[at(site)]) * at(dimension_);
+  }
+  [[nodiscard]] const Scalar* block(Index site) const {
+    return coordinates_.data() + at(offset_[at(site)]) * at(dimension_);
+  }
+
+  /// Puts a point at place k of a cell. `coordinates` are contiguous.
+  void put(Index site, Index k, Index point, const Scalar* coordinates) {
+    points(site)[k] = point;
+    Scalar* to = block(site) + k;
+    for (int d = 0; d < dimension_; ++d, to += size(site)) *to = coordinates[d];
+  }
+
+  /// Reads the coordinates at place k of a cell.
+  void get(Index site, Index k, Scalar* coordinates) const {
+    const Scalar* from = block(site) + k;
+    for (int d = 0; d < dimension_; ++d, from += size(site)) coordinates[d] = *from;
+  }
+
+  /// Exchanges place k of cell i with place l of cell j.
+  void exchange(Index i, Index k, Index j, Index l) {
+    std::swap(points(i)[k], points(j)[l]);
+    Scalar* a = block(i) + k;
+    Scalar* b = block(j) + l;
+    for (int d = 0; d < dimension_; ++d, a += size(i), b += size(j)) std::swap(*a, *b);
+  }
+
+ private:
+  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+  int dimension_ = 0;
+  std::vector<Index> offset_;
+  std::vector<Index> order_;
+  std::vector<Scalar> coordinates_;
+};
+
+}  // namespace ccvt

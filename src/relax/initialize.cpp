@@ -1,0 +1,106 @@
+#include "relax/initialize.h"
+
+#include <algorithm>
+
+#include "random.h"
+#include "relax/balance.h"
+#include "relax/nearest_sites.h"
+#include "spatial/site_tree.h"
+
+namespace ccvt {
+namespace {
+
+constexpr std::uint64_t kOrderStream = 3;
+
+std::vector<Index> shuffled(std::span<const Index> points, std::uint64_t seed) {
+  std::vector<Index> order(points.begin(), points.end());
+  Random random(seed, kOrderStream);
+  random.shuffle(std::span(order));
+  return order;
+}
+
+/// Each site with its nearest ones, each pair once.
+std::vector<Pair> nearest_neighbours(const Metric& metric, const SiteState& sites,
+                                     const Arena& arena) {
+  const int wanted = 1 + std::min(24, 3 + 2 * metric.dimension());
+  const SiteTree tree(metric, sites.position);
+  const auto count = static_cast<std::size_t>(sites.count());
+  std::vector<std::vector<Index>> found(count);
+  arena.for_each(count, 64, [&](std::size_t s) {
+    tree.nearest(sites.at(static_cast<Index>(s)), wanted, found[s]);
+  });
+  std::vector<Pair> pairs;
+  for (std::size_t s = 0; s < count; ++s) {
+    const auto site = static_cast<Index>(s);
+    for (const Index other : found[s]) {
+      if (other != site) pairs.emplace_back(std::min(site, other), std::max(site, other));
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+}  // namespace
+
+template <class Scalar>
+void join_coherent(const Metric& metric, const SiteState& sites, std::span<const Index> joining,
+                   std::uint64_t seed, Filling<Scalar>& filling) {
+  SiteTree available(metric, sites.position);
+  for (Index s = 0; s < sites.count(); ++s) {
+    if (filling.surplus(s) == 0) available.remove(s);
+  }
+  std::vector<double> query(static_cast<std::size_t>(metric.dimension()));
+  for (const Index point : shuffled(joining, seed)) {
+    std::copy_n(filling.points[point], query.size(), query.begin());
+    const Index site = available.nearest(query.data());
+    filling.add(site, point);
+    if (filling.surplus(site) == 0) available.remove(site);
+  }
+}
+
+template <class Scalar>
+void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
+                   std::span<const Index> joining, std::span<const Pair> near,
+                   const Arena& arena, Filling<Scalar>& filling) {
+  {
+    const NearestSites<Scalar> nearest(metric, sites, box, joining.size(), arena);
+    constexpr std::size_t kChunk = 1 << 18;  // bounds the memory for owners
+    std::vector<Index> owner(std::min(kChunk, joining.size()));
+    for (std::size_t begin = 0; begin < joining.size(); begin += kChunk) {
+      const std::size_t count = std::min(kChunk, joining.size() - begin);
+      arena.for_ranges(count, 4096, [&](std::size_t first, std::size_t last, int) {
+        nearest(filling.points, joining.subspan(begin + first, last - first), &owner[first]);
+      });
+      for (std::size_t k = 0; k < count; ++k) filling.add(owner[k], joining[begin + k]);
+    }
+  }
+  if (near.empty()) {
+    balance(metric, sites, nearest_neighbours(metric, sites, arena), filling);
+  } else {
+    balance(metric, sites, near, filling);
+  }
+}
+
+template <class Scalar>
+void join_random(std::span<const Index> joining, std::uint64_t seed, Filling<Scalar>& filling) {
+  const std::vector<Index> order = shuffled(joining, seed);
+  auto next = order.begin();
+  for (Index s = 0; s < filling.cells.site_count(); ++s) {
+    while (filling.surplus(s) < 0) filling.add(s, *next++);
+  }
+}
+
+#define CCVT_INSTANTIATE(Scalar)                                                                  \
+  template void join_coherent(const Metric&, const SiteState&, std::span<const Index>,            \
+                              std::uint64_t, Filling<Scalar>&);                                   \
+  template void join_balanced(const Metric&, const SiteState&, const Box&,                        \
+                              std::span<const Index>, std::span<const Pair>, const Arena&,        \
+                              Filling<Scalar>&);                                                  \
+  template void join_random(std::span<const Index>, std::uint64_t, Filling<Scalar>&);
+
+CCVT_INSTANTIATE(float)
+CCVT_INSTANTIATE(double)
+#undef CCVT_INSTANTIATE
+
+}  // namespace ccvt

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ccvt/domain.h"
+#include "ccvt/types.h"
+#include "parallel/arena.h"
+#include "relax/cells.h"
+#include "relax/filling.h"
+#include "relax/metric.h"
+#include "relax/site_state.h"
+#include "schedule/schedule.h"
+
+namespace ccvt {
+
+/// Each of these gives the `joining` points their first owners and fills the cells exactly. Points
+/// of a coarser level are in `filling` already.
+
+/// Each point, in a seeded random order, takes the nearest site with room left [Program 6].
+/// O(m log n): the tree forgets sites as they fill up.
+template <class Scalar>
+void join_coherent(const Metric& metric, const SiteState& sites, std::span<const Index> joining,
+                   std::uint64_t seed, Filling<Scalar>& filling);
+
+/// Each point takes its nearest site whether or not it has room; then balance(). `near` are pairs of
+/// sites near each other, if any are known.
+template <class Scalar>
+void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
+                   std::span<const Index> joining, std::span<const Pair> near,
+                   const Arena& arena, Filling<Scalar>& filling);
+
+/// Random owners [Program 1].
+template <class Scalar>
+void join_random(std::span<const Index> joining, std::uint64_t seed, Filling<Scalar>& filling);
+
+}  // namespace ccvt

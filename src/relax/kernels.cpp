@@ -1,0 +1,362 @@
+#include "relax/kernels.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "relax/kernels.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, as Highway asks.
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace ccvt::kernels {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Evaluates a Cut for the points k, k + 1, … of a vector. Mul and Add are kept apart, as fused
+/// ones would change bits between instruction sets.
+template <class Tag, class Scalar>
+HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
+                               Cut<Scalar> cut, Index k) {
+  auto key = hn::Mul(hn::Sub(hn::LoadU(tag, block + k), hn::Set(tag, cut.middle[0])),
+                     hn::Set(tag, cut.normal[0]));
+  for (int d = 1; d < dimension; ++d) {
+    const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
+    key = hn::Add(key, hn::Mul(hn::Sub(x, hn::Set(tag, cut.middle[d])),
+                               hn::Set(tag, cut.normal[d])));
+  }
+  return key;
+}
+
+template <class Tag, class Scalar>
+HWY_INLINE hn::Vec<Tag> wrapped_square(Tag tag, hn::Vec<Tag> difference, Scalar extent,
+                                       Scalar inverse) {
+  const auto turns = hn::Round(hn::Mul(difference, hn::Set(tag, inverse)));
+  const auto wrapped = hn::Sub(difference, hn::Mul(turns, hn::Set(tag, extent)));
+  return hn::Mul(wrapped, wrapped);
+}
+
+template <class Tag, class Scalar>
+HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
+                               TorusCut<Scalar> cut, Index k) {
+  auto key = hn::Zero(tag);
+  for (int d = 0; d < dimension; ++d) {
+    const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
+    const auto to_a = wrapped_square(tag, hn::Sub(x, hn::Set(tag, cut.a[d])), cut.extent[d],
+                                     cut.inverse_extent[d]);
+    const auto to_b = wrapped_square(tag, hn::Sub(x, hn::Set(tag, cut.b[d])), cut.extent[d],
+                                     cut.inverse_extent[d]);
+    key = hn::Add(key, hn::Sub(to_a, to_b));
+  }
+  return hn::Mul(key, hn::Set(tag, Scalar{0.5}));
+}
+
+/// The last full vector may overlap the one before it: extremes do not mind.
+template <class Scalar, class AnyCut>
+HWY_INLINE Extremes<Scalar> extremes_of(const Scalar* block, Index count, int dimension,
+                                        AnyCut cut) {
+  const hn::ScalableTag<Scalar> wide;
+  const auto lanes = static_cast<Index>(hn::Lanes(wide));
+  if (count < lanes) {
+    const hn::CappedTag<Scalar, 1> one;
+    Extremes<Scalar> result{std::numeric_limits<Scalar>::infinity(),
+                            -std::numeric_limits<Scalar>::infinity()};
+    for (Index k = 0; k < count; ++k) {
+      const Scalar key = hn::GetLane(key_at(one, block, count, dimension, cut, k));
+      result.lowest = std::min(result.lowest, key);
+      result.highest = std::max(result.highest, key);
+    }
+    return result;
+  }
+  const auto tail = key_at(wide, block, count, dimension, cut, count - lanes);
+  auto low0 = tail;
+  auto high0 = tail;
+  auto low1 = tail;
+  auto high1 = tail;
+  Index k = 0;
+  for (; k + 2 * lanes <= count; k += 2 * lanes) {
+    const auto key0 = key_at(wide, block, count, dimension, cut, k);
+    const auto key1 = key_at(wide, block, count, dimension, cut, k + lanes);
+    low0 = hn::Min(low0, key0);
+    high0 = hn::Max(high0, key0);
+    low1 = hn::Min(low1, key1);
+    high1 = hn::Max(high1, key1);
+  }
+  if (k + lanes <= count) {
+    const auto key = key_at(wide, block, count, dimension, cut, k);
+    low0 = hn::Min(low0, key);
+    high0 = hn::Max(high0, key);
+  }
+  return {hn::GetLane(hn::MinOfLanes(wide, hn::Min(low0, low1))),
+          hn::GetLane(hn::MaxOfLanes(wide, hn::Max(high0, high1)))};
+}
+
+template <class Scalar, class AnyCut>
+HWY_INLINE void keys_of(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out) {
+  const hn::ScalableTag<Scalar> wide;
+  const auto lanes = static_cast<Index>(hn::Lanes(wide));
+  Index k = 0;
+  for (; k + lanes <= count; k += lanes) {
+    hn::StoreU(key_at(wide, block, count, dimension, cut, k), wide, out + k);
+  }
+  const hn::CappedTag<Scalar, 1> one;
+  for (; k < count; ++k) out[k] = hn::GetLane(key_at(one, block, count, dimension, cut, k));
+}
+
+/// Lets the compiler unroll the loop over dimensions in the common cases.
+template <class Function>
+HWY_INLINE auto with_dimension(int dimension, Function function) {
+  if (dimension == 2) return function(std::integral_constant<int, 2>{});
+  if (dimension == 3) return function(std::integral_constant<int, 3>{});
+  return function(dimension);
+}
+
+template <class Scalar, class AnyCut>
+HWY_INLINE Extremes<Scalar> any_extremes(const Scalar* block, Index count, int dimension,
+                                         AnyCut cut) {
+  return with_dimension(
+      dimension, [=](auto d) HWY_ATTR { return extremes_of(block, count, d, cut); });
+}
+
+template <class Scalar, class AnyCut>
+HWY_INLINE void any_keys(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out) {
+  with_dimension(dimension, [=](auto d) HWY_ATTR { keys_of(block, count, d, cut, out); });
+}
+
+template <bool Above, class Scalar>
+HWY_INLINE Index places_beyond(const Scalar* values, Index count, Scalar threshold, Index* places) {
+  const hn::ScalableTag<Scalar> wide;
+  const auto lanes = static_cast<Index>(hn::Lanes(wide));
+  const auto limit = hn::Set(wide, threshold);
+  Index found = 0;
+  Index k = 0;
+  for (; k + lanes <= count; k += lanes) {
+    const auto value = hn::LoadU(wide, values + k);
+    const auto mask = Above ? hn::Gt(value, limit) : hn::Lt(value, limit);
+    if (hn::AllFalse(wide, mask)) continue;
+    for (Index lane = k; lane < k + lanes; ++lane) {
+      places[found] = lane;
+      found += (Above ? values[lane] > threshold : values[lane] < threshold) ? 1 : 0;
+    }
+  }
+  for (; k < count; ++k) {
+    if (Above ? values[k] > threshold : values[k] < threshold) places[found++] = k;
+  }
+  return found;
+}
+
+/// Eight interleaved partial sums whatever the vector width, so that bits do not depend on it.
+constexpr Index kPartials = 8;
+
+template <class Scalar>
+HWY_INLINE double stream_sum(const Scalar* stream, Index count, double origin) {
+  std::array<double, kPartials> sum{};
+  Index k = 0;
+  for (; k + kPartials <= count; k += kPartials) {
+    for (Index l = 0; l < kPartials; ++l) {
+      sum[static_cast<std::size_t>(l)] += static_cast<double>(stream[k + l]) - origin;
+    }
+  }
+  for (Index l = 0; k < count; ++k, ++l) {
+    sum[static_cast<std::size_t>(l)] += static_cast<double>(stream[k]) - origin;
+  }
+  return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
+}
+
+template <class Scalar, class Dimension>
+HWY_INLINE Spread block_spread(const Scalar* block, Index count, Dimension dimension,
+                               const double* centre) {
+  std::array<double, kPartials> energy{};
+  std::array<double, kPartials> farthest{};
+  const auto add = [&](Index k, Index lanes) HWY_ATTR {
+    std::array<double, kPartials> squared{};
+    for (int d = 0; d < dimension; ++d) {
+      const Scalar* x = block + static_cast<std::ptrdiff_t>(d) * count + k;
+      for (Index l = 0; l < lanes; ++l) {
+        const double difference = static_cast<double>(x[l]) - centre[d];
+        squared[static_cast<std::size_t>(l)] += difference * difference;
+      }
+    }
+    for (std::size_t l = 0; l < static_cast<std::size_t>(lanes); ++l) {
+      energy[l] += squared[l];
+      farthest[l] = squared[l] > farthest[l] ? squared[l] : farthest[l];
+    }
+  };
+  Index k = 0;
+  for (; k + kPartials <= count; k += kPartials) add(k, kPartials);
+  if (k < count) add(k, count - k);
+  Spread result{0, 0};
+  for (std::size_t l = 0; l < kPartials; ++l) {
+    result.energy += energy[l];
+    result.squared_radius = std::max(result.squared_radius, farthest[l]);
+  }
+  return result;
+}
+
+/// Two vectors of points by six sites stay in registers. Multiplications and additions may fuse:
+/// callers allow for rounding.
+template <class Scalar>
+HWY_INLINE void dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,
+                     const Scalar* sites, Index site_count, Scalar* largest) {
+  const hn::ScalableTag<Scalar> wide;
+  const auto lanes = static_cast<Index>(hn::Lanes(wide));
+  for (Index s = 0; s < site_count; s += kDotSites) {
+    const Scalar* site = sites + static_cast<std::ptrdiff_t>(s) * dimension;
+    const auto lowest = hn::Set(wide, std::numeric_limits<Scalar>::lowest());
+    auto m0 = lowest, m1 = lowest, m2 = lowest, m3 = lowest, m4 = lowest, m5 = lowest;
+    for (Index k = 0; k < stride; k += 2 * lanes) {
+      const auto zero = hn::Zero(wide);
+      auto a0 = zero, a1 = zero, a2 = zero, a3 = zero, a4 = zero, a5 = zero;
+      auto b0 = zero, b1 = zero, b2 = zero, b3 = zero, b4 = zero, b5 = zero;
+      const Scalar* x = block + k;
+      for (int d = 0; d < dimension; ++d, x += stride) {
+        const auto xa = hn::LoadU(wide, x);
+        const auto xb = hn::LoadU(wide, x + lanes);
+        const auto add = [&](auto& a, auto& b, std::ptrdiff_t which) HWY_ATTR {
+          const auto y = hn::Set(wide, site[which * dimension + d]);
+          a = hn::MulAdd(xa, y, a);
+          b = hn::MulAdd(xb, y, b);
+        };
+        add(a0, b0, 0);
+        add(a1, b1, 1);
+        add(a2, b2, 2);
+        add(a3, b3, 3);
+        add(a4, b4, 4);
+        add(a5, b5, 5);
+      }
+      const auto oa = hn::LoadU(wide, offset + k);
+      const auto ob = hn::LoadU(wide, offset + k + lanes);
+      const auto keep = [&](auto& m, const auto& a, const auto& b) HWY_ATTR {
+        m = hn::Max(m, hn::Max(hn::Sub(a, oa), hn::Sub(b, ob)));
+      };
+      keep(m0, a0, b0);
+      keep(m1, a1, b1);
+      keep(m2, a2, b2);
+      keep(m3, a3, b3);
+      keep(m4, a4, b4);
+      keep(m5, a5, b5);
+    }
+    largest[s] = hn::GetLane(hn::MaxOfLanes(wide, m0));
+    largest[s + 1] = hn::GetLane(hn::MaxOfLanes(wide, m1));
+    largest[s + 2] = hn::GetLane(hn::MaxOfLanes(wide, m2));
+    largest[s + 3] = hn::GetLane(hn::MaxOfLanes(wide, m3));
+    largest[s + 4] = hn::GetLane(hn::MaxOfLanes(wide, m4));
+    largest[s + 5] = hn::GetLane(hn::MaxOfLanes(wide, m5));
+  }
+}
+
+#define CCVT_FOR_SCALAR(Scalar, Name)                                                           \
+  Extremes<Scalar> Name##_extremes(const Scalar* block, Index count, int dimension,             \
+                                   Cut<Scalar> cut) {                                           \
+    return any_extremes(block, count, dimension, cut);                                          \
+  }                                                                                             \
+  Extremes<Scalar> Name##_torus_extremes(const Scalar* block, Index count, int dimension,       \
+                                         TorusCut<Scalar> cut) {                                \
+    return any_extremes(block, count, dimension, cut);                                          \
+  }                                                                                             \
+  void Name##_keys(const Scalar* block, Index count, int dimension, Cut<Scalar> cut,            \
+                   Scalar* out) {                                                               \
+    any_keys(block, count, dimension, cut, out);                                                \
+  }                                                                                             \
+  void Name##_torus_keys(const Scalar* block, Index count, int dimension, TorusCut<Scalar> cut, \
+                         Scalar* out) {                                                         \
+    any_keys(block, count, dimension, cut, out);                                                \
+  }                                                                                             \
+  Index Name##_above(const Scalar* values, Index count, Scalar threshold, Index* places) {      \
+    return places_beyond<true>(values, count, threshold, places);                               \
+  }                                                                                             \
+  Index Name##_below(const Scalar* values, Index count, Scalar threshold, Index* places) {      \
+    return places_beyond<false>(values, count, threshold, places);                              \
+  }                                                                                             \
+  void Name##_dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,      \
+                   const Scalar* sites, Index site_count, Scalar* largest) {                    \
+    dots(block, stride, dimension, offset, sites, site_count, largest);                         \
+  }                                                                                             \
+  Index Name##_dot_points() {                                                                   \
+    return 2 * static_cast<Index>(hn::Lanes(hn::ScalableTag<Scalar>()));                        \
+  }                                                                                             \
+  double Name##_sum(const Scalar* stream, Index count, double origin) {                         \
+    return stream_sum(stream, count, origin);                                                   \
+  }                                                                                             \
+  Spread Name##_spread(const Scalar* block, Index count, int dimension, const double* centre) { \
+    return with_dimension(dimension, [=](auto d)                                                \
+                                         HWY_ATTR { return block_spread(block, count, d, centre); }); \
+  }
+
+CCVT_FOR_SCALAR(float, float32)
+CCVT_FOR_SCALAR(double, float64)
+#undef CCVT_FOR_SCALAR
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ccvt::kernels
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ccvt::kernels {
+
+#define CCVT_DISPATCH(Scalar, Name)                                                          \
+  HWY_EXPORT(Name##_extremes);                                                               \
+  HWY_EXPORT(Name##_torus_extremes);                                                         \
+  HWY_EXPORT(Name##_keys);                                                                   \
+  HWY_EXPORT(Name##_torus_keys);                                                             \
+  HWY_EXPORT(Name##_above);                                                                  \
+  HWY_EXPORT(Name##_below);                                                                  \
+  HWY_EXPORT(Name##_sum);                                                                    \
+  HWY_EXPORT(Name##_spread);                                                                 \
+  HWY_EXPORT(Name##_dots);                                                                   \
+  HWY_EXPORT(Name##_dot_points);                                                             \
+  template <>                                                                                \
+  void largest_dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,  \
+                    const Scalar* sites, Index site_count, Scalar* largest) {                \
+    HWY_DYNAMIC_DISPATCH(Name##_dots)                                                        \
+    (block, stride, dimension, offset, sites, site_count, largest);                          \
+  }                                                                                          \
+  template <>                                                                                \
+  Index dot_points<Scalar>() {                                                               \
+    return HWY_DYNAMIC_DISPATCH(Name##_dot_points)();                                        \
+  }                                                                                          \
+  template <>                                                                                \
+  Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension,             \
+                                Cut<Scalar> cut) {                                           \
+    return HWY_DYNAMIC_DISPATCH(Name##_extremes)(block, count, dimension, cut);              \
+  }                                                                                          \
+  template <>                                                                                \
+  Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension,             \
+                                TorusCut<Scalar> cut) {                                      \
+    return HWY_DYNAMIC_DISPATCH(Name##_torus_extremes)(block, count, dimension, cut);        \
+  }                                                                                          \
+  template <>                                                                                \
+  void keys(const Scalar* block, Index count, int dimension, Cut<Scalar> cut, Scalar* out) { \
+    HWY_DYNAMIC_DISPATCH(Name##_keys)(block, count, dimension, cut, out);                    \
+  }                                                                                          \
+  template <>                                                                                \
+  void keys(const Scalar* block, Index count, int dimension, TorusCut<Scalar> cut,           \
+            Scalar* out) {                                                                   \
+    HWY_DYNAMIC_DISPATCH(Name##_torus_keys)(block, count, dimension, cut, out);              \
+  }                                                                                          \
+  template <>                                                                                \
+  Index places_above(const Scalar* values, Index count, Scalar threshold, Index* places) {   \
+    return HWY_DYNAMIC_DISPATCH(Name##_above)(values, count, threshold, places);             \
+  }                                                                                          \
+  template <>                                                                                \
+  Index places_below(const Scalar* values, Index count, Scalar threshold, Index* places) {   \
+    return HWY_DYNAMIC_DISPATCH(Name##_below)(values, count, threshold, places);             \
+  }                                                                                          \
+  template <>                                                                                \
+  double sum_from(const Scalar* stream, Index count, double origin) {                        \
+    return HWY_DYNAMIC_DISPATCH(Name##_sum)(stream, count, origin);                          \
+  }                                                                                          \
+  template <>                                                                                \
+  Spread spread_around(const Scalar* block, Index count, int dimension,                      \
+                       const double* centre) {                                               \
+    return HWY_DYNAMIC_DISPATCH(Name##_spread)(block, count, dimension, centre);             \
+  }
+
+CCVT_DISPATCH(float, float32)
+CCVT_DISPATCH(double, float64)
+#undef CCVT_DISPATCH
+
+}  // namespace ccvt::kernels
+#endif

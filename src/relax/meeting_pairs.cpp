@@ -1,0 +1,149 @@
+#include "relax/meeting_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ccvt {
+namespace {
+
+/// Of the radius. A thicker skin lasts longer but adds pairs that do not meet.
+constexpr double kSkin = 0.2;
+/// Of the sites: so many may be entered anew before the list is made again.
+constexpr Index kMovedShare = 8;
+/// Of the sites: so many are not found through the tree when a sphere is entered anew.
+constexpr Index kFarShare = 32;
+/// Rounding in distances must not lose a pair.
+constexpr double kRounding = 1 + 1e-12;
+
+/// Pairs are searched from the site with the larger reach, so that one far-reaching site does not
+/// make every search wide.
+bool searches(const std::vector<double>& reach, Index site, Index other) {
+  const double own = reach[static_cast<std::size_t>(site)];
+  const double others = reach[static_cast<std::size_t>(other)];
+  return own != others ? own > others : site < other;
+}
+
+}  // namespace
+
+std::vector<Index> MeetingPairs::outgrown(const Metric& metric, const SiteState& sites) const {
+  std::vector<Index> left;
+  for (Index s = 0; s < sites.count(); ++s) {
+    const auto k = static_cast<std::size_t>(s);
+    const double room = reach_[k] - sites.radius[k];
+    const bool inside =
+        room >= 0 && metric.squared_distance(sites.at(s), at(s)) * kRounding <= room * room;
+    if (!inside) left.push_back(s);
+  }
+  return left;
+}
+
+void MeetingPairs::enter(const SiteState& sites, Index site) {
+  std::copy_n(sites.at(site), dimension_,
+              position_.begin() + static_cast<std::ptrdiff_t>(site) * dimension_);
+  reach_[static_cast<std::size_t>(site)] =
+      sites.radius[static_cast<std::size_t>(site)] * (1 + kSkin);
+}
+
+bool MeetingPairs::may_meet(const Metric& metric, Index a, Index b) const {
+  const double both = reach_[static_cast<std::size_t>(a)] + reach_[static_cast<std::size_t>(b)];
+  return metric.squared_distance(at(a), at(b)) <= both * both * kRounding;
+}
+
+MeetingPairs::Refreshed MeetingPairs::refresh(const Metric& metric, const SiteState& sites,
+                                              const Arena& arena, std::size_t limit) {
+  if (tree_) {
+    const std::vector<Index> left = outgrown(metric, sites);
+    if (left.empty()) return Refreshed::unchanged;
+    const auto moved = static_cast<Index>(moved_.size() + left.size());
+    if (moved <= sites.count() / kMovedShare) {
+      extend(metric, sites, left);
+      return Refreshed::extended;
+    }
+  }
+  return build(metric, sites, arena, limit) ? Refreshed::rebuilt : Refreshed::too_many;
+}
+
+bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Arena& arena,
+                         std::size_t limit) {
+  const auto count = static_cast<std::size_t>(sites.count());
+  dimension_ = sites.dimension;
+  position_.resize(sites.position.size());
+  reach_.resize(count);
+  for (Index s = 0; s < sites.count(); ++s) enter(sites, s);
+  pairs_.clear();
+  added_.clear();
+  moved_.clear();
+  tree_.emplace(metric, sites.position);
+
+  std::vector<double> sorted = reach_;
+  const auto rank = static_cast<std::ptrdiff_t>(count - 1 - count / kFarShare);
+  std::nth_element(sorted.begin(), sorted.begin() + rank, sorted.end());
+  usual_reach_ = sorted[static_cast<std::size_t>(rank)];
+  far_.clear();
+  for (Index s = 0; s < sites.count(); ++s) {
+    if (reach_[static_cast<std::size_t>(s)] > usual_reach_) far_.push_back(s);
+  }
+
+  constexpr std::size_t kChunk = 256;
+  const std::size_t chunks = (count + kChunk - 1) / kChunk;
+  std::vector<std::vector<Pair>> found(chunks);
+  // In groups of chunks, so that a list beyond its limit is noticed early.
+  constexpr std::size_t kGroup = 16;
+  std::size_t total = 0;
+  for (std::size_t group = 0; group < chunks; group += kGroup) {
+    const std::size_t group_end = std::min(group + kGroup, chunks);
+    arena.for_each(group_end - group, 1, [&](std::size_t c) {
+      std::vector<Index> near;
+      const std::size_t begin = (group + c) * kChunk;
+      for (std::size_t s = begin; s < std::min(begin + kChunk, count); ++s) {
+        const auto site = static_cast<Index>(s);
+        near.clear();
+        tree_->within(at(site), 2 * reach_[s], near);
+        for (const Index other : near) {
+          if (other != site && searches(reach_, site, other) && may_meet(metric, site, other)) {
+            found[group + c].emplace_back(std::min(site, other), std::max(site, other));
+          }
+        }
+      }
+    });
+    for (std::size_t c = group; c < group_end; ++c) total += found[c].size();
+    if (total > limit) {
+      tree_.reset();
+      return false;
+    }
+  }
+  pairs_.reserve(total);
+  for (const auto& part : found) pairs_.insert(pairs_.end(), part.begin(), part.end());
+  std::sort(pairs_.begin(), pairs_.end());
+  return true;
+}
+
+/// Enters the spheres that have left theirs, and adds the pairs that may now meet.
+void MeetingPairs::extend(const Metric& metric, const SiteState& sites,
+                          const std::vector<Index>& left) {
+  for (const Index site : left) {
+    enter(sites, site);
+    moved_.push_back(site);
+  }
+  std::sort(moved_.begin(), moved_.end());
+  moved_.erase(std::unique(moved_.begin(), moved_.end()), moved_.end());
+
+  std::vector<Index> near;
+  std::vector<Pair> fresh;
+  for (const Index site : left) {
+    near.clear();
+    tree_->within(at(site), reach_[static_cast<std::size_t>(site)] + usual_reach_, near);
+    near.insert(near.end(), far_.begin(), far_.end());
+    near.insert(near.end(), moved_.begin(), moved_.end());
+    for (const Index other : near) {
+      if (other == site || !may_meet(metric, site, other)) continue;
+      const Pair pair(std::min(site, other), std::max(site, other));
+      if (!std::binary_search(pairs_.begin(), pairs_.end(), pair)) fresh.push_back(pair);
+    }
+  }
+  added_.insert(added_.end(), fresh.begin(), fresh.end());
+  std::sort(added_.begin(), added_.end());
+  added_.erase(std::unique(added_.begin(), added_.end()), added_.end());
+}
+
+}  // namespace ccvt

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "parallel/arena.h"
+#include "relax/metric.h"
+#include "relax/site_state.h"
+#include "schedule/schedule.h"
+#include "spatial/site_tree.h"
+
+namespace ccvt {
+
+/// The pairs of sites whose bounding spheres meet [5.1], found with a k-d tree of the sites.
+///
+/// Every sphere is grown by a skin when it is entered. A pair that is not listed cannot meet for as
+/// long as each sphere stays inside its grown one, so the list serves many passes. The few spheres
+/// that do leave theirs are entered anew, at where they are.
+class MeetingPairs {
+ public:
+  enum class Refreshed { unchanged, extended, rebuilt, too_many };
+
+  /// Makes the list hold every pair whose spheres meet now. O(n) when it still does, O(n log n +
+  /// pairs) when it has to be made again. Gives up with `too_many` when that takes more than `limit`
+  /// pairs; the list is then empty.
+  Refreshed refresh(const Metric& metric, const SiteState& sites, const Arena& arena,
+                    std::size_t limit);
+
+  /// Pairs listed when the list was made, and those added since; first site < second site, sorted.
+  [[nodiscard]] std::span<const Pair> pairs() const { return pairs_; }
+  [[nodiscard]] std::span<const Pair> added() const { return added_; }
+
+ private:
+  [[nodiscard]] std::vector<Index> outgrown(const Metric& metric, const SiteState& sites) const;
+  void enter(const SiteState& sites, Index site);
+  [[nodiscard]] bool may_meet(const Metric& metric, Index a, Index b) const;
+  bool build(const Metric& metric, const SiteState& sites, const Arena& arena, std::size_t limit);
+  void extend(const Metric& metric, const SiteState& sites, const std::vector<Index>& left);
+  [[nodiscard]] const double* at(Index site) const {
+    return position_.data() + static_cast<std::ptrdiff_t>(site) * dimension_;
+  }
+
+  int dimension_ = 0;
+  std::vector<Pair> pairs_;
+  std::vector<Pair> added_;
+  std::vector<double> position_;  ///< of each sphere when it was entered
+  std::vector<double> reach_;     ///< its radius and skin
+  std::optional<SiteTree> tree_;  ///< of the sites when the list was made
+  std::vector<Index> moved_;      ///< entered since: the tree has them where they were
+  std::vector<Index> far_;        ///< spheres that reach farther than usual_reach_
+  double usual_reach_ = 0;
+};
+
+}  // namespace ccvt

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "ccvt/domain.h"
+
+namespace ccvt {
+
+/// Squared distances in the domain. Euclidean when `extent` is empty, else on the torus.
+class Metric {
+ public:
+  Metric(int dimension, const Domain& domain) : dimension_(dimension) {
+    if (!domain.is_periodic()) return;
+    const Box& box = domain.box();
+    lower_.assign(box.lower.begin(), box.lower.end());
+    const Eigen::VectorXd extent = box.extent();
+    extent_.assign(extent.begin(), extent.end());
+    largest_extent_ = extent.maxCoeff();
+  }
+
+  [[nodiscard]] int dimension() const { return dimension_; }
+  [[nodiscard]] bool periodic() const { return !extent_.empty(); }
+  [[nodiscard]] const double* extent() const { return extent_.data(); }
+  [[nodiscard]] const double* lower() const { return lower_.data(); }
+  /// 0 when Euclidean.
+  [[nodiscard]] double largest_extent() const { return largest_extent_; }
+
+  /// The shortest of the differences that `difference`, of two positions in the box, stands for.
+  [[nodiscard]] double wrap(double difference, int d) const {
+    if (!periodic()) return difference;
+    const double extent = extent_[static_cast<std::size_t>(d)];
+    if (difference > extent / 2) return difference - extent;
+    return difference < -extent / 2 ? difference + extent : difference;
+  }
+
+  /// Moves a coordinate into [lower, upper).
+  [[nodiscard]] double into_box(double x, int d) const {
+    if (!periodic()) return x;
+    const auto k = static_cast<std::size_t>(d);
+    const double y = x - extent_[k] * std::floor((x - lower_[k]) / extent_[k]);
+    return y < lower_[k] + extent_[k] && y >= lower_[k] ? y : lower_[k];
+  }
+
+  template <class A, class B>
+  [[nodiscard]] double squared_distance(const A* a, const B* b) const {
+    double sum = 0;
+    for (int d = 0; d < dimension_; ++d) {
+      const double difference = wrap(static_cast<double>(a[d]) - static_cast<double>(b[d]), d);
+      sum += difference * difference;
+    }
+    return sum;
+  }
+
+ private:
+  int dimension_ = 0;
+  std::vector<double> lower_;
+  std::vector<double> extent_;
+  double largest_extent_ = 0;
+};
+
+}  // namespace ccvt

@@ -1,0 +1,234 @@
+#include "relax/relaxer.h"
+
+#include <algorithm>
+
+#include "relax/screen.h"
+#include "relax/update.h"
+
+namespace ccvt {
+namespace {
+
+/// Tasks handed to a worker at once: about as many pairs as make its start negligible.
+constexpr std::size_t kPairsPerGrain = 64;
+/// Sites updated at once by a worker.
+constexpr std::size_t kSitesPerGrain = 64;
+
+/// A list of meeting pairs longer than this is not worth having.
+std::size_t list_limit(Index sites) {
+  const auto n = static_cast<std::size_t>(sites);
+  return std::min(n * (n - 1) / 4, 256 * n);
+}
+
+}  // namespace
+
+template <class Scalar>
+Relaxer<Scalar>::Relaxer(const Metric& metric, const Options& options, const Arena& arena,
+                         Cells<Scalar>& cells, SiteState& sites, double coordinate_bound)
+    : metric_(metric), options_(options), arena_(arena), cells_(cells), sites_(sites) {
+  for (int w = 0; w < arena.threads(); ++w) {
+    workers_.push_back({PairSwapper<Scalar>(metric, options, coordinate_bound), {}, {}});
+  }
+  changed_.assign(sites.radius.size(), 0);
+  touched_.assign(sites.radius.size(), 1);
+}
+
+template <class Scalar>
+void Relaxer<Scalar>::update_all() {
+  arena_.for_each(sites_.radius.size(), kSitesPerGrain, [&](std::size_t s) {
+    update_site(metric_, cells_, sites_, static_cast<Index>(s));
+  });
+}
+
+template <class Scalar>
+bool Relaxer<Scalar>::cancelled() {
+  stopped_ = stopped_ || (options_.cancelled && options_.cancelled());
+  return stopped_;
+}
+
+template <class Scalar>
+void Relaxer<Scalar>::examine(Worker& worker, Index i, Index j, bool full) {
+  const auto a = static_cast<std::size_t>(i);
+  const auto b = static_cast<std::size_t>(j);
+  if (options_.pairs == PairSelection::meeting) {
+    if (full && (touched_[a] | touched_[b]) == 0) return;
+    if (!PairSwapper<Scalar>::spheres_meet(metric_, sites_, i, j)) return;
+  }
+  ++worker.count.pairs;
+  const Index exchanged = worker.swap(cells_, sites_, i, j);
+  if (exchanged == 0) return;
+  changed_[a] = changed_[b] = 1;
+  ++worker.count.swaps;
+  worker.count.exchanged += 2 * static_cast<std::int64_t>(exchanged);
+  if (options_.cached_passes > 0) worker.swapped.emplace_back(i, j);
+}
+
+/// Runs a schedule. In a full pass, pairs of two sites that have not changed are left out, and so
+/// are whole tasks between tiles without a changed site.
+template <class Scalar>
+void Relaxer<Scalar>::run(const Schedule& schedule, bool full) {
+  const auto touches = [&](const Pair& pair) {
+    return (touched_tile_[static_cast<std::size_t>(pair.first / options_.tile_sites)] |
+            touched_tile_[static_cast<std::size_t>(pair.second / options_.tile_sites)]) != 0;
+  };
+  for (std::size_t b = 0; b < schedule.batch_count() && !cancelled(); ++b) {
+    const auto tasks = schedule.batch(b);
+    const auto pairs = static_cast<std::size_t>(tasks.back().end - tasks.front().begin);
+    const std::size_t grain = std::max<std::size_t>(1, kPairsPerGrain * tasks.size() / pairs);
+    arena_.for_ranges(tasks.size(), grain, [&](std::size_t begin, std::size_t end, int w) {
+      Worker& worker = workers_[static_cast<std::size_t>(w)];
+      for (std::size_t t = begin; t < end; ++t) {
+        if (full && !touches(schedule.pairs[static_cast<std::size_t>(tasks[t].begin)])) continue;
+        for (std::int64_t p = tasks[t].begin; p < tasks[t].end; ++p) {
+          const Pair& pair = schedule.pairs[static_cast<std::size_t>(p)];
+          examine(worker, pair.first, pair.second, full);
+        }
+      }
+    });
+  }
+}
+
+/// Every pair, in the rounds of a tournament between tiles; pairs inside tiles come first.
+template <class Scalar>
+void Relaxer<Scalar>::all_pairs_pass() {
+  const Index n = sites_.count();
+  const Index tile = options_.tile_sites;
+  const Index tiles = (n + tile - 1) / tile;
+  const auto last = [&](Index t) { return std::min(n, (t + 1) * tile); };
+  const auto grain = std::max<std::size_t>(
+      1, kPairsPerGrain / (static_cast<std::size_t>(tile) * static_cast<std::size_t>(tile)));
+  if (tile > 1) {
+    arena_.for_ranges(static_cast<std::size_t>(tiles), 1,
+                      [&](std::size_t begin, std::size_t end, int w) {
+      for (auto t = static_cast<Index>(begin); t < static_cast<Index>(end); ++t) {
+        for (Index i = t * tile; i < last(t); ++i) {
+          for (Index j = i + 1; j < last(t); ++j) {
+            examine(workers_[static_cast<std::size_t>(w)], i, j, true);
+          }
+        }
+      }
+    });
+  }
+  std::vector<Pair> round;
+  for (Index r = 0; r < tiles && !cancelled(); ++r) {
+    round.clear();
+    round_robin(tiles, r, [&](Index a, Index b) { round.emplace_back(a, b); });
+    arena_.for_ranges(round.size(), grain, [&](std::size_t begin, std::size_t end, int w) {
+      for (std::size_t k = begin; k < end; ++k) {
+        const auto [a, b] = round[k];
+        for (Index i = a * tile; i < last(a); ++i) {
+          for (Index j = b * tile; j < last(b); ++j) {
+            examine(workers_[static_cast<std::size_t>(w)], i, j, true);
+          }
+        }
+      }
+    });
+  }
+}
+
+template <class Scalar>
+void Relaxer<Scalar>::screened_pass() {
+  const auto pairs = gaining_pairs(metric_, cells_, sites_, touched_, arena_);
+  if (!pairs.empty()) run(schedule_pairs(pairs, sites_.count(), 1), false);
+}
+
+/// Brings the list of pairs and its schedules up to date.
+template <class Scalar>
+void Relaxer<Scalar>::list_pairs() {
+  const auto schedule = [&](std::span<const Pair> pairs) {
+    return schedule_pairs(pairs, sites_.count(), options_.tile_sites);
+  };
+  switch (meeting_.refresh(metric_, sites_, arena_, list_limit(sites_.count()))) {
+    case MeetingPairs::Refreshed::unchanged:
+      break;
+    case MeetingPairs::Refreshed::extended:
+      added_schedule_ = schedule(meeting_.added());
+      break;
+    case MeetingPairs::Refreshed::rebuilt:
+      schedule_ = schedule(meeting_.pairs());
+      added_schedule_ = {};
+      break;
+    case MeetingPairs::Refreshed::too_many:
+      dense_ = true;
+      break;
+  }
+}
+
+template <class Scalar>
+void Relaxer<Scalar>::full_pass() {
+  if (options_.pairs == PairSelection::all) return all_pairs_pass();
+  if (!dense_) list_pairs();
+  if (!dense_) {
+    touched_tile_.assign(static_cast<std::size_t>(sites_.count() / options_.tile_sites + 1), 0);
+    for (std::size_t s = 0; s < touched_.size(); ++s) {
+      touched_tile_[s / static_cast<std::size_t>(options_.tile_sites)] |= touched_[s];
+    }
+    run(schedule_, true);
+    run(added_schedule_, true);
+    return;
+  }
+  if (screening_pays(metric_)) return screened_pass();
+  all_pairs_pass();
+}
+
+template <class Scalar>
+void Relaxer<Scalar>::cached_pass() {
+  const Schedule cached = schedule_pairs(cache_, sites_.count(), options_.tile_sites);
+  run(cached, false);
+}
+
+/// Moves the sites whose cells have changed, and notes them for the next full pass.
+template <class Scalar>
+void Relaxer<Scalar>::update_changed(bool full) {
+  arena_.for_each(changed_.size(), kSitesPerGrain, [&](std::size_t s) {
+    if (changed_[s] != 0) update_site(metric_, cells_, sites_, static_cast<Index>(s));
+  });
+  for (std::size_t s = 0; s < changed_.size(); ++s) {
+    touched_[s] = full ? changed_[s] : touched_[s] | changed_[s];
+  }
+}
+
+template <class Scalar>
+PassCount Relaxer<Scalar>::step() {
+  const bool full = cache_.empty() || cached_passes_ >= options_.cached_passes;
+  for (Worker& worker : workers_) {
+    worker.count = {};
+    worker.swapped.clear();
+  }
+  std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
+  if (full) {
+    full_pass();
+    cached_passes_ = 0;
+  } else {
+    cached_pass();
+    ++cached_passes_;
+  }
+  PassCount pass;
+  pass.full = full;
+  pass.stopped = stopped_;
+  cache_.clear();
+  for (const Worker& worker : workers_) {
+    pass.pairs += worker.count.pairs;
+    pass.swaps += worker.count.swaps;
+    pass.exchanged += worker.count.exchanged;
+    cache_.insert(cache_.end(), worker.swapped.begin(), worker.swapped.end());
+  }
+  // Which worker met a pair is chance; the schedule must not depend on it.
+  std::sort(cache_.begin(), cache_.end());
+  pass.active_sites =
+      static_cast<Index>(std::count(changed_.begin(), changed_.end(), std::uint8_t{1}));
+  update_changed(full && !stopped_);
+  stable_ = full && !stopped_ && pass.swaps == 0;
+  return pass;
+}
+
+template <class Scalar>
+std::vector<Pair> Relaxer<Scalar>::listed() const {
+  std::vector<Pair> all(meeting_.pairs().begin(), meeting_.pairs().end());
+  all.insert(all.end(), meeting_.added().begin(), meeting_.added().end());
+  return all;
+}
+
+template class Relaxer<float>;
+template class Relaxer<double>;
+
+}  // namespace ccvt

@@ -1,0 +1,260 @@
+#include "relax/swap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "relax/kernels.h"
+
+namespace ccvt {
+namespace {
+
+constexpr double kHalfUlp = 0x1p-53;
+
+}  // namespace
+
+template <class Scalar>
+PairSwapper<Scalar>::PairSwapper(const Metric& metric, const Options& options,
+                                 double coordinate_bound)
+    : metric_(metric),
+      method_(options.swap),
+      pruning_(options.point_pruning),
+      median_cut_(options.median_cut_pruning),
+      coordinate_bound_(coordinate_bound) {
+  const auto size = static_cast<std::size_t>(metric.dimension());
+  for (auto* vector : {&normal_, &middle_i_, &middle_j_}) vector->resize(size);
+  for (auto* vector : {&scalar_normal_, &scalar_middle_i_, &scalar_middle_j_}) vector->resize(size);
+  if (metric.periodic()) {
+    for (std::size_t d = 0; d < size; ++d) {
+      extent_.push_back(static_cast<Scalar>(metric.extent()[d]));
+      inverse_extent_.push_back(static_cast<Scalar>(1 / metric.extent()[d]));
+    }
+  }
+}
+
+template <class Scalar>
+bool PairSwapper<Scalar>::spheres_meet(const Metric& metric, const SiteState& sites, Index i,
+                                       Index j) {
+  const double reach =
+      sites.radius[static_cast<std::size_t>(i)] + sites.radius[static_cast<std::size_t>(j)];
+  return metric.squared_distance(sites.at(i), sites.at(j)) <= reach * reach;
+}
+
+/// Sets up the cut between two sites, with bounds on the rounding of keys. A straight cut needs
+/// both cells in one frame: no point of either cell may be nearer to another image of a site.
+template <class Scalar>
+void PairSwapper<Scalar>::place_cut(const SiteState& sites, Index i, Index j) {
+  site_i_ = sites.at(i);
+  site_j_ = sites.at(j);
+  const auto a = static_cast<std::size_t>(i);
+  const auto b = static_cast<std::size_t>(j);
+  const double radius = std::max(sites.radius[a], sites.radius[b]);
+  one_frame_ = !metric_.periodic() || (sites.compact[a] != 0 && sites.compact[b] != 0);
+  shifted_ = false;
+  double squared_length = 0;
+  for (std::size_t d = 0; d < normal_.size(); ++d) {
+    const double raw = site_j_[d] - site_i_[d];
+    const double u = metric_.wrap(raw, static_cast<int>(d));
+    normal_[d] = u;
+    squared_length += u * u;
+    middle_i_[d] = site_i_[d] + u / 2;
+    middle_j_[d] = u == raw ? middle_i_[d] : site_j_[d] - u / 2;
+    shifted_ = shifted_ || u != raw;
+    if (metric_.periodic() && std::abs(u) + radius > metric_.extent()[d] / 2) one_frame_ = false;
+  }
+  length_ = std::sqrt(squared_length);
+  const auto terms = static_cast<double>(normal_.size() + 4);
+  double size = 0;
+  if (one_frame_) {
+    size = length_ * (length_ + radius + (shifted_ ? metric_.largest_extent() : 0));
+  } else {
+    reach_ = length_ + radius;
+    size = reach_ * (reach_ + metric_.largest_extent());
+  }
+  rounding_ = 4 * terms * kHalfUlp * size;
+  tolerance_ = 2 * terms * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * size +
+               terms * static_cast<double>(std::numeric_limits<Scalar>::min());
+  for (std::size_t d = 0; d < normal_.size(); ++d) {
+    if (one_frame_) {
+      scalar_normal_[d] = static_cast<Scalar>(normal_[d]);
+      scalar_middle_i_[d] = static_cast<Scalar>(middle_i_[d]);
+      scalar_middle_j_[d] = static_cast<Scalar>(middle_j_[d]);
+    } else {
+      scalar_middle_i_[d] = static_cast<Scalar>(site_i_[d]);
+      scalar_middle_j_[d] = static_cast<Scalar>(site_j_[d]);
+    }
+  }
+}
+
+template <class Scalar>
+double PairSwapper<Scalar>::exact_key(const Scalar* block, Index count, Index place,
+                                      const std::vector<double>& middle) const {
+  double key = 0;
+  const Scalar* x = block + place;
+  for (std::size_t d = 0; d < normal_.size(); ++d, x += count) {
+    if (one_frame_) {
+      key += (static_cast<double>(*x) - middle[d]) * normal_[d];
+    } else {
+      const double to_i = metric_.wrap(static_cast<double>(*x) - site_i_[d], static_cast<int>(d));
+      const double to_j = metric_.wrap(static_cast<double>(*x) - site_j_[d], static_cast<int>(d));
+      key += (to_i * to_i - to_j * to_j) / 2;
+    }
+  }
+  return key;
+}
+
+template <class Scalar>
+void PairSwapper<Scalar>::compute_keys(const Scalar* block, Index count,
+                                       const std::vector<Scalar>& middle,
+                                       std::vector<Scalar>& keys) const {
+  keys.resize(static_cast<std::size_t>(count));
+  if (one_frame_) {
+    kernels::keys(block, count, metric_.dimension(),
+                  kernels::Cut<Scalar>{middle.data(), scalar_normal_.data()}, keys.data());
+  } else {
+    kernels::keys(block, count, metric_.dimension(),
+                  kernels::TorusCut<Scalar>{scalar_middle_i_.data(), scalar_middle_j_.data(),
+                                            extent_.data(), inverse_extent_.data()},
+                  keys.data());
+  }
+}
+
+/// Median-cut pruning [5.2]: no key of cell i is above any key of cell j.
+template <class Scalar>
+bool PairSwapper<Scalar>::already_separated(const Cells<Scalar>& cells, Index i, Index j) {
+  const auto extremes = [&](Index cell, const std::vector<Scalar>& middle) {
+    const Scalar* block = cells.block(cell);
+    const Index count = cells.size(cell);
+    if (one_frame_) {
+      return kernels::key_extremes(block, count, metric_.dimension(),
+                                   kernels::Cut<Scalar>{middle.data(), scalar_normal_.data()});
+    }
+    return kernels::key_extremes(
+        block, count, metric_.dimension(),
+        kernels::TorusCut<Scalar>{scalar_middle_i_.data(), scalar_middle_j_.data(), extent_.data(),
+                                  inverse_extent_.data()});
+  };
+  highest_i_ = static_cast<double>(extremes(i, scalar_middle_i_).highest) + tolerance_;
+  lowest_j_ = static_cast<double>(extremes(j, scalar_middle_j_).lowest) - tolerance_;
+  return highest_i_ <= lowest_j_;
+}
+
+/// Point distance pruning [5.2, eq. 8 and 9]: the points of `cell` that are near enough to the
+/// other site to gain by an exchange.
+template <class Scalar>
+void PairSwapper<Scalar>::within_reach(const Cells<Scalar>& cells, const SiteState& sites,
+                                       Index cell, Index other, std::vector<Index>& places) const {
+  const double own = sites.radius[static_cast<std::size_t>(cell)];
+  const double others = sites.radius[static_cast<std::size_t>(other)];
+  const double nearest = std::max(0.0, length_ - others);
+  const double slack = 1 + 8 * static_cast<double>(normal_.size() + 4) * kHalfUlp;
+  const double limit = (own * own + others * others) * slack - nearest * nearest;
+  places.clear();
+  std::vector<Scalar> x(normal_.size());
+  for (Index k = 0; k < cells.size(cell); ++k) {
+    cells.get(cell, k, x.data());
+    if (metric_.squared_distance(x.data(), sites.at(other)) <= limit) places.push_back(k);
+  }
+}
+
+template <class Scalar>
+void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const SiteState& sites,
+                                          Index i, Index j) {
+  const auto everything = [&](Index cell, std::vector<Index>& places) {
+    places.resize(static_cast<std::size_t>(cells.size(cell)));
+    std::iota(places.begin(), places.end(), 0);
+  };
+  switch (pruning_) {
+    case PointPruning::none:
+      everything(i, places_i_);
+      everything(j, places_j_);
+      break;
+    case PointPruning::distance:
+      within_reach(cells, sites, i, j, places_i_);
+      within_reach(cells, sites, j, i, places_j_);
+      break;
+    case PointPruning::extremes: {
+      const auto beyond = [&](Index cell, const std::vector<Scalar>& middle,
+                              std::vector<Index>& places, auto select) {
+        const Index count = cells.size(cell);
+        compute_keys(cells.block(cell), count, middle, keys_);
+        places.resize(static_cast<std::size_t>(count));
+        places.resize(static_cast<std::size_t>(select(keys_.data(), count, places.data())));
+      };
+      // Thresholds are rounded outwards, away from the points that can move.
+      const auto infinity = std::numeric_limits<Scalar>::infinity();
+      const auto floor =
+          std::nextafter(static_cast<Scalar>(lowest_j_ - tolerance_), -infinity);
+      const auto ceiling = std::nextafter(static_cast<Scalar>(highest_i_ + tolerance_), infinity);
+      beyond(i, scalar_middle_i_, places_i_, [&](const Scalar* k, Index n, Index* p) {
+        return kernels::places_above(k, n, floor, p);
+      });
+      beyond(j, scalar_middle_j_, places_j_, [&](const Scalar* k, Index n, Index* p) {
+        return kernels::places_below(k, n, ceiling, p);
+      });
+      break;
+    }
+  }
+  const auto keep = [&](Index cell, const std::vector<double>& middle,
+                        const std::vector<Index>& places, std::vector<Candidate>& candidates) {
+    candidates.clear();
+    const Scalar* block = cells.block(cell);
+    for (const Index place : places) {
+      candidates.push_back({exact_key(block, cells.size(cell), place, middle), place});
+    }
+  };
+  keep(i, middle_i_, places_i_, moves_.from_i);
+  keep(j, middle_j_, places_j_, moves_.from_j);
+}
+
+template <class Scalar>
+void PairSwapper<Scalar>::exchange(Cells<Scalar>& cells, SiteState& sites, Index i, Index j) {
+  std::vector<Scalar>& x = keys_;
+  x.resize(normal_.size());
+  // The sets decide the result, not the order in which a selection left them.
+  const auto by_place = [](const Candidate& a, const Candidate& b) { return a.place < b.place; };
+  std::sort(moves_.from_i.begin(), moves_.from_i.end(), by_place);
+  std::sort(moves_.from_j.begin(), moves_.from_j.end(), by_place);
+  const auto grow = [&](Index cell, Index place) {
+    cells.get(cell, place, x.data());
+    double& radius = sites.radius[static_cast<std::size_t>(cell)];
+    const double squared = metric_.squared_distance(x.data(), sites.at(cell));
+    if (squared > radius * radius) radius = std::sqrt(squared) * (1 + 8 * kHalfUlp);
+  };
+  for (std::size_t k = 0; k < moves_.from_i.size(); ++k) {
+    cells.exchange(i, moves_.from_i[k].place, j, moves_.from_j[k].place);
+    grow(i, moves_.from_i[k].place);
+    grow(j, moves_.from_j[k].place);
+  }
+  if (!one_frame_ || shifted_) {
+    sites.compact[static_cast<std::size_t>(i)] = 0;
+    sites.compact[static_cast<std::size_t>(j)] = 0;
+  }
+}
+
+template <class Scalar>
+Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, SiteState& sites, Index i, Index j) {
+  place_cut(sites, i, j);
+  if ((median_cut_ || pruning_ == PointPruning::extremes) && already_separated(cells, i, j)) {
+    return 0;
+  }
+  find_candidates(cells, sites, i, j);
+  if (moves_.from_i.empty() || moves_.from_j.empty()) return 0;
+
+  const auto centroid_error = [&](Index cell) {
+    const double size = cells.size(cell);
+    const double error = (size / 8 + 16) * kHalfUlp * coordinate_bound_;
+    return size * error * error * metric_.dimension();
+  };
+  const double margin = 2 * rounding_ + (centroid_error(i) + centroid_error(j)) / 2;
+  select_exchange(method_, margin, moves_);
+  if (moves_.from_i.empty()) return 0;
+  exchange(cells, sites, i, j);
+  return static_cast<Index>(moves_.from_i.size());
+}
+
+template class PairSwapper<float>;
+template class PairSwapper<double>;
+
+}  // namespace ccvt

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "ccvt/options.h"
+#include "relax/cells.h"
+#include "relax/metric.h"
+#include "relax/site_state.h"
+
+namespace ccvt {
+
+/// A point that may change its owner, and how much it would like to: its energy at site i less its
+/// energy at site j, halved [eq. 6].
+struct Candidate {
+  double key;
+  Index place;
+};
+
+/// What to exchange: the k-th place of `from_i` with the k-th place of `from_j`.
+struct Exchange {
+  std::vector<Candidate> from_i;
+  std::vector<Candidate> from_j;
+};
+
+/// Reduces the candidates to those that move: the k points of cell i with the highest keys and the
+/// k points of cell j with the lowest, for the greatest k at which each exchange still gains more
+/// than `margin`. Expected linear time for SwapMethod::median.
+void select_exchange(SwapMethod method, double margin, Exchange& candidates);
+
+/// Makes pairs of cells optimal [Programs 1 and 3]. One per worker: it owns scratch memory.
+///
+/// Termination. Let F be the energy of an assignment with every site at the exact centroid of its
+/// cell (on a torus: of its points' images nearest to it). An exchange is made only when its gain,
+/// computed in double, exceeds `margin`, which bounds (a) the rounding of the two keys and (b) the
+/// sum over both cells of size * e^2, where e bounds the distance between a site and the exact
+/// centroid that it was rounded from. By (a) every exchange lowers the energy for the sites of the
+/// pass. By (b) a pass that made an exchange lowers it by more than sum size * e^2 over all changed
+/// cells, which is what rounding can have put between that energy and F: so F falls from each pass
+/// that exchanges points to the next, no assignment ever returns, and there are finitely many.
+/// Ties and duplicate points gain nothing and never move.
+template <class Scalar>
+class PairSwapper {
+ public:
+  PairSwapper(const Metric& metric, const Options& options, double coordinate_bound);
+
+  /// Makes the pair (i, j) optimal; returns how many points of each cell changed owner. Radii
+  /// remain upper bounds. Touches nothing but the two cells and the state of the two sites.
+  Index operator()(Cells<Scalar>& cells, SiteState& sites, Index i, Index j);
+
+  /// Whether the bounding spheres of two sites meet [5.1, eq. 7].
+  [[nodiscard]] static bool spheres_meet(const Metric& metric, const SiteState& sites, Index i,
+                                         Index j);
+
+ private:
+
+  void place_cut(const SiteState& sites, Index i, Index j);
+  [[nodiscard]] double exact_key(const Scalar* block, Index count, Index place,
+                                 const std::vector<double>& middle) const;
+  void find_candidates(const Cells<Scalar>& cells, const SiteState& sites, Index i, Index j);
+  bool already_separated(const Cells<Scalar>& cells, Index i, Index j);
+  void within_reach(const Cells<Scalar>& cells, const SiteState& sites, Index cell, Index other,
+                    std::vector<Index>& places) const;
+  void exchange(Cells<Scalar>& cells, SiteState& sites, Index i, Index j);
+  void compute_keys(const Scalar* block, Index count, const std::vector<Scalar>& middle,
+                    std::vector<Scalar>& keys) const;
+
+  const Metric& metric_;
+  SwapMethod method_;
+  PointPruning pruning_;
+  bool median_cut_;
+  double coordinate_bound_;
+
+  // The cut between the current pair: a line where both cells fit in one frame, else wrapped.
+  bool one_frame_ = true;
+  bool shifted_ = false;
+  double reach_ = 0;
+  double length_ = 0;
+  double tolerance_ = 0;  ///< bounds the error of keys in Scalar
+  double rounding_ = 0;   ///< bounds the error of keys in double
+  std::vector<double> normal_;
+  std::vector<double> middle_i_;
+  std::vector<double> middle_j_;
+  const double* site_i_ = nullptr;
+  const double* site_j_ = nullptr;
+  std::vector<Scalar> scalar_normal_;
+  std::vector<Scalar> scalar_middle_i_;
+  std::vector<Scalar> scalar_middle_j_;
+  std::vector<Scalar> extent_;
+  std::vector<Scalar> inverse_extent_;
+
+  double highest_i_ = 0;
+  double lowest_j_ = 0;
+  std::vector<Scalar> keys_;
+  std::vector<Index> places_i_;
+  std::vector<Index> places_j_;
+  Exchange moves_;
+};
+
+extern template class PairSwapper<float>;
+extern template class PairSwapper<double>;
+
+}  // namespace ccvt

@@ -1,0 +1,110 @@
+#include "relax/update.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "relax/kernels.h"
+
+namespace ccvt {
+namespace {
+
+/// Rounding must not leave a point outside its cell's bounding sphere.
+double upper_radius(double squared, int dimension) {
+  return std::sqrt(squared) * (1 + (dimension + 8) * 0x1p-52);
+}
+
+/// Whether no point of the cell is nearer to another image of `site`.
+template <class Scalar>
+bool is_compact(const Metric& metric, const Cells<Scalar>& cells, const double* position,
+                Index site) {
+  const Index count = cells.size(site);
+  const Scalar* stream = cells.block(site);
+  for (int d = 0; d < metric.dimension(); ++d, stream += count) {
+    const auto [low, high] = std::minmax_element(stream, stream + count);
+    const double half = metric.extent()[d] / 2;
+    if (static_cast<double>(*high) - position[d] > half ||
+        position[d] - static_cast<double>(*low) > half) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// One move of a site to the centroid of its points' nearest images. Returns whether that made
+/// other images nearest. `spread` is measured around the new position.
+template <class Scalar>
+bool move_wrapped(const Metric& metric, const Cells<Scalar>& cells, double* position, Index site,
+                  kernels::Spread& spread) {
+  const Index count = cells.size(site);
+  std::vector<double> squared(static_cast<std::size_t>(count), 0.0);
+  bool changed = false;
+  const Scalar* stream = cells.block(site);
+  for (int d = 0; d < metric.dimension(); ++d, stream += count) {
+    const double old = position[d];
+    double sum = 0;
+    for (Index k = 0; k < count; ++k) sum += metric.wrap(static_cast<double>(stream[k]) - old, d);
+    const double shift = sum / count;
+    position[d] = metric.into_box(old + shift, d);
+    for (Index k = 0; k < count; ++k) {
+      const double x = static_cast<double>(stream[k]);
+      const double before = metric.wrap(x - old, d);
+      const double after = metric.wrap(x - position[d], d);
+      changed = changed || std::abs(before - shift - after) > metric.extent()[d] / 2;
+      squared[static_cast<std::size_t>(k)] += after * after;
+    }
+  }
+  spread = {0, 0};
+  for (const double s : squared) {
+    spread.energy += s;
+    spread.squared_radius = std::max(spread.squared_radius, s);
+  }
+  return changed;
+}
+
+}  // namespace
+
+template <class Scalar>
+void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& sites, Index site) {
+  const int dimension = metric.dimension();
+  const Index count = cells.size(site);
+  const auto s = static_cast<std::size_t>(site);
+  double* position = sites.at(site);
+  kernels::Spread spread{0, 0};
+  const bool plain = !metric.periodic() || is_compact(metric, cells, position, site);
+  if (plain) {
+    const Scalar* stream = cells.block(site);
+    for (int d = 0; d < dimension; ++d, stream += count) {
+      position[d] += kernels::sum_from(stream, count, position[d]) / count;
+    }
+  }
+  if (plain && (!metric.periodic() || is_compact(metric, cells, position, site))) {
+    sites.compact[s] = 1;
+    spread = kernels::spread_around(cells.block(site), count, dimension, position);
+  } else {
+    double energy = std::numeric_limits<double>::infinity();
+    while (move_wrapped(metric, cells, position, site, spread) && spread.energy < energy) {
+      energy = spread.energy;
+    }
+    sites.compact[s] = is_compact(metric, cells, position, site) ? 1 : 0;
+  }
+  sites.energy[s] = spread.energy;
+  sites.radius[s] = upper_radius(spread.squared_radius, dimension);
+}
+
+double total_energy(const SiteState& sites) {
+  const auto sum = [&](auto& self, std::size_t begin, std::size_t end) -> double {
+    if (end - begin <= 64) {
+      double part = 0;
+      for (std::size_t s = begin; s < end; ++s) part += sites.energy[s];
+      return part;
+    }
+    const std::size_t middle = begin + (end - begin) / 2;
+    return self(self, begin, middle) + self(self, middle, end);
+  };
+  return sum(sum, 0, sites.energy.size());
+}
+
+template void update_site(const Metric&, const Cells<float>&, SiteState&, Index);
+template void update_site(const Metric&, const Cells<double>&, SiteState&, Index);
+
+}  // namespace ccvt

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "relax/cells.h"
+#include "relax/metric.h"
+#include "relax/site_state.h"
+
+namespace ccvt {
+
+/// Moves a site to the centroid of its cell, and renews its radius and energy [eq. 2].
+///
+/// On a torus the centroid is that of the images of the points nearest to the site. Where moving
+/// the site makes other images nearest, it moves again, until none changes; each move lowers the
+/// energy.
+template <class Scalar>
+void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& sites, Index site);
+
+/// The sum of the sites' energies, in a fixed order and with an error that does not grow with n.
+double total_energy(const SiteState& sites);
+
+extern template void update_site(const Metric&, const Cells<float>&, SiteState&, Index);
+extern template void update_site(const Metric&, const Cells<double>&, SiteState&, Index);
+
+}  // namespace ccvt

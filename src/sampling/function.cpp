@@ -1,0 +1,201 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <numeric>
+#include <vector>
+
+#include "ccvt/density.h"
+#include "random.h"
+#include "sampling/hilbert.h"
+#include "sampling/mass.h"
+#include "sampling/scalar_box.h"
+#include "sampling/streams.h"
+#include "sampling/text.h"
+
+namespace ccvt {
+namespace {
+
+constexpr std::int64_t most_tries = 10'000'000;
+constexpr std::int64_t least_cells = 65'536;
+
+// The function, checked, at points rounded to Scalar: those that are given out.
+template <class Scalar>
+class CheckedDensity {
+ public:
+  CheckedDensity(const DensityFunction& density, double maximum, const Box& box)
+      : density_(density),
+        maximum_(maximum),
+        bounds_(box),
+        point_(static_cast<std::size_t>(box.dimension())) {
+    if (!density) throw InvalidInput("density: is empty, but must be callable");
+    if (!(maximum > 0 && std::isfinite(maximum))) {
+      throw InvalidInput(concat("maximum: is ", maximum, ", but must be positive and finite"));
+    }
+  }
+
+  /// The density at a uniform draw from a cell.
+  double draw(Random& random, const Eigen::VectorXd& corner, const Eigen::VectorXd& size) {
+    for (std::size_t d = 0; d < point_.size(); ++d) {
+      const auto e = static_cast<Eigen::Index>(d);
+      point_[d] = static_cast<double>(bounds_.round(d, corner[e] + random.uniform() * size[e]));
+    }
+    const double value = density_(point_);
+    if (value >= 0 && value <= maximum_) return value;
+    throw InvalidInput(concat("density: is ", value, " at ", std::span<const double>(point_),
+                              ", but must be from 0 up to maximum, ", maximum_));
+  }
+
+  /// Draws from a cell until one is accepted, and stores it.
+  Scalar* accept(Random& random, const Eigen::VectorXd& corner, const Eigen::VectorXd& size,
+                 Scalar* out) {
+    for (std::int64_t tries = 0; tries < most_tries; ++tries) {
+      const double value = draw(random, corner, size);
+      const double threshold = random.uniform() * maximum_;
+      if (threshold < value) {
+        return std::transform(point_.begin(), point_.end(), out,
+                              [](double x) { return static_cast<Scalar>(x); });
+      }
+    }
+    throw InvalidInput(concat(
+        "density: ", most_tries, " candidates in a row were refused, the last ",
+        std::span<const double>(point_), ": it is zero or very small against maximum, ", maximum_));
+  }
+
+ private:
+  const DensityFunction& density_;
+  double maximum_;
+  ScalarBox<Scalar> bounds_;
+  std::vector<double> point_;
+};
+
+// At least `cells` nearly cubic cells that fill a box.
+class Grid {
+ public:
+  Grid(const Box& box, std::int64_t cells) : lower_(box.lower), size_(box.extent()) {
+    const auto dimensions = static_cast<std::size_t>(box.dimension());
+    shape_.assign(dimensions, 1);
+    std::vector<std::size_t> order(dimensions);  // by extent, ascending
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto extent = [&](std::size_t d) { return size_[static_cast<Eigen::Index>(d)]; };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return extent(a) < extent(b); });
+    double log_volume = size_.array().log().sum();
+    auto left = static_cast<double>(cells);
+    for (std::size_t i = 0; i < dimensions; ++i) {
+      const double log_side = std::log(extent(order[i]));
+      const double ideal = std::exp(log_side + (std::log(std::max(left, 1.0)) - log_volume) /
+                                                   static_cast<double>(dimensions - i));
+      log_volume -= log_side;
+      // Up for the last one; elsewhere to the nearest, with room for the C library's last bits.
+      const double parts =
+          i + 1 == dimensions ? std::ceil(left - 1e-9) : std::floor(ideal + 0.5 + 1e-9);
+      shape_[order[i]] = std::max<std::int64_t>(static_cast<std::int64_t>(parts), 1);
+      left /= static_cast<double>(shape_[order[i]]);
+    }
+    for (std::size_t d = 0; d < dimensions; ++d) {
+      size_[static_cast<Eigen::Index>(d)] /= static_cast<double>(shape_[d]);
+    }
+  }
+
+  [[nodiscard]] std::span<const std::int64_t> shape() const { return shape_; }
+  [[nodiscard]] const Eigen::VectorXd& size() const { return size_; }
+  [[nodiscard]] std::int64_t cells() const {
+    return std::accumulate(shape_.begin(), shape_.end(), std::int64_t{1}, std::multiplies<>());
+  }
+  void corner(std::int64_t cell, Eigen::VectorXd& corner) const {
+    for (std::size_t d = 0; d < shape_.size(); ++d) {
+      const auto e = static_cast<Eigen::Index>(d);
+      corner[e] = lower_[e] + static_cast<double>(cell % shape_[d]) * size_[e];
+      cell /= shape_[d];
+    }
+  }
+
+ private:
+  Eigen::VectorXd lower_;
+  Eigen::VectorXd size_;
+  std::vector<std::int64_t> shape_;
+};
+
+// The density at one uniform draw from each cell of a grid: an unbiased estimate of its mean there.
+struct Table {
+  std::vector<double> values;
+  double total = 0;
+
+  template <class Scalar>
+  Table(CheckedDensity<Scalar>& density, const Grid& grid, std::uint64_t seed)
+      : values(static_cast<std::size_t>(grid.cells())) {
+    Random random(seed, streams::function_tabulate);
+    Eigen::VectorXd corner(grid.size().size());
+    GroupedSum sum;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      grid.corner(static_cast<std::int64_t>(i), corner);
+      values[i] = density.draw(random, corner, grid.size());
+      sum.add(values[i]);
+    }
+    total = sum.value();
+  }
+};
+
+template <class Scalar>
+void stratified(CheckedDensity<Scalar>& density, double maximum, const Box& box, Index count,
+                std::uint64_t seed, Scalar* out) {
+  Grid grid(box, std::max(std::int64_t{4} * count, least_cells));
+  Table table(density, grid, seed);
+  // More cells where the density is concentrated, so that few get several points.
+  const double mean = table.total / static_cast<double>(grid.cells());
+  const double wanted = static_cast<double>(count) * std::min(16.0, maximum / mean);
+  if (wanted > 1.5 * static_cast<double>(grid.cells()) || table.total == 0) {
+    grid = Grid(box, std::max(std::int64_t{16} * count, 16 * least_cells));
+    table = Table(density, grid, seed);
+  }
+  if (table.total == 0) {
+    throw InvalidInput(concat("density: is 0 at all of ", grid.cells(), " candidates"));
+  }
+  if (!std::isfinite(table.total)) throw InvalidInput("density: the sum over candidates overflows");
+
+  HilbertCurve curve(grid.shape());
+  const auto along_curve = [&](const auto& f) {
+    curve.visit([&](std::int64_t cell) { f(cell, table.values[static_cast<std::size_t>(cell)]); });
+  };
+  Random random(seed, streams::density_place);
+  Eigen::VectorXd corner(grid.size().size());
+  deal(table.total, count, along_curve, StratifiedDraws(Random(seed, streams::density_mass), count),
+       [&](std::int64_t cell, Index hits) {
+         grid.corner(cell, corner);
+         for (Index k = 0; k < hits; ++k) out = density.accept(random, corner, grid.size(), out);
+       });
+}
+
+template <class Scalar>
+void fill(const DensityFunction& f, double maximum, const Box& box, std::uint64_t seed,
+          DensitySampling sampling, std::span<Scalar> coordinates) {
+  CheckedDensity<Scalar> density(f, maximum, box);
+  const auto count =
+      static_cast<Index>(coordinates.size() / static_cast<std::size_t>(box.dimension()));
+  Scalar* out = coordinates.data();
+  if (sampling == DensitySampling::stratified) {
+    stratified(density, maximum, box, count, seed, out);
+    return;
+  }
+  Random random(seed, streams::density_place);
+  const Eigen::VectorXd extent = box.extent();
+  for (Index k = 0; k < count; ++k) out = density.accept(random, box.lower, extent, out);
+}
+
+}  // namespace
+
+namespace detail {
+
+void fill_function(const DensityFunction& density, double maximum, const Box& box,
+                   std::uint64_t seed, DensitySampling sampling, std::span<float> coordinates) {
+  fill(density, maximum, box, seed, sampling, coordinates);
+}
+
+void fill_function(const DensityFunction& density, double maximum, const Box& box,
+                   std::uint64_t seed, DensitySampling sampling, std::span<double> coordinates) {
+  fill(density, maximum, box, seed, sampling, coordinates);
+}
+
+}  // namespace detail
+}  // namespace ccvt

@@ -1,0 +1,205 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "ccvt/sampling.h"
+#include "random.h"
+#include "sampling/scalar_box.h"
+#include "sampling/strata.h"
+#include "sampling/streams.h"
+#include "sampling/text.h"
+
+namespace ccvt {
+namespace {
+
+// Points that share a random stream. Chunks may be filled in any order.
+constexpr Index chunk_points = 4096;
+
+template <class Scalar>
+struct Fill {
+  const Box& box;
+  ScalarBox<Scalar> bounds;
+  std::size_t dimension;
+  Index count;
+  Scalar* coordinates;
+
+  Fill(const Box& b, std::span<Scalar> out)
+      : box(b),
+        bounds(b),
+        dimension(static_cast<std::size_t>(b.dimension())),
+        count(static_cast<Index>(out.size() / dimension)),
+        coordinates(out.data()) {}
+
+  [[nodiscard]] Scalar* point(Index p) const {
+    return coordinates + static_cast<std::size_t>(p) * dimension;
+  }
+
+  void white(Random& random, Index first, Index last) const {
+    const Eigen::VectorXd extent = box.extent();
+    const double* lower = box.lower.data();
+    for (Index p = first; p < last; ++p) {
+      Scalar* out = point(p);
+      for (std::size_t d = 0; d < dimension; ++d) {
+        out[d] = bounds.round(d, lower[d] + random.uniform() * extent.data()[d]);
+      }
+    }
+  }
+
+  void jittered(Random& random, const Strata& strata, Index first, Index last) const {
+    strata.visit(box.lower, first, last,
+                 [&](Index p, std::span<const double> corner, std::span<const double> size) {
+                   Scalar* out = point(p);
+                   for (std::size_t d = 0; d < dimension; ++d) {
+                     out[d] = bounds.round(d, corner[d] + random.uniform() * size[d]);
+                   }
+                 });
+  }
+
+  // The places a fraction `at` along the diagonals of the cells, for the points begin, begin +
+  // stride, ...
+  void diagonal(const Strata& strata, Index cells, double at, Index begin, Index stride) const {
+    strata.visit(box.lower, 0, cells,
+                 [&](Index cell, std::span<const double> corner, std::span<const double> size) {
+                   Scalar* out = point(begin + cell * stride);
+                   for (std::size_t d = 0; d < dimension; ++d) {
+                     out[d] = bounds.round(d, corner[d] + at * size[d]);
+                   }
+                 });
+  }
+
+  void body_centred() const {
+    const Index cells = count / 2 + count % 2;
+    const Strata strata(box.extent(), cells);
+    diagonal(strata, count / 2, 0.25, 0, 2);
+    diagonal(strata, count / 2, 0.75, 1, 2);
+    if (count % 2 == 1) {
+      strata.visit(box.lower, cells - 1, cells,
+                   [&](Index, std::span<const double> corner, std::span<const double> size) {
+                     for (std::size_t d = 0; d < dimension; ++d) {
+                       point(count - 1)[d] = bounds.round(d, corner[d] + 0.5 * size[d]);
+                     }
+                   });
+    }
+  }
+
+  // Rows along the first dimension, as thick as their numbers of points, which differ by at most 1.
+  void hexagonal() const {
+    const Eigen::VectorXd extent = box.extent();
+    const auto m = static_cast<double>(count);
+    // A hexagonal lattice of spacing a has rows sqrt(3)/2 a apart and area sqrt(3)/2 a^2 a point.
+    const double ideal = std::sqrt(m * (extent[1] / extent[0]) / std::sqrt(0.75));
+    // An even number, so that rows alternate across the seam of a torus too.
+    const double even = ideal < 3 ? std::floor(ideal + 0.5) : 2 * std::floor(ideal / 2 + 0.5);
+    const auto rows = static_cast<std::int64_t>(std::clamp(even, 1.0, m));
+    for (std::int64_t row = 0; row < rows; ++row) {
+      const std::int64_t begin = row * count / rows;
+      const std::int64_t end = (row + 1) * count / rows;
+      const double y = box.lower[1] + extent[1] * (0.5 * static_cast<double>(begin + end) / m);
+      const double shift = rows == 1 ? 0.5 : 0.25 + 0.5 * static_cast<double>(row % 2);
+      const double spacing = extent[0] / static_cast<double>(end - begin);
+      for (std::int64_t k = begin; k < end; ++k) {
+        Scalar* out = point(static_cast<Index>(k));
+        out[0] = bounds.round(0, box.lower[0] + (static_cast<double>(k - begin) + shift) * spacing);
+        out[1] = bounds.round(1, y);
+      }
+    }
+  }
+
+  void run(std::uint64_t seed, Distribution distribution) const {
+    if (distribution == Distribution::hexagonal && dimension > 1) {
+      dimension == 2 ? hexagonal() : body_centred();
+      return;
+    }
+    const Strata strata(box.extent(), count);
+    if (distribution == Distribution::square || distribution == Distribution::hexagonal) {
+      diagonal(strata, count, 0.5, 0, 1);
+      return;
+    }
+    for (std::int64_t first = 0; first < count; first += chunk_points) {
+      const auto begin = static_cast<Index>(first);
+      const auto end = static_cast<Index>(std::min<std::int64_t>(first + chunk_points, count));
+      Random random(seed, streams::uniform + static_cast<std::uint64_t>(first / chunk_points));
+      if (distribution == Distribution::white) {
+        white(random, begin, end);
+      } else {
+        jittered(random, strata, begin, end);
+      }
+    }
+  }
+};
+
+// Lower and upper corner in one dimension.
+template <class Scalar>
+void check_side(double lower, double upper, Eigen::Index d, const char* scalar) {
+  constexpr auto greatest = static_cast<double>(std::numeric_limits<Scalar>::max());
+  if (!(std::abs(lower) <= greatest)) {
+    throw InvalidInput(concat("box: lower[", d, "] is ", lower,
+                              ", but must be finite and within the range of ", scalar));
+  }
+  if (!(std::abs(upper) <= greatest)) {
+    throw InvalidInput(concat("box: upper[", d, "] is ", upper,
+                              ", but must be finite and within the range of ", scalar));
+  }
+  if (!(lower < upper)) {
+    throw InvalidInput(concat("box: lower[", d, "] is ", lower, " and upper[", d, "] is ", upper,
+                              ", but lower must be less than upper"));
+  }
+  if (!std::isfinite(upper - lower)) {
+    throw InvalidInput(concat("box: lower[", d, "] is ", lower, " and upper[", d, "] is ", upper,
+                              ", but the extent must be finite"));
+  }
+}
+
+template <class Scalar>
+void check_box(const Box& box, const char* scalar) {
+  for (Eigen::Index d = 0; d < box.lower.size(); ++d) {
+    check_side<Scalar>(box.lower[d], box.upper[d], d, scalar);
+  }
+  const ScalarBox<Scalar> bounds(box);
+  for (Eigen::Index d = 0; d < box.lower.size(); ++d) {
+    if (bounds.empty(static_cast<std::size_t>(d))) {
+      throw InvalidInput(concat("box: lower[", d, "] is ", box.lower[d], " and upper[", d, "] is ",
+                                box.upper[d], ", but there is no number of type ", scalar,
+                                " from one up to the other"));
+    }
+  }
+}
+
+}  // namespace
+
+namespace detail {
+
+void check_sampling(const Box& box, Index count, int fixed_dimension, std::size_t scalar_bytes) {
+  if (count < 1) throw InvalidInput(concat("count: is ", count, ", but must be at least 1"));
+  const Eigen::Index dimension = box.lower.size();
+  if (dimension != box.upper.size()) {
+    throw InvalidInput(concat("box: lower has ", dimension, " dimensions and upper has ",
+                              box.upper.size(), ", but both must have the same number"));
+  }
+  if (dimension < 1) throw InvalidInput("box: has 0 dimensions, but must have at least 1");
+  if (fixed_dimension != Eigen::Dynamic && dimension != fixed_dimension) {
+    throw InvalidInput(concat("box: has ", dimension, " dimensions, but points of ",
+                              fixed_dimension, " are asked for"));
+  }
+  const auto addressable =
+      static_cast<Eigen::Index>(static_cast<std::size_t>(PTRDIFF_MAX) / scalar_bytes);
+  if (dimension > addressable / count) {
+    throw InvalidInput(
+        concat("count: ", count, " points of ", dimension, " dimensions exceed the address space"));
+  }
+  scalar_bytes == sizeof(float) ? check_box<float>(box, "float") : check_box<double>(box, "double");
+}
+
+void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution,
+                  std::span<float> coordinates) {
+  Fill<float>(box, coordinates).run(seed, distribution);
+}
+
+void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution,
+                  std::span<double> coordinates) {
+  Fill<double>(box, coordinates).run(seed, distribution);
+}
+
+}  // namespace detail
+}  // namespace ccvt

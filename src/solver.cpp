@@ -1,0 +1,363 @@
+#include "ccvt/solver.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "parallel/arena.h"
+#include "random.h"
+#include "relax/initialize.h"
+#include "relax/levels.h"
+#include "relax/relaxer.h"
+#include "relax/site_order.h"
+#include "relax/update.h"
+
+namespace ccvt {
+namespace {
+
+constexpr std::uint64_t kSiteStream = 1;
+constexpr int kBalancedDimensions = 8;
+
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+  ~Stopwatch() {
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+const char* name_of(Initialization initialization) {
+  switch (initialization) {
+    case Initialization::balanced:
+      return "balanced";
+    case Initialization::coherent:
+      return "coherent";
+    case Initialization::random:
+      return "random";
+  }
+  return "unknown";
+}
+
+/// `count` distinct numbers below `total`, ascending: Floyd's algorithm [Bentley, Floyd 1987] with
+/// a bitmap for a set.
+std::vector<Index> distinct_indices(Index count, Index total, std::uint64_t seed) {
+  Random random(seed, kSiteStream);
+  std::vector<bool> drawn(static_cast<std::size_t>(total), false);
+  for (Index last = total - count; last < total; ++last) {
+    const auto k = static_cast<std::size_t>(random.below(static_cast<std::uint64_t>(last) + 1));
+    drawn[drawn[k] ? static_cast<std::size_t>(last) : k] = true;
+  }
+  std::vector<Index> indices;
+  indices.reserve(static_cast<std::size_t>(count));
+  for (Index p = 0; p < total; ++p) {
+    if (drawn[static_cast<std::size_t>(p)]) indices.push_back(p);
+  }
+  return indices;
+}
+
+}  // namespace
+
+template <class Scalar>
+struct Solver<Scalar>::Implementation {
+  Implementation(Problem<Scalar> given_problem, Options given_options);
+
+  void place_sites();
+  void enter_level(std::size_t next);
+  void make_relaxer();
+  void take_owners();
+  void record(const PassCount& pass);
+  void finish(Termination termination);
+  bool step();
+
+  Problem<Scalar> problem;
+  Options options;
+  Summary summary;
+  Arena arena;
+  Metric metric;
+  Box box;
+  double coordinate_bound = 0;
+
+  /// The solver numbers sites by where they are: site_of[k] is the caller's number of site k.
+  std::vector<Index> site_of;
+  std::vector<Level> levels;
+  std::size_t level = 0;
+  Cells<Scalar> cells;
+  SiteState sites;
+  std::unique_ptr<Relaxer<Scalar>> relaxer;
+};
+
+template <class Scalar>
+Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Options given_options)
+    : problem(std::move(given_problem)),
+      options((given_options.validate(), std::move(given_options))),
+      arena(options.threads),
+      metric(problem.dimension(), problem.domain()) {
+  const Stopwatch total(summary.seconds_total);
+  const Stopwatch initialization(summary.seconds_initialization);
+  box = problem.bounding_box();
+  coordinate_bound = std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
+  if (options.automatic_initialization) {
+    options.initialization = problem.dimension() <= kBalancedDimensions
+                                 ? Initialization::balanced
+                                 : Initialization::coherent;
+  }
+  const bool warm = !problem.initial_owners().empty();
+  if (warm) options.multilevel = false;
+
+  summary.dimension = problem.dimension();
+  summary.points = problem.point_count();
+  summary.sites = problem.site_count();
+  summary.seed = options.seed;
+  summary.threads_given = options.threads;
+  summary.threads_used = arena.threads();
+  summary.initialization_used = warm ? "owners" : name_of(options.initialization);
+
+  sites = SiteState(problem.dimension(), problem.site_count());
+  place_sites();
+  std::vector<Index> capacities(problem.capacities().size());
+  for (std::size_t k = 0; k < capacities.size(); ++k) {
+    capacities[k] = problem.capacities()[static_cast<std::size_t>(site_of[k])];
+  }
+  levels = make_levels(capacities, problem.point_count(), options);
+  summary.levels = static_cast<int>(levels.size());
+  if (warm) {
+    take_owners();
+  } else {
+    enter_level(0);
+  }
+}
+
+/// Initial sites, in spatial order.
+template <class Scalar>
+void Solver<Scalar>::Implementation::place_sites() {
+  const int dimension = problem.dimension();
+  const Index count = problem.site_count();
+  const auto put = [&](Index site, const Scalar* x) {
+    for (int d = 0; d < dimension; ++d) {
+      sites.at(site)[d] = metric.into_box(static_cast<double>(x[d]), d);
+    }
+  };
+  if (problem.initial_sites().size() > 0) {
+    for (Index s = 0; s < count; ++s) put(s, problem.initial_sites().col(s).data());
+  } else if (!problem.initial_owners().empty()) {
+    // Any point of the cell: the centroid update takes the site from there.
+    const auto& owners = problem.initial_owners();
+    for (Index p = problem.point_count(); p-- > 0;) {
+      put(owners[static_cast<std::size_t>(p)], problem.points()[p]);
+    }
+  } else {
+    Index site = 0;
+    for (const Index p : distinct_indices(count, problem.point_count(), options.seed)) {
+      put(site++, problem.points()[p]);
+    }
+  }
+  site_of = spatial_order(sites.position, dimension, options.tile_sites);
+  SiteState sorted(dimension, count);
+  for (Index k = 0; k < count; ++k) {
+    std::copy_n(sites.at(site_of[static_cast<std::size_t>(k)]), dimension, sorted.at(k));
+  }
+  sites = std::move(sorted);
+}
+
+template <class Scalar>
+void Solver<Scalar>::Implementation::take_owners() {
+  std::vector<Index> rank(site_of.size());
+  for (std::size_t k = 0; k < site_of.size(); ++k) {
+    rank[static_cast<std::size_t>(site_of[k])] = static_cast<Index>(k);
+  }
+  cells = Cells<Scalar>(problem.dimension(), levels[0].capacities);
+  Filling<Scalar> filling(cells, problem.points());
+  for (Index p = 0; p < problem.point_count(); ++p) {
+    const Index owner = problem.initial_owners()[static_cast<std::size_t>(p)];
+    filling.add(rank[static_cast<std::size_t>(owner)], p);
+  }
+  make_relaxer();
+}
+
+/// Lets the points of the next level join the cells, by the chosen initialization.
+template <class Scalar>
+void Solver<Scalar>::Implementation::enter_level(std::size_t next) {
+  level = next;
+  const Level& joining = levels[level];
+  Cells<Scalar> larger(problem.dimension(), joining.capacities);
+  Filling<Scalar> filling(larger, problem.points());
+  for (Index s = 0; level > 0 && s < cells.site_count(); ++s) {
+    for (Index k = 0; k < cells.size(s); ++k) filling.add(s, cells.points(s)[k]);
+  }
+  cells = {};
+  const auto near = relaxer ? relaxer->listed() : std::vector<Pair>{};
+  switch (options.initialization) {
+    case Initialization::balanced:
+      join_balanced(metric, sites, box, joining.joining, near, arena, filling);
+      break;
+    case Initialization::coherent:
+      join_coherent(metric, sites, joining.joining, options.seed, filling);
+      break;
+    case Initialization::random:
+      join_random(joining.joining, options.seed, filling);
+      break;
+  }
+  levels[level].joining = {};
+  cells = std::move(larger);
+  make_relaxer();
+}
+
+template <class Scalar>
+void Solver<Scalar>::Implementation::make_relaxer() {
+  relaxer = std::make_unique<Relaxer<Scalar>>(metric, options, arena, cells, sites,
+                                              coordinate_bound);
+  relaxer->update_all();
+  summary.energy = total_energy(sites);
+  if (level + 1 == levels.size()) summary.initial_energy = summary.energy;
+}
+
+template <class Scalar>
+void Solver<Scalar>::Implementation::record(const PassCount& pass) {
+  IterationRecord record;
+  record.iteration = ++summary.iterations;
+  record.level = static_cast<int>(level);
+  record.levels = summary.levels;
+  record.points = cells.point_count();
+  record.full = pass.full;
+  record.pairs = pass.pairs;
+  record.swaps = pass.swaps;
+  record.exchanged = pass.exchanged;
+  record.active_sites = pass.active_sites;
+  record.energy = total_energy(sites);
+  record.seconds = summary.seconds_total;
+  summary.pairs += pass.pairs;
+  summary.swaps += pass.swaps;
+  summary.exchanged += pass.exchanged;
+  summary.energy = record.energy;
+  summary.iterations_log.push_back(record);
+}
+
+template <class Scalar>
+void Solver<Scalar>::Implementation::finish(Termination termination) {
+  while (level + 1 < levels.size()) {
+    const Stopwatch total(summary.seconds_total);
+    const Stopwatch initialization(summary.seconds_initialization);
+    enter_level(level + 1);
+  }
+  summary.termination = termination;
+  const double n = problem.site_count();
+  const double volume = box.volume();
+  if (volume > 0) {
+    const double exponent = 2.0 / problem.dimension();
+    summary.normalized_energy =
+        summary.energy * std::pow(n / volume, exponent) / problem.point_count();
+  }
+  double capacity_error_sum = 0;
+  const double mean = problem.point_count() / n;
+  for (const Index c : problem.capacities()) {
+    capacity_error_sum += std::pow(c / mean - 1, 2);
+  }
+  summary.capacity_error = capacity_error_sum / n;
+}
+
+template <class Scalar>
+bool Solver<Scalar>::Implementation::step() {
+  if (summary.termination != Termination::running) return false;
+  if (summary.iterations >= options.max_iterations) {
+    finish(Termination::iteration_limit);
+    return false;
+  }
+  const double energy_before = summary.energy;
+  PassCount pass;
+  {
+    const Stopwatch total(summary.seconds_total);
+    const Stopwatch relaxation(summary.seconds_relaxation);
+    pass = relaxer->step();
+  }
+  record(pass);
+  const bool finest = level + 1 == levels.size();
+  if (pass.stopped ||
+      (options.on_iteration && !options.on_iteration(summary.iterations_log.back()))) {
+    finish(Termination::cancelled);
+  } else if (relaxer->stable()) {
+    if (finest) {
+      finish(Termination::stable);
+    } else {
+      const Stopwatch total(summary.seconds_total);
+      const Stopwatch initialization(summary.seconds_initialization);
+      enter_level(level + 1);
+    }
+  } else if (finest &&
+             energy_before - summary.energy < options.energy_tolerance * energy_before) {
+    finish(Termination::energy_tolerance);
+  }
+  return summary.termination == Termination::running;
+}
+
+template <class Scalar>
+Solver<Scalar>::Solver(Problem<Scalar> problem, Options options)
+    : implementation_(
+          std::make_unique<Implementation>(std::move(problem), std::move(options))) {}
+
+template <class Scalar>
+Solver<Scalar>::Solver(Solver&&) noexcept = default;
+template <class Scalar>
+Solver<Scalar>& Solver<Scalar>::operator=(Solver&&) noexcept = default;
+template <class Scalar>
+Solver<Scalar>::~Solver() = default;
+
+template <class Scalar>
+bool Solver<Scalar>::step() {
+  return implementation_->step();
+}
+
+template <class Scalar>
+void Solver<Scalar>::run() {
+  while (implementation_->step()) {
+  }
+}
+
+template <class Scalar>
+void Solver<Scalar>::cancel() {
+  if (implementation_->summary.termination == Termination::running) {
+    implementation_->finish(Termination::cancelled);
+  }
+}
+
+template <class Scalar>
+Points<Scalar> Solver<Scalar>::sites() const {
+  const Implementation& i = *implementation_;
+  Points<Scalar> sites(i.problem.dimension(), i.problem.site_count());
+  for (Index k = 0; k < i.problem.site_count(); ++k) {
+    const double* position = i.sites.at(k);
+    for (int d = 0; d < i.problem.dimension(); ++d) {
+      sites(d, i.site_of[static_cast<std::size_t>(k)]) = static_cast<Scalar>(position[d]);
+    }
+  }
+  return sites;
+}
+
+template <class Scalar>
+std::vector<Index> Solver<Scalar>::owners() const {
+  const Implementation& i = *implementation_;
+  std::vector<Index> owners(static_cast<std::size_t>(i.problem.point_count()), -1);
+  for (Index k = 0; k < i.cells.site_count(); ++k) {
+    const Index* points = i.cells.points(k);
+    for (Index p = 0; p < i.cells.size(k); ++p) {
+      owners[static_cast<std::size_t>(points[p])] = i.site_of[static_cast<std::size_t>(k)];
+    }
+  }
+  return owners;
+}
+
+template <class Scalar>
+const Summary& Solver<Scalar>::summary() const {
+  return implementation_->summary;
+}
+
+template class Solver<float>;
+template class Solver<double>;
+
+}  // namespace ccvt

@@ -1,0 +1,241 @@
+#include "spatial/site_tree.h"
+
+// FLANN's headers need this order.
+// clang-format off
+#include <flann/algorithms/dist.h>
+#include <flann/algorithms/kdtree_single_index.h>
+// clang-format on
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace ccvt {
+namespace {
+
+using FlannIndex = flann::KDTreeSingleIndex<flann::L2_Simple<double>>;
+
+/// Calls visit(image) for each image of `query`, itself first, that may lie within `reach()` of a
+/// point of the box. The distance from an image to the box is the sum of squares of its offsets.
+template <class Reach, class Visit>
+void for_each_image(const Metric& metric, const double* query, Reach reach, Visit visit) {
+  const int dimension = metric.dimension();
+  std::vector<double> image(query, query + dimension);
+  const auto recurse = [&](auto& self, int d, double squared) -> void {
+    if (d == dimension) {
+      visit(image.data());
+      return;
+    }
+    self(self, d + 1, squared);
+    const auto k = static_cast<std::size_t>(d);
+    const double below = query[d] - metric.lower()[d];
+    const double above = metric.extent()[d] - below;
+    // An image one extent up lies `below` beyond the upper face, and the other way round.
+    for (const auto& [gap, shift] : {std::pair{below, metric.extent()[d]},
+                                     std::pair{above, -metric.extent()[d]}}) {
+      const double outside = std::max(0.0, gap);
+      if (squared + outside * outside > reach()) continue;
+      image[k] = query[d] + shift;
+      self(self, d + 1, squared + outside * outside);
+      image[k] = query[d];
+    }
+  };
+  recurse(recurse, 0, 0.0);
+}
+
+}  // namespace
+
+struct SiteTree::Tree {
+  Tree(std::vector<double>& positions, std::size_t count, int dimension)
+      : index(flann::Matrix<double>(positions.data(), count, static_cast<std::size_t>(dimension)),
+              flann::KDTreeSingleIndexParams(10, true)) {
+    index.buildIndex();
+  }
+
+  template <class ResultSet>
+  void find(ResultSet& result, const double* query) const {
+    index.findNeighbors(result, query, flann::SearchParams(flann::FLANN_CHECKS_UNLIMITED));
+  }
+
+  FlannIndex index;
+};
+
+SiteTree::SiteTree(const Metric& metric, std::span<const double> positions)
+    : metric_(metric),
+      dimension_(metric.dimension()),
+      positions_(positions.begin(), positions.end()) {
+  const std::size_t count = positions.size() / static_cast<std::size_t>(dimension_);
+  site_.resize(count);
+  std::iota(site_.begin(), site_.end(), 0);
+  slot_ = site_;
+  present_.assign(count, 1);
+  available_ = static_cast<Index>(count);
+  scan_ = dimension_ > (metric.periodic() ? kTorusTreeDimensions : kTreeDimensions);
+  build();
+}
+
+SiteTree::~SiteTree() = default;
+SiteTree::SiteTree(SiteTree&&) noexcept = default;
+
+/// Keeps the sites that are present, and builds the tree of them.
+void SiteTree::build() {
+  const auto width = static_cast<std::size_t>(dimension_);
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < site_.size(); ++k) {
+    const Index site = site_[k];
+    if (present_[static_cast<std::size_t>(site)] == 0) continue;
+    std::copy_n(positions_.begin() + static_cast<std::ptrdiff_t>(k * width), width,
+                positions_.begin() + static_cast<std::ptrdiff_t>(kept * width));
+    slot_[static_cast<std::size_t>(site)] = static_cast<Index>(kept);
+    site_[kept++] = site;
+  }
+  site_.resize(kept);
+  tree_.reset();
+  if (!scan_ && kept > 0) tree_ = std::make_unique<Tree>(positions_, kept, dimension_);
+}
+
+void SiteTree::remove(Index site) {
+  present_[static_cast<std::size_t>(site)] = 0;
+  --available_;
+  if (available_ == 0) {
+    tree_.reset();
+    site_.clear();
+    return;
+  }
+  if (scan_) {  // the last site takes the place of the removed one
+    const auto slot = static_cast<std::size_t>(slot_[static_cast<std::size_t>(site)]);
+    const auto width = static_cast<std::ptrdiff_t>(dimension_);
+    const std::size_t last = site_.size() - 1;
+    std::copy_n(positions_.begin() + static_cast<std::ptrdiff_t>(last) * width, width,
+                positions_.begin() + static_cast<std::ptrdiff_t>(slot) * width);
+    site_[slot] = site_[last];
+    slot_[static_cast<std::size_t>(site_[slot])] = static_cast<Index>(slot);
+    site_.pop_back();
+    return;
+  }
+  if (static_cast<double>(available_) < 0.8 * static_cast<double>(site_.size())) {
+    build();
+  } else {
+    tree_->index.removePoint(static_cast<std::size_t>(slot_[static_cast<std::size_t>(site)]));
+  }
+}
+
+Index SiteTree::nearest(const double* query) const {
+  if (available_ == 0) return -1;
+  if (scan_) {
+    double best = std::numeric_limits<double>::infinity();
+    std::size_t best_slot = 0;
+    const double* position = positions_.data();
+    for (std::size_t k = 0; k < site_.size(); ++k, position += dimension_) {
+      const double squared = metric_.squared_distance(query, position);
+      if (squared < best) {
+        best = squared;
+        best_slot = k;
+      }
+    }
+    return site_[best_slot];
+  }
+  double best = std::numeric_limits<double>::infinity();
+  std::size_t best_slot = 0;
+  const auto ask = [&](const double* image) {
+    flann::KNNSimpleResultSet<double> result(1);
+    tree_->find(result, image);
+    std::size_t slot = 0;
+    double squared = 0;
+    result.copy(&slot, &squared, 1, false);
+    if (squared < best) {
+      best = squared;
+      best_slot = slot;
+    }
+  };
+  if (metric_.periodic()) {
+    for_each_image(metric_, query, [&] { return best; }, ask);
+  } else {
+    ask(query);
+  }
+  return site_[best_slot];
+}
+
+void SiteTree::nearest(const double* query, int k, std::vector<Index>& found) const {
+  const auto wanted = static_cast<std::size_t>(std::min<Index>(k, available_));
+  if (wanted == 0) return;
+  std::vector<std::pair<double, Index>> best;
+  const auto keep_best = [&] {
+    std::sort(best.begin(), best.end());
+    // Images of one site carry one number: the nearest counts.
+    std::vector<std::pair<double, Index>> distinct;
+    for (const auto& candidate : best) {
+      const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const auto& other) {
+        return other.second == candidate.second;
+      });
+      if (!known && distinct.size() < wanted) distinct.push_back(candidate);
+    }
+    best.swap(distinct);
+  };
+  if (scan_) {
+    const double* position = positions_.data();
+    for (std::size_t s = 0; s < site_.size(); ++s, position += dimension_) {
+      best.emplace_back(metric_.squared_distance(query, position), site_[s]);
+    }
+    std::partial_sort(best.begin(), best.begin() + static_cast<std::ptrdiff_t>(wanted), best.end());
+    best.resize(wanted);
+  } else {
+    const auto ask = [&](const double* image) {
+      flann::KNNSimpleResultSet<double> result(wanted);
+      tree_->find(result, image);
+      std::vector<std::size_t> slots(wanted);
+      std::vector<double> squared(wanted);
+      const std::size_t count = result.size();
+      result.copy(slots.data(), squared.data(), count, true);
+      for (std::size_t i = 0; i < count; ++i) best.emplace_back(squared[i], site_[slots[i]]);
+      keep_best();
+    };
+    const auto reach = [&] {
+      return best.size() < wanted ? std::numeric_limits<double>::infinity() : best.back().first;
+    };
+    if (metric_.periodic()) {
+      for_each_image(metric_, query, reach, ask);
+    } else {
+      ask(query);
+    }
+  }
+  for (const auto& [squared, site] : best) found.push_back(site);
+}
+
+void SiteTree::within(const double* query, double radius, std::vector<Index>& found) const {
+  if (available_ == 0) return;
+  if (scan_) {
+    const double* position = positions_.data();
+    for (std::size_t k = 0; k < site_.size(); ++k, position += dimension_) {
+      if (metric_.squared_distance(query, position) <= radius * radius) found.push_back(site_[k]);
+    }
+    return;
+  }
+  const auto first = found.size();
+  // Rounded up: distances are compared once more by whoever needs them exact.
+  const double squared_radius = radius * radius * (1 + 1e-12);
+  std::size_t images = 0;
+  const auto ask = [&](const double* image) {
+    ++images;
+    flann::RadiusResultSet<double> result(squared_radius);
+    tree_->find(result, image);
+    const std::size_t count = result.size();
+    std::vector<std::size_t> slots(count);
+    std::vector<double> squared(count);
+    result.copy(slots.data(), squared.data(), count, false);
+    for (const std::size_t slot : slots) found.push_back(site_[slot]);
+  };
+  if (metric_.periodic()) {
+    for_each_image(metric_, query, [&] { return squared_radius; }, ask);
+  } else {
+    ask(query);
+  }
+  if (images > 1) {
+    const auto begin = found.begin() + static_cast<std::ptrdiff_t>(first);
+    std::sort(begin, found.end());
+    found.erase(std::unique(begin, found.end()), found.end());
+  }
+}
+
+}  // namespace ccvt

@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "ccvt/stipple.h"
+#include "io/input_file.h"
+#include "io/output_file.h"
+
+namespace ccvt {
+
+namespace {
+
+constexpr double kLeastDrawnRadius = 3;
+constexpr double kMostAutomaticPixels = 1 << 25;
+constexpr double kMostPixels = 1 << 28;
+
+/// With as many decimals as matter for what is drawn, and no zeros at the end.
+void append_decimal(std::string& text, double value, int decimals) {
+  char digits[400];
+  const auto [end, error] =
+      std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed, decimals);
+  std::string_view shown(digits, static_cast<std::size_t>(end - digits));
+  if (shown.find('.') != std::string_view::npos) {
+    shown.remove_suffix(shown.size() - 1 - shown.find_last_not_of('0'));
+    if (shown.back() == '.') shown.remove_suffix(1);
+  }
+  text += shown == "-0" ? "0" : shown;
+}
+
+double scale_for(double radius, int width, int height) {
+  const double area = static_cast<double>(width) * height;
+  const double wanted = std::max(1.0, kLeastDrawnRadius / radius);
+  return std::min(wanted, std::max(1.0, std::floor(std::sqrt(kMostAutomaticPixels / area) * 64) / 64));
+}
+
+}  // namespace
+
+template <class Scalar>
+void write_svg(const std::filesystem::path& path, const Stippling<Scalar>& stippling) {
+  if (io::extension_of(path) != ".svg") {
+    throw InvalidInput(path.string() + ": unknown extension " +
+                       io::quoted(io::extension_of(path)) + "; drawings go into .svg");
+  }
+  // A hundredth of a radius is below what any device shows.
+  const double radius = stippling.dot_radius;
+  const int decimals =
+      radius > 0 ? std::clamp(2 - static_cast<int>(std::floor(std::log10(radius))), 0, 9) : 3;
+  const std::string width = std::to_string(stippling.width);
+  const std::string height = std::to_string(stippling.height);
+  std::string r;
+  append_decimal(r, radius, decimals + 1);
+  io::OutputFile file(path);
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+                     "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width +
+                     "\" height=\"" + height + "\" viewBox=\"0 0 " + width + " " + height +
+                     "\">\n<rect width=\"" + width + "\" height=\"" + height +
+                     "\" fill=\"#fff\"/>\n<g fill=\"#000\">\n";
+  for (Eigen::Index dot = 0; dot < stippling.dots.cols(); ++dot) {
+    text += "<circle cx=\"";
+    append_decimal(text, static_cast<double>(stippling.dots(0, dot)), decimals);
+    text += "\" cy=\"";
+    append_decimal(text, static_cast<double>(stippling.dots(1, dot)), decimals);
+    text += "\" r=\"" + r + "\"/>\n";
+    if (text.size() > (1U << 16)) {
+      file.write(text);
+      text.clear();
+    }
+  }
+  file.write(text + "</g>\n</svg>\n");
+  file.commit();
+}
+
+template <class Scalar>
+Image render(const Stippling<Scalar>& stippling, double scale) {
+  if (stippling.width < 1 || stippling.height < 1) {
+    throw InvalidInput("stippling: is " + std::to_string(stippling.width) + " x " +
+                       std::to_string(stippling.height) + " pixels; needs at least one");
+  }
+  if (scale == 0) scale = scale_for(stippling.dot_radius, stippling.width, stippling.height);
+  const double width = std::ceil(stippling.width * scale);
+  const double height = std::ceil(stippling.height * scale);
+  if (!(scale > 0 && width * height <= kMostPixels)) {
+    throw InvalidInput("scale: is " + std::to_string(scale) +
+                       "; must be positive and make at most 268435456 pixels");
+  }
+  Image image{static_cast<int>(width), static_cast<int>(height), {}};
+  image.values.assign(static_cast<std::size_t>(width * height), 1.0F);
+  // A pixel at distance d from the centre is covered by clamp(r - d + 1/2). The area under that
+  // ramp is pi (r^2 + 1/12): drawn with r^2 - 1/12, every dot keeps its exact amount of ink.
+  const double given = stippling.dot_radius * scale;
+  const double radius = std::sqrt(std::max(given * given - 1.0 / 12, 0.0));
+  const double faint = radius < 0.5 ? 0.0 : radius - 0.5;
+  for (Eigen::Index dot = 0; dot < stippling.dots.cols(); ++dot) {
+    const double x = static_cast<double>(stippling.dots(0, dot)) * scale;
+    const double y = static_cast<double>(stippling.dots(1, dot)) * scale;
+    const double reach = radius + 1;
+    const auto last_row = static_cast<int>(std::clamp(y + reach, 0.0, height));
+    const auto last_column = static_cast<int>(std::clamp(x + reach, 0.0, width));
+    for (auto row = static_cast<int>(std::clamp(y - reach, 0.0, height)); row < last_row; ++row) {
+      float* const values =
+          image.values.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
+      for (auto column = static_cast<int>(std::clamp(x - reach, 0.0, width)); column < last_column;
+           ++column) {
+        const double distance = std::hypot(column + 0.5 - x, row + 0.5 - y);
+        if (distance <= faint) {
+          values[column] = 0;
+        } else {
+          values[column] *= static_cast<float>(1 - std::clamp(radius - distance + 0.5, 0.0, 1.0));
+        }
+      }
+    }
+  }
+  return image;
+}
+
+template CCVT_EXPORT void write_svg<float>(const std::filesystem::path&, const Stippling<float>&);
+template CCVT_EXPORT void write_svg<double>(const std::filesystem::path&, const Stippling<double>&);
+template CCVT_EXPORT Image render<float>(const Stippling<float>&, double);
+template CCVT_EXPORT Image render<double>(const Stippling<double>&, double);
+
+}  // namespace ccvt

@@ -1,0 +1,106 @@
+#include "ccvt/stipple.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "ccvt/density.h"
+#include "ccvt/domain.h"
+#include "ccvt/problem.h"
+#include "ccvt/solver.h"
+
+namespace ccvt {
+
+namespace {
+
+Index checked_point_count(Index sites, Index points_per_site) {
+  const std::int64_t points = std::int64_t{sites} * points_per_site;
+  if (sites < 1) {
+    throw InvalidInput("sites: is " + std::to_string(sites) + "; must be at least 1");
+  }
+  if (points > std::numeric_limits<Index>::max()) {
+    throw InvalidInput("sites: " + std::to_string(sites) + " with " +
+                       std::to_string(points_per_site) + " points each make " +
+                       std::to_string(points) + " points; at most 2147483647 are supported");
+  }
+  return static_cast<Index>(points);
+}
+
+}  // namespace
+
+void StippleOptions::validate() const {
+  if (points_per_site < 1) {
+    throw InvalidInput("points_per_site: is " + std::to_string(points_per_site) +
+                       "; must be at least 1");
+  }
+  if (!(gamma > 0 && std::isfinite(gamma))) {
+    throw InvalidInput("gamma: is " + std::to_string(gamma) + "; must be positive and finite");
+  }
+  if (!(dot_radius >= 0 && std::isfinite(dot_radius))) {
+    throw InvalidInput("dot_radius: is " + std::to_string(dot_radius) +
+                       "; must be at least 0 and finite");
+  }
+  tessellation.validate();
+}
+
+std::vector<float> darkness(const Image& image, bool invert, double gamma) {
+  std::vector<float> result(image.values);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    if (!(result[i] >= 0 && result[i] <= 1)) {
+      throw InvalidInput("image: value " + std::to_string(i) + " is " + std::to_string(result[i]) +
+                         "; must be in [0, 1]");
+    }
+    const float dark = invert ? result[i] : 1 - result[i];
+    result[i] = gamma == 1 ? dark : static_cast<float>(std::pow(static_cast<double>(dark), gamma));
+  }
+  return result;
+}
+
+template <class Scalar>
+Stippling<Scalar> stipple(const Image& image, Index sites, const StippleOptions& options) {
+  options.validate();
+  const Index points = checked_point_count(sites, options.points_per_site);
+  if (image.width < 1 || image.height < 1 ||
+      image.values.size() !=
+          static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height)) {
+    throw InvalidInput("image: has " + std::to_string(image.values.size()) + " values for " +
+                       std::to_string(image.width) + " x " + std::to_string(image.height) +
+                       " pixels; needs one value for each");
+  }
+  const std::vector<float> dark = darkness(image, options.invert, options.gamma);
+  const double ink = std::accumulate(dark.begin(), dark.end(), 0.0);
+  if (!(ink > 0)) {
+    throw InvalidInput(std::string("image: is ") + (options.invert ? "black" : "white") +
+                       " everywhere; there is nothing to stipple");
+  }
+  Box box{Eigen::Vector2d::Zero(), Eigen::Vector2d(image.width, image.height)};
+  const DensityGrid density{std::span<const float>(dark), {image.width, image.height}, box};
+
+  Stippling<Scalar> result;
+  result.width = image.width;
+  result.height = image.height;
+  {
+    const Points<Scalar> sampled =
+        sample_density<Scalar>(density, points, options.tessellation.seed);
+    Problem<Scalar> problem(sampled, sites);
+    problem.set_domain(Domain::euclidean(std::move(box)));
+    Solver<Scalar> solver(std::move(problem), options.tessellation);
+    solver.run();
+    result.dots = solver.sites();
+    result.summary = solver.summary();
+  }
+  result.dot_radius = options.dot_radius > 0
+                          ? options.dot_radius
+                          : dot_radius_for(result.dots, image.width, image.height, ink);
+  return result;
+}
+
+template CCVT_EXPORT Stippling<float> stipple<float>(const Image&, Index, const StippleOptions&);
+template CCVT_EXPORT Stippling<double> stipple<double>(const Image&, Index, const StippleOptions&);
+
+}  // namespace ccvt

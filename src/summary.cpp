@@ -1,0 +1,57 @@
+#include "ccvt/summary.h"
+
+#include "format.h"
+
+namespace ccvt {
+
+const char* to_string(Termination termination) {
+  switch (termination) {
+    case Termination::running:
+      return "running";
+    case Termination::stable:
+      return "stable";
+    case Termination::energy_tolerance:
+      return "energy_tolerance";
+    case Termination::iteration_limit:
+      return "iteration_limit";
+    case Termination::cancelled:
+      return "cancelled";
+  }
+  return "unknown";
+}
+
+std::string Summary::brief() const {
+  return std::string(to_string(termination)) + " after " + std::to_string(iterations) +
+         " iterations: " + std::to_string(points) + " points, " + std::to_string(sites) +
+         " sites, normalized energy " + text(normalized_energy, 6) + ", " +
+         text(seconds_total, 3) + " s";
+}
+
+std::string Summary::full() const {
+  std::string out;
+  const auto row = [&out](const std::string& name, const std::string& value) {
+    out += name + std::string(name.size() < 24 ? 24 - name.size() : 1, ' ') + value + "\n";
+  };
+  row("termination", to_string(termination));
+  row("dimension", std::to_string(dimension));
+  row("points", std::to_string(points));
+  row("sites", std::to_string(sites));
+  row("seed", std::to_string(seed));
+  row("threads", std::to_string(threads_used) + " (given: " + std::to_string(threads_given) + ")");
+  row("initialization", initialization_used);
+  row("levels", std::to_string(levels));
+  row("iterations", std::to_string(iterations));
+  row("pairs examined", std::to_string(pairs));
+  row("swaps", std::to_string(swaps));
+  row("points exchanged", std::to_string(exchanged));
+  row("initial energy", text(initial_energy, 9));
+  row("energy", text(energy, 9));
+  row("normalized energy", text(normalized_energy, 6));
+  row("capacity error", text(capacity_error, 6));
+  row("seconds", text(seconds_total, 4));
+  row("  initialization", text(seconds_initialization, 4));
+  row("  relaxation", text(seconds_relaxation, 4));
+  return out;
+}
+
+}  // namespace ccvt

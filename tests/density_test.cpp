@@ -1,0 +1,410 @@
+#include "ccvt/density.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "random.h"
+#include "sampling/hilbert.h"
+#include "sampling/mass.h"
+
+using ccvt::Box;
+using ccvt::DensityGrid;
+using ccvt::DensitySampling;
+using ccvt::Index;
+using ccvt::InvalidInput;
+using ccvt::sample_density;
+using ccvt::sample_function;
+
+namespace {
+
+constexpr DensitySampling both[] = {DensitySampling::white, DensitySampling::stratified};
+
+using Shape = std::vector<std::int64_t>;
+
+std::int64_t cells_of(const Shape& shape) {
+  return std::accumulate(shape.begin(), shape.end(), std::int64_t{1}, std::multiplies<>());
+}
+
+Box box_of(const Shape& shape) {
+  Box box = Box::unit(static_cast<int>(shape.size()));
+  for (Eigen::Index d = 0; d < box.lower.size(); ++d) {
+    box.lower[d] = 1 - static_cast<double>(d);
+    box.upper[d] = box.lower[d] + 2 + static_cast<double>(d);
+  }
+  return box;
+}
+
+// Random values from 0 to 1, a fifth of them 0.
+template <class Value>
+std::vector<Value> rough_values(const Shape& shape, std::uint64_t seed) {
+  ccvt::Random random(seed);
+  std::vector<Value> values(static_cast<std::size_t>(cells_of(shape)));
+  for (Value& value : values) {
+    value = static_cast<Value>(std::max(random.uniform() * 1.25 - 0.25, 0.0));
+  }
+  return values;
+}
+
+// The number of points in each cell of a grid.
+std::vector<double> histogram(const Eigen::MatrixXd& points, const Shape& shape, const Box& box) {
+  std::vector<double> counts(static_cast<std::size_t>(cells_of(shape)));
+  for (Eigen::Index p = 0; p < points.cols(); ++p) {
+    std::int64_t cell = 0;
+    std::int64_t stride = 1;
+    for (std::size_t d = 0; d < shape.size(); ++d) {
+      const auto e = static_cast<Eigen::Index>(d);
+      const double share = (points(e, p) - box.lower[e]) / (box.upper[e] - box.lower[e]);
+      cell += stride * static_cast<std::int64_t>(share * static_cast<double>(shape[d]));
+      stride *= shape[d];
+    }
+    ++counts.at(static_cast<std::size_t>(cell));
+  }
+  return counts;
+}
+
+// Pearson's statistic over its degrees of freedom: near 1 for independent draws from `values`.
+template <class Value>
+double relative_chi_square(const std::vector<double>& counts, const std::vector<Value>& values) {
+  const double points = std::accumulate(counts.begin(), counts.end(), 0.0);
+  const double total = std::accumulate(values.begin(), values.end(), 0.0);
+  double sum = 0;
+  int freedom = -1;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const double expected = points * static_cast<double>(values[i]) / total;
+    if (expected == 0) {
+      CHECK(counts[i] == 0);
+      continue;
+    }
+    sum += (counts[i] - expected) * (counts[i] - expected) / expected;
+    ++freedom;
+  }
+  return sum / std::max(freedom, 1);
+}
+
+// The message that refuses a call, or "" when it is not refused.
+template <class Call>
+std::string refusal(const Call& call) {
+  try {
+    call();
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+bool mentions(const std::string& text, const char* part) {
+  return text.find(part) != std::string::npos;
+}
+
+double bump(std::span<const double> x) {
+  double squared = 0;
+  for (const double c : x) squared += (c - 0.4) * (c - 0.4);
+  return std::exp(-10 * squared);
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("density");
+
+TEST_CASE("the Hilbert curve visits each cell of any shape once") {
+  for (const Shape& shape : std::vector<Shape>{{1},
+                                               {7},
+                                               {5, 3},
+                                               {1, 9, 1},
+                                               {16, 16},
+                                               {3, 17, 2},
+                                               {4, 4, 4, 4},
+                                               {100, 1, 2},
+                                               {2, 2, 2, 2, 2, 2, 2, 3}}) {
+    std::vector<int> seen(static_cast<std::size_t>(cells_of(shape)));
+    ccvt::HilbertCurve(shape).visit(
+        [&](std::int64_t cell) { ++seen.at(static_cast<std::size_t>(cell)); });
+    CHECK(std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; }));
+  }
+}
+
+TEST_CASE("the Hilbert curve steps from face to face in grids of equal powers of two") {
+  for (const Shape& shape : std::vector<Shape>{
+           {64}, {2, 2}, {32, 32}, {8, 8, 8}, {4, 4, 4, 4}, {8, 8, 8, 8, 8}, {2, 2, 2, 2, 2, 2}}) {
+    std::int64_t before = -1;
+    int jumps = 0;
+    ccvt::HilbertCurve(shape).visit([&](std::int64_t cell) {
+      std::int64_t distance = 0;
+      std::int64_t a = before;
+      std::int64_t b = cell;
+      for (const std::int64_t n : shape) {
+        distance += std::abs(a % n - b % n);
+        a /= n;
+        b /= n;
+      }
+      jumps += before >= 0 && distance != 1 ? 1 : 0;
+      before = cell;
+    });
+    CHECK(jumps == 0);
+  }
+}
+
+TEST_CASE("sorted draws are ascending, independent and even up to both ends") {
+  for (const Index count : {1, 15, 16, 1000}) {
+    std::vector<double> counts(100);
+    for (std::uint64_t seed = 0; seed < 200000 / static_cast<std::uint64_t>(count); ++seed) {
+      ccvt::SortedDraws draws(ccvt::Random(seed), count);
+      double before = 0;
+      bool ascending = true;
+      for (Index k = 0; k < count; ++k) {
+        const double draw = draws.next();
+        ascending = ascending && draw >= before && draw < 1;
+        before = draw;
+        ++counts.at(static_cast<std::size_t>(draw * 100));
+      }
+      if (!ascending) FAIL_CHECK("not ascending in [0, 1)");
+    }
+    const double statistic = relative_chi_square(counts, std::vector<double>(100, 1.0));
+    CHECK(statistic > 0.5);
+    CHECK(statistic < 1.6);
+  }
+}
+
+TEST_CASE("draws at the ends of cells go to cells with mass") {
+  struct Fixed {
+    std::vector<double> values;
+    std::size_t k = 0;
+    double next() { return values[k++]; }
+  };
+  const std::vector<double> masses{0, 1, 0, 0, 1, 2, 0};
+  const auto visit_cells = [&](const auto& f) {
+    for (std::size_t i = 0; i < masses.size(); ++i) f(static_cast<std::int64_t>(i), masses[i]);
+  };
+  const auto hits = [&](double total, const std::vector<double>& draws) {
+    std::vector<Index> found(masses.size());
+    ccvt::deal(total, static_cast<Index>(draws.size()), visit_cells, Fixed{draws},
+               [&](std::int64_t cell, Index n) { found[static_cast<std::size_t>(cell)] += n; });
+    return found;
+  };
+  CHECK(hits(4, {0, 0.25, 0.5, 0.75}) == std::vector<Index>{0, 1, 0, 0, 1, 2, 0});
+  CHECK(hits(4, {0, 0, 0.2, 0.499}) == std::vector<Index>{0, 3, 0, 0, 1, 0, 0});
+  // A total, or a draw, rounded up beyond the sum of the masses.
+  CHECK(hits(4.5, {0.99}) == std::vector<Index>{0, 0, 0, 0, 0, 1, 0});
+  CHECK(hits(4, {0.6, 1, 1}) == std::vector<Index>{0, 0, 0, 0, 0, 3, 0});
+}
+
+TEST_CASE_TEMPLATE("points follow the grid in any dimension", Value, float, double) {
+  for (const Shape& shape : std::vector<Shape>{
+           {50}, {13, 7}, {16, 16}, {5, 4, 6}, {3, 2, 4, 3}, {2, 1, 2, 2, 1, 3, 2}}) {
+    const std::vector<Value> values = rough_values<Value>(shape, 5);
+    const DensityGrid grid{values, shape, box_of(shape)};
+    for (const Index count : {1, 10, 1000, 40000}) {
+      const auto white = sample_density<double>(grid, count, 1, DensitySampling::white);
+      const auto stratified = sample_density<double>(grid, count, 1, DensitySampling::stratified);
+      CHECK(white.cols() == count);
+      CHECK(stratified.cols() == count);
+      const double w = relative_chi_square(histogram(white, shape, grid.box), values);
+      const double s = relative_chi_square(histogram(stratified, shape, grid.box), values);
+      if (count < 40000) continue;
+      const double spread = std::sqrt(2.0 / static_cast<double>(values.size()));
+      CHECK(w > 1 - 4 * spread);
+      CHECK(w < 1 + 4 * spread);
+      // Every cell gets its share to within two draws.
+      CHECK(s < 0.1);
+    }
+  }
+}
+
+TEST_CASE("stratified: unbiased, with about one point a cell") {
+  // Mean counts over many seeds are those of the grid, to the accuracy that their variance allows.
+  const Shape shape{9, 7};
+  const std::vector<double> values = rough_values<double>(shape, 6);
+  const double total = std::accumulate(values.begin(), values.end(), 0.0);
+  const DensityGrid grid{values, shape, box_of(shape)};
+  constexpr int runs = 4000;
+  constexpr Index count = 50;
+  std::vector<double> sums(values.size());
+  for (std::uint64_t seed = 0; seed < runs; ++seed) {
+    const auto counts = histogram(sample_density<double>(grid, count, seed), shape, grid.box);
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += counts[i];
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const double expected = count * values[i] / total;
+    // A count is the sum of at most expected + 2 draws that may go either way.
+    CHECK(std::abs(sums[i] / runs - expected) <= 4.5 * std::sqrt(std::min(expected, 0.5) / runs));
+  }
+}
+
+TEST_CASE("stratified: counts of regions vary far less than white ones") {
+  const Shape shape{64, 64};
+  const std::vector<double> values = rough_values<double>(shape, 7);
+  const double total = std::accumulate(values.begin(), values.end(), 0.0);
+  const DensityGrid grid{values, shape, Box::unit(2)};
+  for (const Index count : {1000, 20000}) {
+    double squared[2] = {0, 0};
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+      for (const DensitySampling sampling : both) {
+        const auto counts =
+            histogram(sample_density<double>(grid, count, seed, sampling), shape, grid.box);
+        for (std::size_t x = 0; x < 64; x += 16) {  // windows of 16 by 64 cells
+          double deviation = 0;
+          for (std::size_t i = 0; i < counts.size(); ++i) {
+            if (i % 64 >= x && i % 64 < x + 16) deviation += counts[i] - count * values[i] / total;
+          }
+          squared[sampling == DensitySampling::stratified] += deviation * deviation;
+        }
+      }
+    }
+    CAPTURE(count);
+    CHECK(squared[0] > 0.5 * 160 * count * 3.0 / 16);
+    CHECK(squared[1] < 0.1 * squared[0]);
+  }
+}
+
+TEST_CASE("points fill a cell uniformly, and stratified ones jittered") {
+  const std::vector<float> values{0, 0, 0, 1, 0, 0};
+  const DensityGrid grid{values, {3, 2}, Box{Eigen::Vector2d(0, 0), Eigen::Vector2d(3, 2)}};
+  for (const DensitySampling sampling : both) {
+    // The only cell with a density is [0, 1] x [1, 2].
+    const auto points = sample_density<float, 2>(grid, 1024, 3, sampling);
+    Box cell{Eigen::Vector2d(0, 1), Eigen::Vector2d(1, 2)};
+    std::vector<double> fine = histogram(points.cast<double>(), {32, 32}, cell);
+    const bool even = std::all_of(fine.begin(), fine.end(), [](double n) { return n == 1; });
+    CHECK(even == (sampling == DensitySampling::stratified));
+    const auto coarse = histogram(points.cast<double>(), {5, 5}, cell);
+    CHECK(relative_chi_square(coarse, std::vector<double>(25, 1.0)) < 2);
+  }
+}
+
+TEST_CASE("one seed gives the same bytes, another does not, and the dimension may be fixed") {
+  const Shape shape{20, 30, 4};
+  const std::vector<float> values = rough_values<float>(shape, 8);
+  const DensityGrid grid{values, shape, box_of(shape)};
+  const auto f = [](std::span<const double> x) { return bump(x); };
+  for (const DensitySampling sampling : both) {
+    const auto a = sample_density<float>(grid, 5000, 1, sampling);
+    CHECK((sample_density<float, 3>(grid, 5000, 1, sampling).array() == a.array()).all());
+    CHECK((sample_density<float>(grid, 5000, 2, sampling).array() == a.array()).count() < 100);
+    const auto b = sample_function<double>(f, 1, Box::unit(2), 500, 1, sampling);
+    CHECK((sample_function<double, 2>(f, 1, Box::unit(2), 500, 1, sampling).array() == b.array())
+              .all());
+    CHECK((sample_function<double>(f, 1, Box::unit(2), 500, 2, sampling).array() == b.array())
+              .count() < 10);
+  }
+}
+
+TEST_CASE("extreme values: one bright cell, huge and tiny densities, points inside in float") {
+  for (const double scale : {1e-300, 1.0, 1e290}) {
+    std::vector<double> values(1000, 1e-6 * scale);
+    values[617] = scale;
+    const DensityGrid grid{values, {10, 10, 10}, Box::unit(3)};
+    for (const DensitySampling sampling : both) {
+      const auto points = sample_density<float, 3>(grid, 20000, 4, sampling);
+      CHECK(points.minCoeff() >= 0);
+      CHECK(points.maxCoeff() < 1);
+      const auto counts = histogram(points.cast<double>(), grid.shape, grid.box);
+      CHECK(counts[617] == doctest::Approx(20000 / (1 + 999e-6)).epsilon(0.002));
+    }
+  }
+}
+
+TEST_CASE("points follow a function in any dimension, stratified ones with less variance") {
+  const auto f = [](std::span<const double> x) { return bump(x); };
+  for (const int dimension : {1, 2, 3}) {
+    // Cell probabilities by product of one-dimensional integrals.
+    constexpr int cells = 6;
+    std::vector<double> line(cells);
+    for (int i = 0; i < 600; ++i) {
+      const double x[] = {(i + 0.5) / 600};
+      line[static_cast<std::size_t>(i / 100)] += bump(x);
+    }
+    const Shape shape(static_cast<std::size_t>(dimension), cells);
+    std::vector<double> values(static_cast<std::size_t>(cells_of(shape)), 1.0);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      for (std::size_t rest = i, d = 0; d < shape.size(); ++d, rest /= cells) {
+        values[i] *= line[rest % cells];
+      }
+    }
+    const Box box = Box::unit(dimension);
+    const double spread = std::sqrt(2.0 / static_cast<double>(values.size()));
+    const auto white = sample_function<double>(f, 1, box, 30000, 2, DensitySampling::white);
+    const auto stratified = sample_function<float>(f, 1, box, 30000, 2);
+    const double w = relative_chi_square(histogram(white, shape, box), values);
+    const double s = relative_chi_square(histogram(stratified.cast<double>(), shape, box), values);
+    CAPTURE(dimension);
+    CHECK(w > 1 - 4 * spread);
+    CHECK(w < 1 + 4 * spread);
+    CHECK(s < 0.5 * w);
+  }
+}
+
+TEST_CASE("a function is never sampled where it is zero, and may be called in 20 dimensions") {
+  const auto half = [](std::span<const double> x) { return x[0] < 0.5 ? 1.0 : 0.0; };
+  for (const DensitySampling sampling : both) {
+    const auto points = sample_function<float>(half, 1, Box::unit(20), 3000, 2, sampling);
+    CHECK(points.row(0).maxCoeff() < 0.5F);
+    CHECK(points.cols() == 3000);
+    CHECK(std::abs(points.row(7).mean() - 0.5F) < 0.03F);
+  }
+}
+
+TEST_CASE("a function concentrated in a small part is found, by both") {
+  const auto spot = [](std::span<const double> x) {
+    return x[0] < 0.02 && x[1] < 0.02 ? 5.0 : 0.0;
+  };
+  for (const DensitySampling sampling : both) {
+    const auto points = sample_function<double, 2>(spot, 5, Box::unit(2), 2000, 2, sampling);
+    CHECK(points.maxCoeff() < 0.02);
+    CHECK((points.array() * 50).mean() == doctest::Approx(0.5).epsilon(0.05));
+  }
+}
+
+TEST_CASE("refused grids name index and value") {
+  const std::vector<double> good(12, 1.0);
+  const auto message = [](const std::vector<double>& values, Shape shape,
+                          const Box& box = Box::unit(2)) {
+    const DensityGrid grid{values, std::move(shape), box};
+    return refusal([&] { sample_density<float>(grid, 5); });
+  };
+  CHECK(message(good, {3, 4}).empty());
+  for (const double bad : {-0.5, std::nan(""), HUGE_VAL}) {
+    std::vector<double> values = good;
+    values[7] = bad;
+    CHECK(mentions(message(values, {3, 4}), "values[7], cell (1, 2), is"));
+  }
+  std::vector<double> negative = good;
+  negative[7] = -0.5;
+  CHECK(mentions(message(negative, {3, 4}), "is -0.5,"));
+  CHECK(mentions(message(std::vector<double>(12, 0.0), {3, 4}), "all 12 values are 0"));
+  CHECK(mentions(message(std::vector<double>(12, 1e308), {3, 4}), "overflows"));
+  CHECK(mentions(message(good, {3, 5}), "(3, 5) has 15 cells, but there are 12"));
+  CHECK(mentions(message(good, {3, 0}), "shape[1] is 0"));
+  CHECK(mentions(message(good, {12}), "shape has 1 dimensions, but the box has 2"));
+  CHECK(mentions(message(good, {1LL << 40, 1LL << 40}), "2^63"));
+  CHECK(mentions(message(good, {3, 4}, Box::unit(0)), "0 dimensions"));
+  const DensityGrid grid{good, {3, 4}, Box::unit(2)};
+  CHECK(mentions(refusal([&] { sample_density<float>(grid, 0); }), "count: is 0"));
+  CHECK(mentions(refusal([&] { sample_density<float, 3>(grid, 1); }), "points of 3"));
+}
+
+TEST_CASE("refused functions name point and value") {
+  for (const DensitySampling sampling : both) {
+    const auto message = [&](const ccvt::DensityFunction& f, double maximum = 1) {
+      return refusal([&] { sample_function<double>(f, maximum, Box::unit(1), 50, 1, sampling); });
+    };
+    using X = std::span<const double>;
+    CHECK(message([](X x) { return x[0]; }).empty());
+    CHECK(mentions(message([](X x) { return x[0] < 0.9 ? 1 : -2.5; }), "density: is -2.5 at (0.9"));
+    CHECK(mentions(message([](X x) { return x[0] < 0.9 ? 1 : 1.5; }), "density: is 1.5 at (0.9"));
+    CHECK(mentions(message([](X x) { return x[0] < 0.9 ? 1 : std::nan(""); }), "is nan at (0.9"));
+    CHECK(mentions(message([](X) { return 1; }, 0), "maximum: is 0"));
+    CHECK(mentions(message([](X) { return 1; }, HUGE_VAL), "maximum: is inf"));
+    CHECK(mentions(message([](X) { return 0; }), "density: "));
+    CHECK(mentions(message(ccvt::DensityFunction()), "density: is empty"));
+  }
+}
+
+TEST_SUITE_END();

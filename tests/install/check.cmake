@@ -1,0 +1,48 @@
+# Installs ccvt and builds and runs the consumer project in every way a user may. Called as
+#   cmake -D WAY=installed|sub_project -D SOURCE_DIR= -D BINARY_DIR= -D WORK_DIR= -D GENERATOR=
+#         -D COMPILER= -D BUILD_TYPE= -D PARALLEL= -P check.cmake
+# installed     what BINARY_DIR built, installed to a prefix that is then moved; CMake, pkg-config
+# sub_project   FetchContent, with a shared library; then that library installed
+
+set(common -G ${GENERATOR} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${BUILD_TYPE})
+set(consumer ${CMAKE_CURRENT_LIST_DIR})
+file(REMOVE_RECURSE ${WORK_DIR})
+
+function(run)
+  execute_process(COMMAND ${ARGV} COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+# Builds the consumer in WORK_DIR/name with more arguments for CMake, and runs it.
+function(consume name)
+  run(${CMAKE_COMMAND} -S ${consumer} -B ${WORK_DIR}/${name} ${common} ${ARGN})
+  run(${CMAKE_COMMAND} --build ${WORK_DIR}/${name})
+  run(${WORK_DIR}/${name}/consumer)
+endfunction()
+
+# Installs what was built in `binary_dir` to WORK_DIR/name, and consumes it from there.
+function(install_and_consume binary_dir name)
+  run(${CMAKE_COMMAND} --install ${binary_dir} --prefix ${WORK_DIR}/not_yet_moved)
+  file(RENAME ${WORK_DIR}/not_yet_moved ${WORK_DIR}/${name})
+  consume(${name}_consumer -D CMAKE_PREFIX_PATH=${WORK_DIR}/${name}
+    -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
+
+  find_program(PKG_CONFIG NAMES pkgconf pkg-config REQUIRED)
+  file(GLOB_RECURSE pc ${WORK_DIR}/${name}/*/ccvt.pc)
+  cmake_path(GET pc PARENT_PATH pc_dir)
+  set(ENV{PKG_CONFIG_PATH} ${pc_dir})
+  execute_process(COMMAND ${PKG_CONFIG} --cflags --libs ccvt
+    OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(flags UNIX_COMMAND "${flags}")
+  set(program ${WORK_DIR}/${name}_pkg_config)
+  cmake_path(GET pc_dir PARENT_PATH libdir)
+  run(${COMPILER} -std=c++20 ${consumer}/main.cpp -o ${program} ${flags} -Wl,-rpath,${libdir})
+  run(${program})
+endfunction()
+
+if(WAY STREQUAL "installed")
+  install_and_consume(${BINARY_DIR} installed)
+elseif(WAY STREQUAL "sub_project")
+  consume(sub_project -D CCVT_SOURCE_DIR=${SOURCE_DIR} -D BUILD_SHARED_LIBS=ON
+    -D CCVT_INSTALL=ON -D CCVT_PARALLEL=${PARALLEL})
+  install_and_consume(${WORK_DIR}/sub_project shared)
+endif()
