@@ -129,7 +129,8 @@ TEST_CASE("all versions, quotes and key orders of .npy") {
   for (const auto& dictionary : dictionaries) {
     for (const char major : {'\1', '\2', '\3'}) {
       CAPTURE(dictionary);
-      const auto points = read_points<double>(put(directory / "p.npy", npy(dictionary, data, major)));
+      const auto points =
+          read_points<double>(put(directory / "p.npy", npy(dictionary, data, major)));
       REQUIRE(points.rows() == 2);
       REQUIRE(points.cols() == 3);
       CHECK(points(0, 0) == 1);
@@ -236,9 +237,11 @@ TEST_CASE("hostile files are refused with one line that names them") {
       {"records.npy", npy("{'descr': [('x', '<f8')], 'fortran_order': False, 'shape': (6,)}", six),
        "records"},
       {"no-shape.npy", npy("{'descr': '<f8', 'fortran_order': False}", six), "malformed"},
-      {"twice.npy", npy("{'descr': '<f8', 'descr': '<f8', 'fortran_order': False, 'shape': (3, 2)}",
-                        six), "malformed"},
-      {"open.npy", npy("{'descr': '<f8', 'fortran_order': False, 'shape': (3, 2", six), "malformed"},
+      {"twice.npy",
+       npy("{'descr': '<f8', 'descr': '<f8', 'fortran_order': False, 'shape': (3, 2)}", six),
+       "malformed"},
+      {"open.npy", npy("{'descr': '<f8', 'fortran_order': False, 'shape': (3, 2", six),
+       "malformed"},
       {"string.npy", npy("{'descr': '<f8", six), "malformed"},
       {"text.npy", npy("", six), "malformed"},
       {"nan.npy", npy(header("<f8", "(3, 2)"), bytes_of<double>({1, 2, 3, nan, 5, 6})),
@@ -268,12 +271,12 @@ TEST_CASE("hostile files are refused with one line that names them") {
       {"points.dat", "1 2\n", "unknown extension '.dat'"},
       {"points", "1 2\n", "unknown extension ''"},
   };
-  for (const auto& [name, bytes, expected] : cases) {
-    const fs::path path = put(directory / name, bytes);
+  for (const Case& c : cases) {
+    const fs::path path = put(directory / c.name, c.bytes);
     const std::string message = message_of([&] { read_points<double>(path); });
-    CAPTURE(name);
+    CAPTURE(c.name);
     CAPTURE(message);
-    CHECK(contains(message, expected));
+    CHECK(contains(message, c.expected));
     CHECK(message.rfind(path.string() + ": ", 0) == 0);
     CHECK(message.find('\n') == std::string::npos);
     CHECK(message.size() < path.string().size() + 200);
@@ -339,11 +342,11 @@ TEST_CASE("indices") {
       {"pair.csv", "3\n1,5\n", "line 2: has 2 fields"},
       {"none.csv", "# none\n", "has no numbers"},
   };
-  for (const auto& [name, bytes, expected] : cases) {
-    const std::string message = message_of([&] { read_indices(put(directory / name, bytes)); });
+  for (const Case& c : cases) {
+    const std::string message = message_of([&] { read_indices(put(directory / c.name, c.bytes)); });
     CAPTURE(message);
-    CHECK(contains(message, expected));
-    CHECK(contains(message, (directory / name).string()));
+    CHECK(contains(message, c.expected));
+    CHECK(contains(message, (directory / c.name).string()));
   }
 }
 

@@ -53,10 +53,10 @@ CCVT_EXPORT Stippling<Scalar> stipple(const Image& image, Index sites,
                                       const StippleOptions& options = {});
 
 /// The radius at which equal dots cover `ink` pixels of the picture, where overlapping dots count
-/// once and what lies outside the picture not at all. A radius covers the places that are no farther
-/// than that from their nearest dot, so it is a quantile of that distance over the picture, measured
-/// on a raster of at most 8 million places. When dots cover too few of these, or lie outside the
-/// picture, it is the radius for dots that do not overlap, sqrt(ink / (pi #dots)).
+/// once and what lies outside the picture not at all. A radius covers the places that are no
+/// farther than that from their nearest dot, so it is a quantile of that distance over the picture,
+/// measured on a raster of at most 8 million places. When dots cover too few of these, or lie
+/// outside the picture, it is the radius for dots that do not overlap, sqrt(ink / (pi #dots)).
 /// `dots`: 2 by #dots, finite, at least one. `ink`: in (0, width * height].
 template <class Scalar>
 CCVT_EXPORT double dot_radius_for(const Points<Scalar>& dots, int width, int height, double ink);

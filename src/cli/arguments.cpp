@@ -1,8 +1,12 @@
 #include "cli/arguments.h"
 
 #include <CLI/CLI.hpp>
-#include <functional>
+#include <algorithm>
+#include <limits>
 #include <map>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "ccvt/version.h"
 #include "cli/values.h"
@@ -63,7 +67,8 @@ void add_points_per_site(CLI::App& app, Index& target) {
                     {.least = 1});
 }
 
-void add_common(CLI::App& app, CommonArguments& common, const std::string& formats) {
+void add_common(CLI::App& app, CommonArguments& common, const std::string& formats,
+                const std::string& default_scalar) {
   common.command = app.get_name();
   add_file(app, "-o,--output", common.output, "Where the sites go: " + formats)->required();
   add_number<std::uint64_t>(app, "--seed", common.seed, "Fixes every random choice [0]", "S",
@@ -78,13 +83,43 @@ void add_common(CLI::App& app, CommonArguments& common, const std::string& forma
                      {.least = 0, .most = 1, .open_above = true});
   auto* const single = app.add_flag_function(
       "--float", [&common](std::int64_t) { common.scalar = ScalarType::float32; },
-      "Compute and write in float32 [as POINTS are stored; float32 without POINTS]");
+      "Compute and write in float32" +
+          std::string(default_scalar == "float32" ? " [default]" : ""));
   auto* const wide = app.add_flag_function(
       "--double", [&common](std::int64_t) { common.scalar = ScalarType::float64; },
-      "Compute and write in float64");
+      "Compute and write in float64" +
+          std::string(default_scalar == "float32" ? "" : " [default: " + default_scalar + "]"));
   single->excludes(wide);
   add_file(app, "--summary", common.summary, "Write a summary of the run as JSON");
   app.add_flag("-q,--quiet", common.quiet, "Print nothing but errors");
+}
+
+/// Parses numbers separated by blanks; returns what is wrong with them, or nothing.
+std::string parse_box(const std::string& text, std::vector<double>& box) {
+  std::istringstream fields(text);
+  std::string wrong;
+  for (std::string field; wrong.empty() && fields >> field;) {
+    wrong = parse_number(field, Range<double>{}, box.emplace_back());
+  }
+  return box.empty() ? "has no numbers" : wrong;
+}
+
+/// The arguments, last one first, with all numbers that follow --box made its one value: CLI11
+/// would take the file after them for a number, and "-.5" for an option.
+std::vector<std::string> reversed_arguments(int argc, const char* const* argv) {
+  std::vector<std::string> result;
+  for (int i = 1; i < argc; ++i) {
+    result.emplace_back(argv[i]);
+    if (result.back() != "--box") continue;
+    std::string numbers;
+    double value = 0;
+    while (i + 1 < argc && parse_number(argv[i + 1], Range<double>{}, value).empty()) {
+      numbers += (numbers.empty() ? "" : " ") + std::string(argv[++i]);
+    }
+    if (!numbers.empty()) result.back() += "=" + numbers;
+  }
+  std::reverse(result.begin(), result.end());
+  return result;
 }
 
 CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
@@ -95,11 +130,10 @@ CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
   add_sites(*command, arguments.sites, "Number of sites", true);
   add_points_per_site(*command, arguments.points_per_site);
   command->add_flag("--periodic", arguments.periodic, "Opposite faces of the box are one");
-  static const std::map<std::string, Distribution> names = {
-      {"white", Distribution::white},
-      {"jittered", Distribution::jittered},
-      {"square", Distribution::square},
-      {"hexagonal", Distribution::hexagonal}};
+  static const std::map<std::string, Distribution> names = {{"white", Distribution::white},
+                                                            {"jittered", Distribution::jittered},
+                                                            {"square", Distribution::square},
+                                                            {"hexagonal", Distribution::hexagonal}};
   command
       ->add_option_function<std::string>(
           "--distribution",
@@ -112,7 +146,7 @@ CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
             return "'" + name + "' is not one of white, jittered, square, hexagonal";
           },
           ""));
-  add_common(*command, arguments, ".npy, .csv, .txt");
+  add_common(*command, arguments, ".npy, .csv, .txt", "float32");
   add_file(*command, "--points-out", arguments.points_out, "Write the points too");
   add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too");
   command->footer("Example: ccvt sample --dim 2 --sites 1024 --periodic -o sites.npy");
@@ -129,23 +163,17 @@ CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
            "How many points each site owns, summing to the number of points [equal]");
   command->add_flag("--periodic", arguments.periodic, "Opposite faces of --box are one");
   command
-      ->add_option_function<std::vector<std::string>>(
-          "--box",
-          [&arguments](const std::vector<std::string>& texts) {
-            for (const auto& text : texts) {
-              parse_number(text, Range<double>{}, arguments.box.emplace_back());
-            }
-          },
+      ->add_option_function<std::string>(
+          "--box", [&arguments](const std::string& text) { parse_box(text, arguments.box); },
           "The box that holds the points: all lower bounds, then all upper bounds")
       ->type_name("LO.. HI..")
-      ->expected(2, 1 << 20)
       ->check(CLI::Validator(
           [](std::string& text) {
-            double value = 0;
-            return parse_number(text, Range<double>{}, value);
+            std::vector<double> box;
+            return parse_box(text, box);
           },
           ""));
-  add_common(*command, arguments, ".npy, .csv, .txt");
+  add_common(*command, arguments, ".npy, .csv, .txt", "as the points are stored; text: float64");
   add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too");
   command->footer(
       "Example: ccvt tessellate points.csv --sites 100 --periodic --box 0 0 1 1 -o sites.csv");
@@ -165,7 +193,7 @@ CLI::App* add_stipple(CLI::App& app, StippleArguments& arguments) {
   add_number<double>(*command, "--dot-radius", arguments.dot_radius,
                      "In pixels of the picture [such that dots cover as much as is dark]", "R",
                      {.least = 0, .most = infinity, .open_below = true});
-  add_common(*command, arguments, ".svg, .png; dot centres in pixels: .csv, .txt, .npy");
+  add_common(*command, arguments, ".svg, .png; dot centres in pixels: .csv, .txt, .npy", "float32");
   command->footer("Example: ccvt stipple photo.png --sites 20000 -o dots.svg");
   return command;
 }
@@ -185,11 +213,14 @@ int run_command_line(int argc, const char* const* argv) {
   const CLI::App* const tessellate_command = add_tessellate(app, tessellate);
   add_stipple(app, stipple);
   try {
-    app.parse(argc, argv);
+    app.parse(reversed_arguments(argc, argv));
   } catch (const CLI::Success& success) {  // help, version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    throw InvalidInput(std::string(error.what()) + "; see ccvt --help");
+    const std::vector<std::string> unknown = app.remaining(true);
+    throw InvalidInput(
+        (unknown.empty() ? error.what() : "unknown argument '" + unknown.front() + "'") +
+        "; see ccvt --help");
   }
   if (sample_command->parsed()) return run_sample(sample);
   if (tessellate_command->parsed()) return run_tessellate(tessellate);

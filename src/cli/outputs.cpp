@@ -82,7 +82,8 @@ void Outputs::check() const {
       if (&other == &file) continue;
       std::error_code error;
       if (fs::equivalent(file.path, other.path, error) ||
-          fs::weakly_canonical(file.path, error) == fs::weakly_canonical(other.path, error)) {
+          fs::weakly_canonical(fs::absolute(file.path, error), error) ==
+              fs::weakly_canonical(fs::absolute(other.path, error), error)) {
         throw InvalidInput(file.path.string() + ": " + file.option + " and " + other.option +
                            " name the same file; they must differ");
       }

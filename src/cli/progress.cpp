@@ -12,7 +12,7 @@ namespace ccvt::cli {
 
 namespace {
 
-constexpr std::size_t kBarWidth = 24;
+constexpr std::size_t kBarWidth = 14;
 constexpr auto kInterval = std::chrono::milliseconds(50);
 
 std::size_t terminal_width() {
@@ -46,7 +46,7 @@ void Progress::show(const IterationRecord& record, Index sites) {
       std::clamp(1 - active, 0.0, 1.0) * static_cast<double>(kBarWidth) + 0.5);
   char text[200];
   const int length = std::snprintf(
-      text, sizeof text, "] level %d/%d  iteration %d  active %5.1f %%  energy %.6g  %.1f s",
+      text, sizeof text, "] level %d/%d  iteration %d  active %4.1f %%  energy %.5g  %.1f s",
       record.level + 1, record.levels, record.iteration, 100 * active, record.energy,
       record.seconds);
   std::string line = "[" + std::string(settled, '#') + std::string(kBarWidth - settled, '.');

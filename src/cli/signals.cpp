@@ -1,11 +1,11 @@
 #include "cli/signals.h"
 
+#include <unistd.h>
+
 #include <csignal>
 #include <cstddef>
 #include <cstring>
 #include <string>
-
-#include <unistd.h>
 
 #include "ccvt/io.h"
 
@@ -42,12 +42,15 @@ extern "C" void on_termination(int signal) {
 
 void handle(int signal, void (*handler)(int)) {
   struct sigaction action = {};
-  if (::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN) return;
-  action = {};
   action.sa_handler = handler;
   action.sa_flags = SA_RESTART;
   ::sigemptyset(&action.sa_mask);
   ::sigaction(signal, &action, nullptr);
+}
+
+bool is_ignored(int signal) {
+  struct sigaction action = {};
+  return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
 }  // namespace
@@ -55,7 +58,7 @@ void handle(int signal, void (*handler)(int)) {
 void handle_signals() {
   handle(SIGINT, on_interrupt);
   handle(SIGTERM, on_termination);
-  handle(SIGHUP, on_termination);
+  if (!is_ignored(SIGHUP)) handle(SIGHUP, on_termination);  // as nohup asks
 }
 
 bool interrupted() { return interrupt_count != 0; }

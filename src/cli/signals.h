@@ -7,7 +7,8 @@ namespace ccvt::cli {
 
 /// From now on the first Ctrl-C (SIGINT) makes interrupted() true; the second one removes
 /// unfinished outputs and ends the program with status 130. SIGTERM and SIGHUP end it at once,
-/// without leaving unfinished outputs either. A SIGINT that is ignored stays so.
+/// without leaving unfinished outputs either; a SIGHUP that is ignored stays so. SIGINT is handled
+/// even where it was ignored, as shells have it for the background jobs of scripts.
 void handle_signals();
 
 [[nodiscard]] bool interrupted();

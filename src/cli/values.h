@@ -45,8 +45,8 @@ template <class Number>
 std::string parse_number(std::string_view text, const Range<Number>& range, Number& value) {
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
-  bool good = error == std::errc() && stop == end && value >= range.least &&
-              value <= range.most && !(range.open_below && value == range.least) &&
+  bool good = error == std::errc() && stop == end && value >= range.least && value <= range.most &&
+              !(range.open_below && value == range.least) &&
               !(range.open_above && value == range.most);
   if constexpr (!std::is_integral_v<Number>) good = good && std::isfinite(value);
   if (good) return {};

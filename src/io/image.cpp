@@ -72,13 +72,13 @@ Image read_image(const std::filesystem::path& path) {
 
 void write_png(const std::filesystem::path& path, const Image& image) {
   if (io::extension_of(path) != ".png") {
-    throw InvalidInput(path.string() + ": unknown extension " +
-                       io::quoted(io::extension_of(path)) + "; pictures go into .png");
+    throw InvalidInput(path.string() + ": unknown extension " + io::quoted(io::extension_of(path)) +
+                       "; pictures go into .png");
   }
-  const auto pixels = image.width < 1 || image.height < 1
-                          ? std::uint64_t{0}
-                          : static_cast<std::uint64_t>(image.width) *
-                                static_cast<std::uint64_t>(image.height);
+  const auto pixels =
+      image.width < 1 || image.height < 1
+          ? std::uint64_t{0}
+          : static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height);
   if (pixels == 0 || pixels > kMostPixels || image.values.size() != pixels) {
     throw InvalidInput("image: has " + std::to_string(image.values.size()) + " values for " +
                        std::to_string(image.width) + " x " + std::to_string(image.height) +

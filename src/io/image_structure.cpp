@@ -11,7 +11,8 @@ namespace {
 
 using Bytes = std::span<const unsigned char>;
 
-constexpr std::array<unsigned char, 8> kPngSignature = {0x89, 'P', 'N', 'G', 0x0D, 0x0A, 0x1A, 0x0A};
+constexpr std::array<unsigned char, 8> kPngSignature = {0x89, 'P',  'N',  'G',
+                                                        0x0D, 0x0A, 0x1A, 0x0A};
 
 std::uint32_t big_endian(Bytes bytes, std::size_t at, std::size_t width) {
   std::uint32_t value = 0;

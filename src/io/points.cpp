@@ -50,7 +50,8 @@ PointsHeader check_npy_points(const InputFile& file, const NpyHeader& header) {
   const std::uint64_t count = header.shape[0];
   const std::uint64_t dimension = header.shape[1];
   if (count == 0) file.fail("has the shape " + io::shape_text(header.shape) + ": no points");
-  if (dimension == 0) file.fail("has the shape " + io::shape_text(header.shape) + ": no dimensions");
+  if (dimension == 0)
+    file.fail("has the shape " + io::shape_text(header.shape) + ": no dimensions");
   if (count > kMostPoints || dimension > kMostDimensions) {
     file.fail("has the shape " + io::shape_text(header.shape) +
               "; at most 2147483647 points and 16777216 dimensions are supported");
@@ -88,8 +89,8 @@ void convert_data(InputFile& file, Points<Scalar>& points) {
       const auto value = static_cast<Scalar>(block[i]);
       if (std::isfinite(block[i]) && !std::isfinite(value)) {
         const auto at = static_cast<Eigen::Index>(done + i);
-        fail_coordinate(file, at / points.rows(), at % points.rows(),
-                        static_cast<double>(block[i]), "is out of the range of float32");
+        fail_coordinate(file, at / points.rows(), at % points.rows(), static_cast<double>(block[i]),
+                        "is out of the range of float32");
       }
       points.data()[done + i] = value;
     }

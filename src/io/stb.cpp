@@ -52,7 +52,8 @@ Pixels decode_image(std::span<const unsigned char> bytes, std::string& error) {
 bool encode_png(int width, int height, const std::uint8_t* grey,
                 const std::function<void(const void*, std::size_t)>& write) {
   const auto forward = [](void* context, void* data, int size) {
-    const auto& target = *static_cast<const std::function<void(const void*, std::size_t)>*>(context);
+    const auto& target =
+        *static_cast<const std::function<void(const void*, std::size_t)>*>(context);
     target(data, static_cast<std::size_t>(size));
   };
   auto context = write;

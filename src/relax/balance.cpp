@@ -5,7 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "relax/kernels.h"
+#include "kernels/kernels.h"
 #include "relax/site_graph.h"
 
 namespace ccvt {

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "relax/filling.h"
-#include "relax/metric.h"
+#include "geometry/metric.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
 

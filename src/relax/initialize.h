@@ -9,7 +9,7 @@
 #include "parallel/arena.h"
 #include "relax/cells.h"
 #include "relax/filling.h"
-#include "relax/metric.h"
+#include "geometry/metric.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "parallel/arena.h"
-#include "relax/metric.h"
+#include "geometry/metric.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
 #include "spatial/site_tree.h"

@@ -8,7 +8,7 @@
 #include "ccvt/domain.h"
 #include "ccvt/types.h"
 #include "parallel/arena.h"
-#include "relax/metric.h"
+#include "geometry/metric.h"
 #include "relax/site_state.h"
 #include "spatial/site_tree.h"
 

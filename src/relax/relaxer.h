@@ -10,7 +10,7 @@
 #include "parallel/arena.h"
 #include "relax/cells.h"
 #include "relax/meeting_pairs.h"
-#include "relax/metric.h"
+#include "geometry/metric.h"
 #include "relax/site_state.h"
 #include "relax/swap.h"
 #include "schedule/schedule.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "relax/kernels.h"
+#include "kernels/kernels.h"
 
 namespace ccvt {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 /// In fewer dimensions bounding spheres tell more, more cheaply.
 constexpr int kScreenDimensions = 6;
 /// Sites in a block: small enough that both blocks of a pair of blocks stay in cache.
-constexpr Index kBlockSites = 60;
+constexpr Index kBlockSites = 126;
 static_assert(kBlockSites % kernels::kDotSites == 0);
 
 /// All sites relative to their mean, in blocks; the touched sites of a block come first.
@@ -87,10 +87,11 @@ struct CentredCell {
     for (int d = 0; d < sites.dimension; ++d, from += count, to += stride) {
       const double origin = sites.at(site)[d];
       const Scalar own = blocks.centred(site, d);
-      for (Index k = 0; k < stride; ++k) {
-        to[k] = static_cast<Scalar>(static_cast<double>(from[std::min(k, count - 1)]) - origin);
-        offset[static_cast<std::size_t>(k)] += to[k] * own;
+      for (Index k = 0; k < count; ++k) {
+        to[k] = static_cast<Scalar>(static_cast<double>(from[k]) - origin);
       }
+      std::fill(to + count, to + stride, to[count - 1]);
+      for (Index k = 0; k < stride; ++k) offset[static_cast<std::size_t>(k)] += to[k] * own;
     }
   }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "ccvt/types.h"
-#include "relax/metric.h"
+#include "geometry/metric.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "relax/kernels.h"
+#include "kernels/kernels.h"
 
 namespace ccvt {
 namespace {

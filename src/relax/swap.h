@@ -5,7 +5,7 @@
 
 #include "ccvt/options.h"
 #include "relax/cells.h"
-#include "relax/metric.h"
+#include "geometry/metric.h"
 #include "relax/site_state.h"
 
 namespace ccvt {

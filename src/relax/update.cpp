@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "relax/kernels.h"
+#include "kernels/kernels.h"
 
 namespace ccvt {
 namespace {

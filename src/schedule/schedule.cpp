@@ -1,38 +1,32 @@
 #include "schedule/schedule.h"
 
 #include <algorithm>
-#include <numeric>
+#include <set>
+#include <utility>
 
 namespace ccvt {
 
 Batches greedy_batches(std::span<const Pair> pairs, Index nodes) {
   Batches batches;
-  std::vector<std::vector<std::uint8_t>> used;
-  std::vector<std::size_t> by_size;  // batch numbers, smallest batch first
+  std::vector<std::vector<std::uint8_t>> used;           // [batch][node]
+  std::set<std::pair<std::size_t, std::size_t>> by_size;  // (size, batch)
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const auto a = static_cast<std::size_t>(pairs[p].first);
     const auto b = static_cast<std::size_t>(pairs[p].second);
-    std::size_t rank = 0;
-    while (rank < by_size.size() && (used[by_size[rank]][a] != 0 || used[by_size[rank]][b] != 0)) {
-      ++rank;
-    }
-    if (rank == by_size.size()) {
-      by_size.push_back(batches.size());
+    auto smallest = std::find_if(by_size.begin(), by_size.end(), [&](const auto& entry) {
+      return used[entry.second][a] == 0 && used[entry.second][b] == 0;
+    });
+    if (smallest == by_size.end()) {
+      smallest = by_size.emplace(0, batches.size()).first;
       batches.emplace_back();
       used.emplace_back(static_cast<std::size_t>(nodes), std::uint8_t{0});
-      // The new batch is the smallest; it goes before all others but after none of its size.
-      std::rotate(by_size.begin(), by_size.end() - 1, by_size.end());
-      rank = 0;
     }
-    const std::size_t batch = by_size[rank];
+    auto entry = by_size.extract(smallest);
+    const std::size_t batch = entry.value().second;
     batches[batch].push_back(static_cast<Index>(p));
     used[batch][a] = used[batch][b] = 1;
-    const auto after = [&](std::size_t x, std::size_t y) {
-      return batches[x].size() != batches[y].size() ? batches[x].size() > batches[y].size() : x > y;
-    };
-    for (; rank + 1 < by_size.size() && after(by_size[rank], by_size[rank + 1]); ++rank) {
-      std::swap(by_size[rank], by_size[rank + 1]);
-    }
+    entry.value().first = batches[batch].size();
+    by_size.insert(std::move(entry));
   }
   return batches;
 }

@@ -11,6 +11,8 @@
 #include <limits>
 #include <numeric>
 
+#include "kernels/kernels.h"
+
 namespace ccvt {
 namespace {
 
@@ -123,6 +125,11 @@ void SiteTree::remove(Index site) {
 
 Index SiteTree::nearest(const double* query) const {
   if (available_ == 0) return -1;
+  if (scan_ && !metric_.periodic()) {
+    const Index slot = kernels::nearest_position(query, positions_.data(),
+                                                 static_cast<Index>(site_.size()), dimension_);
+    return site_[static_cast<std::size_t>(slot)];
+  }
   if (scan_) {
     double best = std::numeric_limits<double>::infinity();
     std::size_t best_slot = 0;

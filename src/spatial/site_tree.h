@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "ccvt/types.h"
-#include "relax/metric.h"
+#include "geometry/metric.h"
 
 namespace ccvt {
 

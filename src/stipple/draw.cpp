@@ -33,7 +33,8 @@ void append_decimal(std::string& text, double value, int decimals) {
 double scale_for(double radius, int width, int height) {
   const double area = static_cast<double>(width) * height;
   const double wanted = std::max(1.0, kLeastDrawnRadius / radius);
-  return std::min(wanted, std::max(1.0, std::floor(std::sqrt(kMostAutomaticPixels / area) * 64) / 64));
+  return std::min(wanted,
+                  std::max(1.0, std::floor(std::sqrt(kMostAutomaticPixels / area) * 64) / 64));
 }
 
 }  // namespace
@@ -41,8 +42,8 @@ double scale_for(double radius, int width, int height) {
 template <class Scalar>
 void write_svg(const std::filesystem::path& path, const Stippling<Scalar>& stippling) {
   if (io::extension_of(path) != ".svg") {
-    throw InvalidInput(path.string() + ": unknown extension " +
-                       io::quoted(io::extension_of(path)) + "; drawings go into .svg");
+    throw InvalidInput(path.string() + ": unknown extension " + io::quoted(io::extension_of(path)) +
+                       "; drawings go into .svg");
   }
   // A hundredth of a radius is below what any device shows.
   const double radius = stippling.dot_radius;
@@ -53,11 +54,12 @@ void write_svg(const std::filesystem::path& path, const Stippling<Scalar>& stipp
   std::string r;
   append_decimal(r, radius, decimals + 1);
   io::OutputFile file(path);
-  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-                     "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width +
-                     "\" height=\"" + height + "\" viewBox=\"0 0 " + width + " " + height +
-                     "\">\n<rect width=\"" + width + "\" height=\"" + height +
-                     "\" fill=\"#fff\"/>\n<g fill=\"#000\">\n";
+  std::string text =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" +
+      width + "\" height=\"" + height + "\" viewBox=\"0 0 " + width + " " + height +
+      "\">\n<rect width=\"" + width + "\" height=\"" + height +
+      "\" fill=\"#fff\"/>\n<g fill=\"#000\">\n";
   for (Eigen::Index dot = 0; dot < stippling.dots.cols(); ++dot) {
     text += "<circle cx=\"";
     append_decimal(text, static_cast<double>(stippling.dots(0, dot)), decimals);

@@ -12,9 +12,12 @@ namespace ccvt {
 
 namespace {
 
+// Places of the raster: as many as there are in squares of a fifth of the radius, within limits.
+constexpr double kPlacesPerSquaredRadius = 25;
+constexpr double kFewestPlaces = 5e5;
 constexpr double kMostPlaces = 8e6;
-constexpr double kLeastPlaces = 100;
-constexpr double kPlacesPerRadius = 5;
+/// Covered places that make a measurement.
+constexpr double kFewestCovered = 100;
 
 struct Interval {
   double lower;
@@ -118,11 +121,12 @@ double dot_radius_for(const Points<Scalar>& dots, int width, int height, double 
     const double part = x.length() * y.length();
     if (!(part > 0)) return least;
     if (part < ink) continue;
-    const double step = std::max(
-        std::min({least / kPlacesPerRadius, x.length(), y.length()}), std::sqrt(part / kMostPlaces));
+    const double step =
+        std::sqrt(part / std::clamp(kPlacesPerSquaredRadius * part / (least * least), kFewestPlaces,
+                                    kMostPlaces));
     DistanceRaster raster(x, y, step);
     const double rank = raster.places(ink);
-    if (rank < kLeastPlaces) return least;
+    if (rank < kFewestCovered) return least;
     raster.measure(dots, reach);
     const double squared = raster.nth_squared(rank);
     if (std::isfinite(squared)) return std::sqrt(squared);

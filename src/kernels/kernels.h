@@ -65,6 +65,10 @@ struct Spread {
 template <class Scalar>
 Spread spread_around(const Scalar* block, Index count, int dimension, const double* centre);
 
+/// The number of the position nearest to `query` (Euclidean), the first of several. `positions`:
+/// `count` >= 1 of them, `dimension` values each, one after the other.
+Index nearest_position(const double* query, const double* positions, Index count, int dimension);
+
 /// For each of `sites` sites (a multiple of kDotSites, `dimension` values each, one after the other)
 /// the largest over the points of (point . site) - offset[point]. `block` has `stride` points (a
 /// multiple of dot_points<Scalar>()). The inner loop of a matrix product, without the product.

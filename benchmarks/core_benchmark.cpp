@@ -1,0 +1,227 @@
+// Prints the figures that README.md and benchmarks/README.md quote for the core of the library.
+
+#include <flann/algorithms/dist.h>
+// FLANN's headers need this order.
+#include <flann/algorithms/kdtree_single_index.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ccvt/sampling.h"
+#include "ccvt/solver.h"
+#include "ccvt/version.h"
+#include "support/spectrum.h"
+
+namespace {
+
+using ccvt::Box;
+using ccvt::Distribution;
+using ccvt::Index;
+using ccvt::Options;
+using Points2 = Eigen::Matrix<float, 2, Eigen::Dynamic>;
+
+double seconds_of(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+double peak_megabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+/// The yardstick: build a k-d tree of n sites and find the nearest to every point, one thread.
+double flann_pass(const Points2& points, Index sites) {
+  using Tree = flann::KDTreeSingleIndex<flann::L2_Simple<float>>;
+  return seconds_of([&] {
+    std::vector<float> copy(points.data(), points.data() + 2 * sites);
+    Tree tree(flann::Matrix<float>(copy.data(), static_cast<std::size_t>(sites), 2),
+              flann::KDTreeSingleIndexParams(10, true));
+    tree.buildIndex();
+    std::vector<Index> owner(static_cast<std::size_t>(points.cols()));
+    for (Eigen::Index p = 0; p < points.cols(); ++p) {
+      flann::KNNSimpleResultSet<float> result(1);
+      tree.findNeighbors(result, points.data() + 2 * p,
+                         flann::SearchParams(flann::FLANN_CHECKS_UNLIMITED));
+      std::size_t nearest = 0;
+      float distance = 0;
+      result.copy(&nearest, &distance, 1, false);
+      owner[static_cast<std::size_t>(p)] = static_cast<Index>(nearest);
+    }
+  });
+}
+
+/// Default options, one thread, unit square, white noise, float; in turn with the FLANN pass.
+void speed(int repetitions) {
+  std::printf("## Speed: one thread, 2D square, float, white noise, to stable\n\n");
+  std::printf("| sites x points a site | seconds | FLANN pass, s | ratio | iterations "
+              "| normalized energy |\n|---|---|---|---|---|---|\n");
+  for (const auto& [sites, capacity] :
+       {std::pair{1024, 256}, {4096, 256}, {4096, 1024}, {16384, 256}}) {
+    std::vector<double> ours;
+    std::vector<double> theirs;
+    std::vector<double> ratios;
+    ccvt::Summary last;
+    for (int r = 0; r < repetitions; ++r) {
+      const auto seed = static_cast<std::uint64_t>(r + 1);
+      const auto points = ccvt::sample_uniform<float, 2>(Box::unit(2), sites * capacity, seed,
+                                                         Distribution::white);
+      theirs.push_back(flann_pass(points, sites));
+      last = ccvt::tessellate(points, sites, {.threads = 1, .seed = seed}).summary;
+      ours.push_back(last.seconds_total);
+      ratios.push_back(ours.back() / theirs.back());
+    }
+    std::printf("| %d x %d | %.3f | %.3f | %.2f | %d | %.4f |\n", sites, capacity, median(ours),
+                median(theirs), median(ratios), last.iterations, last.normalized_energy);
+    std::fflush(stdout);
+  }
+  std::printf("\nMedians of %d runs with different points, each next to its FLANN pass.\n\n",
+              repetitions);
+}
+
+/// What each choice in the default options is worth: the same points for every row.
+void choices(int repetitions) {
+  struct Row {
+    const char* name;
+    Options options;
+  };
+  Options coherent{.threads = 1, .initialization = ccvt::Initialization::coherent,
+                   .automatic_initialization = false};
+  Options coherent_flat = coherent;
+  coherent_flat.multilevel = false;
+  Options paper = Options::fast_ccvt();
+  paper.threads = 1;
+  const std::vector<Row> rows{
+      {"default", {.threads = 1}},
+      {"two threads", {.threads = 2}},
+      {"one level", {.threads = 1, .multilevel = false}},
+      {"coherent start", coherent},
+      {"coherent start, one level", coherent_flat},
+      {"pair cache, 5 passes", {.threads = 1, .cached_passes = 5}},
+      {"tiles of one site", {.threads = 1, .tile_sites = 1}},
+      {"heap swap", {.threads = 1, .swap = ccvt::SwapMethod::heap}},
+      {"point distance pruning", {.threads = 1, .point_pruning = ccvt::PointPruning::distance}},
+      {"the paper's fast CCVT", paper},
+  };
+  constexpr Index kSites = 4096;
+  std::printf("## Choices: %d sites x 256, torus, float, white noise, to stable\n\n", kSites);
+  std::printf("| options | seconds | of default | iterations | pairs examined | points exchanged "
+              "| normalized energy |\n|---|---|---|---|---|---|---|\n");
+  std::vector<std::vector<double>> times(rows.size());
+  std::vector<ccvt::Summary> last(rows.size());
+  for (int r = 0; r < repetitions; ++r) {
+    const auto seed = static_cast<std::uint64_t>(r + 1);
+    const auto points =
+        ccvt::sample_uniform<float, 2>(Box::unit(2), kSites * 256, seed, Distribution::white);
+    ccvt::Problem<float> problem(points, kSites);
+    problem.set_domain(ccvt::Domain::periodic(Box::unit(2)));
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      Options options = rows[k].options;
+      options.seed = seed;
+      last[k] = ccvt::tessellate<2>(problem, options).summary;
+      times[k].push_back(last[k].seconds_total);
+    }
+  }
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    std::printf("| %s | %.3f | %.2f | %d | %lld | %lld | %.4f |\n", rows[k].name, median(times[k]),
+                median(times[k]) / median(times[0]), last[k].iterations,
+                static_cast<long long>(last[k].pairs), static_cast<long long>(last[k].exchanged),
+                last[k].normalized_energy);
+  }
+  std::printf("\nMedians of %d runs, rows in turn; the other figures are of the last run.\n\n",
+              repetitions);
+}
+
+/// The spectrum of ten runs of 1024 sites x 256 on the torus.
+void quality() {
+  std::printf("## Quality: 1024 sites x 256, torus, default options, 10 runs\n\n");
+  std::printf("| points | mean power below .25 sqrt(n) | worst anisotropy beyond .875 sqrt(n), dB "
+              "| normalized energy | smallest distance / hexagonal |\n|---|---|---|---|---|\n");
+  for (const auto distribution : {Distribution::white, Distribution::jittered}) {
+    ccvt::support::RadialSpectrum spectrum(1024);
+    double energy = 0;
+    double distance = 0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const auto points =
+          ccvt::sample_uniform<float, 2>(Box::unit(2), 1024 * 256, seed, distribution);
+      ccvt::Problem<float> problem(points, 1024);
+      problem.set_domain(ccvt::Domain::periodic(Box::unit(2)));
+      const auto result = ccvt::tessellate<2>(problem, {.seed = seed});
+      spectrum.add(result.sites);
+      energy += result.summary.normalized_energy / 10;
+      distance += ccvt::support::smallest_distance(result.sites) / 10;
+    }
+    double worst = -1000;
+    for (const auto& ring : spectrum.rings()) {
+      if (ring.frequency > 0.875) worst = std::max(worst, ring.anisotropy);
+    }
+    std::printf("| %s | %.5f | %.2f | %.4f | %.3f |\n",
+                distribution == Distribution::white ? "white" : "jittered",
+                spectrum.low_frequency_power(), worst, energy, distance);
+  }
+  std::printf("\n");
+}
+
+/// Time against dimension: 1024 sites x 64, jittered, Euclidean.
+void dimensions() {
+  std::printf("## Dimensions: 1024 sites x 64, unit cube, float, one thread, to stable\n\n");
+  std::printf("| D | seconds | start | iterations | pairs examined | energy / start energy |\n"
+              "|---|---|---|---|---|---|\n");
+  for (const int dimension : {1, 2, 3, 4, 8, 16, 64, 128}) {
+    const auto points = ccvt::sample_uniform<float>(Box::unit(dimension), 1024 * 64, 1);
+    const auto s = ccvt::tessellate(points, 1024, {.threads = 1}).summary;
+    std::printf("| %d | %.3f | %s | %d | %lld | %.3f |\n", dimension, s.seconds_total,
+                s.initialization_used.c_str(), s.iterations, static_cast<long long>(s.pairs),
+                s.energy / s.initial_energy);
+    std::fflush(stdout);
+  }
+  std::printf("\n");
+}
+
+/// Peak memory of this whole process, points and result included.
+void memory(Index sites) {
+  const Index count = sites * 256;
+  const auto points =
+      ccvt::sample_uniform<float, 2>(Box::unit(2), count, 1, Distribution::white);
+  const auto result = ccvt::tessellate(points, sites, {.threads = 1});
+  const double coordinates = 2.0 * sizeof(float) * count / (1024 * 1024);
+  std::printf("## Memory: %d sites x 256, 2D, float\n\n", sites);
+  std::printf("coordinates %.0f MB, peak of the process %.0f MB: (peak - 100 MB) / coordinates = "
+              "%.2f (%s)\n\n",
+              coordinates, peak_megabytes(), (peak_megabytes() - 100) / coordinates,
+              to_string(result.summary.termination));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string what = argc > 1 ? argv[1] : "all";
+  const int repetitions = argc > 2 ? std::max(1, std::atoi(argv[2])) : 5;
+  const bool all = what == "all";
+  std::printf("ccvt %s, %s\n\n", CCVT_VERSION, __VERSION__);
+  if (all || what == "speed") speed(repetitions);
+  if (all || what == "choices") choices(repetitions);
+  if (all || what == "quality") quality();
+  if (all || what == "dimensions") dimensions();
+  if (all || what == "memory") memory(65536);
+  const std::vector<std::string> known{"all", "speed", "choices", "quality", "dimensions", "memory"};
+  if (std::find(known.begin(), known.end(), what) == known.end()) {
+    std::fprintf(stderr,
+                 "usage: core_benchmark [all|speed|choices|quality|dimensions|memory] [RUNS]\n");
+    return 2;
+  }
+  return 0;
+}

@@ -1,0 +1,246 @@
+// Schedules and levels: who is examined when, and who joins when.
+#include "schedule/schedule.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <numeric>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "random.h"
+#include "relax/levels.h"
+#include "support/generate.h"
+
+using ccvt::Batches;
+using ccvt::Index;
+using ccvt::Options;
+using ccvt::Pair;
+using ccvt::Random;
+using ccvt::Schedule;
+
+namespace {
+
+// `count` different pairs, in random order.
+std::vector<Pair> random_pairs(Random& random, Index nodes, std::size_t count) {
+  std::set<Pair> pairs;
+  while (pairs.size() < count) {
+    const auto n = static_cast<std::uint64_t>(nodes);
+    const auto a = static_cast<Index>(random.below(n));
+    const auto b = static_cast<Index>(random.below(n));
+    if (a != b) pairs.emplace(std::min(a, b), std::max(a, b));
+  }
+  std::vector<Pair> result(pairs.begin(), pairs.end());
+  random.shuffle(std::span(result));
+  return result;
+}
+
+bool conflict(const Pair& a, const Pair& b) {
+  return a.first == b.first || a.first == b.second || a.second == b.first || a.second == b.second;
+}
+
+// Program 5, cached stage, word for word; of batches of one size the oldest is taken.
+Batches naive_batches(const std::vector<Pair>& pairs) {
+  Batches batches;
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    std::vector<std::size_t> increasing(batches.size());
+    std::iota(increasing.begin(), increasing.end(), std::size_t{0});
+    std::stable_sort(increasing.begin(), increasing.end(), [&](std::size_t x, std::size_t y) {
+      return batches[x].size() < batches[y].size();
+    });
+    bool added = false;
+    for (const std::size_t b : increasing) {
+      const bool free = std::none_of(batches[b].begin(), batches[b].end(), [&](Index other) {
+        return conflict(pairs[static_cast<std::size_t>(other)], pairs[p]);
+      });
+      if (!free) continue;
+      batches[b].push_back(static_cast<Index>(p));
+      added = true;
+      break;
+    }
+    if (!added) batches.push_back({static_cast<Index>(p)});
+  }
+  return batches;
+}
+
+std::size_t most_conflicts(const std::vector<Pair>& pairs) {
+  std::size_t most = 0;
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    std::size_t count = 0;
+    for (std::size_t q = 0; q < pairs.size(); ++q) {
+      count += p != q && conflict(pairs[p], pairs[q]) ? 1 : 0;
+    }
+    most = std::max(most, count);
+  }
+  return most;
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("schedule");
+
+TEST_CASE("greedy batches follow Program 5") {
+  Random random(8);
+  for (const auto& [nodes, count] :
+       {std::pair<Index, std::size_t>{2, 1}, {5, 10}, {20, 15}, {20, 100}, {60, 200}, {12, 66}}) {
+    for (int trial = 0; trial < 10; ++trial) {
+      const auto pairs = random_pairs(random, nodes, count);
+      const Batches batches = ccvt::greedy_batches(pairs, nodes);
+      CHECK(batches == naive_batches(pairs));
+      CHECK(batches.size() <= most_conflicts(pairs) + 1);
+      std::vector<int> times(pairs.size(), 0);
+      for (const auto& batch : batches) {
+        std::set<Index> nodes_used;
+        for (const Index p : batch) {
+          const auto k = static_cast<std::size_t>(p);
+          ++times[k];
+          REQUIRE(nodes_used.insert(pairs[k].first).second);
+          REQUIRE(nodes_used.insert(pairs[k].second).second);
+        }
+      }
+      CHECK(std::all_of(times.begin(), times.end(), [](int t) { return t == 1; }));
+    }
+  }
+  CHECK(ccvt::greedy_batches({}, 5).empty());
+}
+
+TEST_CASE("round robin covers each pair once, in rounds without conflict") {
+  for (Index nodes = 1; nodes <= 33; ++nodes) {
+    std::set<Pair> seen;
+    for (Index round = 0; round < nodes; ++round) {
+      std::set<Index> used;
+      ccvt::round_robin(nodes, round, [&](Index a, Index b) {
+        REQUIRE((0 <= a && a < b && b < nodes));
+        REQUIRE(used.insert(a).second);
+        REQUIRE(used.insert(b).second);
+        REQUIRE(seen.emplace(a, b).second);
+      });
+      CHECK(used.size() + 2 >= static_cast<std::size_t>(nodes));  // nearly all take part
+    }
+    CHECK(seen.size() == static_cast<std::size_t>(nodes * (nodes - 1) / 2));
+  }
+}
+
+TEST_CASE("a schedule of tiles covers each pair once; tasks of a batch share no site") {
+  Random random(9);
+  for (const Index tile : {1, 2, 7, 64, 1000}) {
+    for (const Index sites : {2, 13, 64, 200}) {
+      const auto possible = static_cast<std::size_t>(sites * (sites - 1) / 2);
+      for (const std::size_t count : {std::size_t{1}, std::min<std::size_t>(possible, 600)}) {
+        auto pairs = random_pairs(random, sites, count);
+        const Schedule schedule = ccvt::schedule_pairs(pairs, sites, tile);
+        REQUIRE(schedule.pairs.size() == pairs.size());
+        std::int64_t next_pair = 0;
+        std::size_t tasks_seen = 0;
+        for (std::size_t b = 0; b < schedule.batch_count(); ++b) {
+          std::set<Index> taken;
+          REQUIRE_FALSE(schedule.batch(b).empty());
+          for (const auto& task : schedule.batch(b)) {
+            ++tasks_seen;
+            REQUIRE(task.begin == next_pair);
+            REQUIRE(task.end > task.begin);
+            next_pair = task.end;
+            if (tile == 1) REQUIRE(task.end == task.begin + 1);
+            std::set<Index> own;
+            std::set<Index> tiles;
+            for (auto p = task.begin; p < task.end; ++p) {
+              const Pair& pair = schedule.pairs[static_cast<std::size_t>(p)];
+              own.insert({pair.first, pair.second});
+              tiles.insert({pair.first / tile, pair.second / tile});
+            }
+            REQUIRE(tiles.size() <= 2);
+            for (const Index site : own) REQUIRE(taken.insert(site).second);
+          }
+        }
+        REQUIRE(tasks_seen == schedule.tasks.size());
+        REQUIRE(next_pair == static_cast<std::int64_t>(pairs.size()));
+        auto scheduled = schedule.pairs;
+        std::sort(scheduled.begin(), scheduled.end());
+        std::sort(pairs.begin(), pairs.end());
+        CHECK(scheduled == pairs);
+      }
+    }
+  }
+  CHECK(ccvt::schedule_pairs({}, 5, 1).batch_count() == 0);
+  CHECK(ccvt::schedule_pairs({}, 5, 64).batch_count() == 0);
+}
+
+TEST_CASE("with tiles of one site the schedule is the paper's") {
+  Random random(10);
+  const auto pairs = random_pairs(random, 50, 180);
+  const Schedule schedule = ccvt::schedule_pairs(pairs, 50, 1);
+  const Batches batches = naive_batches(pairs);
+  REQUIRE(schedule.batch_count() == batches.size());
+  std::size_t next = 0;
+  for (const auto& batch : batches) {
+    for (const Index p : batch) CHECK(schedule.pairs[next++] == pairs[static_cast<std::size_t>(p)]);
+  }
+}
+
+TEST_CASE("levels are nested, exact, and each point joins once") {
+  const auto unequal = ccvt::test::unequal_capacities(30);
+  for (const auto& capacities : {std::vector<Index>(40, 256), std::vector<Index>(3, 17), unequal,
+                                 std::vector<Index>(50, 1), std::vector<Index>{100}}) {
+    const Index points = ccvt::test::sum_of(capacities);
+    for (const int level_points : {1, 4, 100}) {
+      for (const int factor : {2, 4, 7}) {
+        CAPTURE(points);
+        CAPTURE(level_points);
+        CAPTURE(factor);
+        Options options;
+        options.level_points = level_points;
+        options.level_factor = factor;
+        const auto levels = ccvt::make_levels(capacities, points, options);
+        CHECK(levels.back().capacities == capacities);
+        std::vector<int> joins(static_cast<std::size_t>(points), 0);
+        Index joined = 0;
+        for (std::size_t l = 0; l < levels.size(); ++l) {
+          CHECK(std::is_sorted(levels[l].joining.begin(), levels[l].joining.end()));
+          for (const Index p : levels[l].joining) ++joins[static_cast<std::size_t>(p)];
+          joined += static_cast<Index>(levels[l].joining.size());
+          CHECK(joined == ccvt::test::sum_of(levels[l].capacities));
+          // A coarse level is worth having: `level_points` a site or more, and fewer than the next.
+          if (levels.size() > 1) {
+            CHECK(joined >= level_points * static_cast<Index>(capacities.size()));
+          }
+          for (std::size_t s = 0; l > 0 && s < capacities.size(); ++s) {
+            CHECK(levels[l - 1].capacities[s] >= 1);
+            CHECK(levels[l - 1].capacities[s] <= levels[l].capacities[s]);
+          }
+          if (l > 0) CHECK(levels[l - 1].joining.size() < static_cast<std::size_t>(joined));
+        }
+        CHECK(std::all_of(joins.begin(), joins.end(), [](int j) { return j == 1; }));
+      }
+    }
+  }
+}
+
+TEST_CASE("without multilevel, or with small capacities, there is one level") {
+  const std::vector<Index> capacities(10, 100);
+  Options options;
+  CHECK(ccvt::make_levels(capacities, 1000, options).size() == 3);  // 7, 25, 100 points a site
+  options.multilevel = false;
+  CHECK(ccvt::make_levels(capacities, 1000, options).size() == 1);
+  CHECK(ccvt::make_levels(std::vector<Index>(10, 15), 150, {}).size() == 1);
+}
+
+TEST_CASE("every point is as likely as any to be on the coarsest level") {
+  const std::vector<Index> capacities(4, 16);
+  std::vector<int> chosen(64, 0);
+  constexpr int trials = 4000;
+  for (int t = 0; t < trials; ++t) {
+    Options options;
+    options.seed = static_cast<std::uint64_t>(t);
+    const auto levels = ccvt::make_levels(capacities, 64, options);
+    REQUIRE(levels.size() == 2);
+    for (const Index p : levels[0].joining) ++chosen[static_cast<std::size_t>(p)];
+  }
+  // A quarter of the points: mean 1000, standard deviation 27.
+  for (const int count : chosen) CHECK(std::abs(count - trials / 4) < 5 * 27);
+}
+
+TEST_SUITE_END();

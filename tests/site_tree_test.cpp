@@ -1,0 +1,256 @@
+// Nearest sites, found by trees and grids, against looking at each. Distances are compared, never
+// numbers: ties happen.
+#include "spatial/site_tree.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "parallel/arena.h"
+#include "random.h"
+#include "relax/nearest_sites.h"
+#include "support/generate.h"
+#include "support/oracle.h"
+
+using ccvt::Arena;
+using ccvt::Box;
+using ccvt::Domain;
+using ccvt::Index;
+using ccvt::Metric;
+using ccvt::NearestSites;
+using ccvt::Points;
+using ccvt::Random;
+using ccvt::SiteState;
+using ccvt::SiteTree;
+using namespace ccvt::test;
+
+namespace {
+
+struct Sites {
+  Sites(Layout layout, int dim, bool is_periodic, Index count)
+      : dimension(dim),
+        box(uneven_box(dim)),
+        domain(is_periodic ? Domain::periodic(box) : Domain()),
+        metric(dim, domain),
+        positions(make_points<double>(layout, box, count)) {
+    // On a torus sites lie in [lower, upper).
+    for (Index s = 0; s < count; ++s) {
+      for (int d = 0; d < dim; ++d) positions(d, s) = metric.into_box(positions(d, s), d);
+    }
+  }
+  [[nodiscard]] std::span<const double> span() const {
+    return {positions.data(), static_cast<std::size_t>(positions.size())};
+  }
+  [[nodiscard]] Real squared(const double* query, Index site) const {
+    return squared_distance(domain, dimension, query, positions.col(site).data());
+  }
+
+  int dimension;
+  Box box;
+  Domain domain;
+  Metric metric;
+  Points<double> positions;
+};
+
+// Rounding of differences that wrap: of the size of the box.
+bool equal_distances(Real a, Real b) { return std::abs(a - b) <= 1e-13L * (1 + a + b); }
+
+// Random places, the sites' own and, on a torus, the corners of the box, both faces included.
+std::vector<Points<double>> queries_for(const Sites& sites, Index count) {
+  std::vector<Points<double>> queries;
+  const auto anywhere = make_points<double>(Layout::random, sites.box, count, 77);
+  for (Index q = 0; q < count; ++q) queries.emplace_back(anywhere.col(q));
+  for (Index s = 0; s < std::min<Index>(5, static_cast<Index>(sites.positions.cols())); ++s) {
+    queries.emplace_back(sites.positions.col(s));
+  }
+  queries.emplace_back(sites.box.lower);
+  queries.emplace_back(sites.box.upper);
+  return queries;
+}
+
+void check_nearest(const Sites& sites, const SiteTree& tree, const std::vector<bool>& gone,
+                   const double* query) {
+  Real best = std::numeric_limits<Real>::infinity();
+  for (Index s = 0; s < sites.positions.cols(); ++s) {
+    if (!gone[static_cast<std::size_t>(s)]) best = std::min(best, sites.squared(query, s));
+  }
+  const Index found = tree.nearest(query);
+  REQUIRE(found >= 0);
+  REQUIRE(found < sites.positions.cols());
+  REQUIRE_FALSE(gone[static_cast<std::size_t>(found)]);
+  REQUIRE(equal_distances(sites.squared(query, found), best));
+  REQUIRE(tree.nearest(query) == found);
+}
+
+void check_nearest_k(const Sites& sites, const SiteTree& tree, const std::vector<bool>& gone,
+                     const double* query, int k) {
+  std::vector<Real> all;
+  for (Index s = 0; s < sites.positions.cols(); ++s) {
+    if (!gone[static_cast<std::size_t>(s)]) all.push_back(sites.squared(query, s));
+  }
+  std::sort(all.begin(), all.end());
+  std::vector<Index> found{-7};  // what is there stays
+  tree.nearest(query, k, found);
+  REQUIRE(found.front() == -7);
+  REQUIRE(found.size() == 1 + std::min(static_cast<std::size_t>(k), all.size()));
+  REQUIRE(std::set<Index>(found.begin(), found.end()).size() == found.size());
+  for (std::size_t r = 1; r < found.size(); ++r) {
+    REQUIRE_FALSE(gone[static_cast<std::size_t>(found[r])]);
+    REQUIRE(equal_distances(sites.squared(query, found[r]), all[r - 1]));
+  }
+}
+
+void check_within(const Sites& sites, const SiteTree& tree, const std::vector<bool>& gone,
+                  const double* query, double radius) {
+  std::vector<Index> found;
+  tree.within(query, radius, found);
+  const std::set<Index> distinct(found.begin(), found.end());
+  REQUIRE(distinct.size() == found.size());
+  for (Index s = 0; s < sites.positions.cols(); ++s) {
+    const Real squared = sites.squared(query, s);
+    const Real limit = static_cast<Real>(radius) * radius;
+    const bool is_found = distinct.count(s) > 0;
+    if (gone[static_cast<std::size_t>(s)]) {
+      REQUIRE_FALSE(is_found);
+    } else if (!equal_distances(squared, limit)) {
+      REQUIRE(is_found == (squared < limit));
+    }
+  }
+}
+
+template <class Visit>
+void for_each_arrangement(Visit visit) {
+  for (const bool periodic : {false, true}) {
+    for (const int dimension : {1, 2, 3, 5, 8, 12, 13, 16}) {
+      for (const Layout layout : all_layouts) {
+        CAPTURE(periodic);
+        CAPTURE(dimension);
+        CAPTURE(name_of(layout));
+        visit(Sites(layout, dimension, periodic, 90));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("site tree");
+
+TEST_CASE("the nearest available site, down to the last, whatever the order of removal") {
+  for_each_arrangement([](const Sites& sites) {
+    const auto queries = queries_for(sites, 3);
+    for (const bool coherent : {false, true}) {
+      std::vector<Index> order(90);
+      std::iota(order.begin(), order.end(), 0);
+      Random random(2);
+      random.shuffle(std::span(order));
+      if (coherent) {
+        std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
+          return sites.positions(0, a) < sites.positions(0, b);
+        });
+      }
+      SiteTree tree(sites.metric, sites.span());
+      std::vector<bool> gone(90, false);
+      Index left = 90;
+      for (const Index site : order) {
+        REQUIRE(tree.available() == left);
+        for (const auto& query : queries) check_nearest(sites, tree, gone, query.data());
+        if (left % 9 == 1) {
+          check_nearest_k(sites, tree, gone, queries[0].data(), 7);
+          check_within(sites, tree, gone, queries[0].data(), 0.6);
+        }
+        tree.remove(site);
+        gone[static_cast<std::size_t>(site)] = true;
+        --left;
+      }
+      CHECK(tree.available() == 0);
+      CHECK(tree.nearest(queries[0].data()) == -1);
+      std::vector<Index> found;
+      tree.nearest(queries[0].data(), 3, found);
+      tree.within(queries[0].data(), 100, found);
+      CHECK(found.empty());
+    }
+  });
+}
+
+TEST_CASE("the k nearest sites, and all within a radius") {
+  for_each_arrangement([](const Sites& sites) {
+    const SiteTree tree(sites.metric, sites.span());
+    const std::vector<bool> gone(90, false);
+    for (const auto& query : queries_for(sites, 8)) {
+      for (const int k : {1, 2, 5, 30, 89, 90, 200}) {
+        check_nearest_k(sites, tree, gone, query.data(), k);
+      }
+      // The last reaches round the torus several times.
+      for (const double radius : {0.0, 0.05, 0.4, 1.1, 9.0}) {
+        check_within(sites, tree, gone, query.data(), radius);
+      }
+    }
+  });
+}
+
+TEST_CASE("one and two sites") {
+  for (const bool periodic : {false, true}) {
+    for (const Index count : {1, 2}) {
+      const Sites sites(Layout::random, 2, periodic, count);
+      const SiteTree tree(sites.metric, sites.span());
+      const std::vector<bool> gone(static_cast<std::size_t>(count), false);
+      for (const auto& query : queries_for(sites, 20)) {
+        check_nearest(sites, tree, gone, query.data());
+      }
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("nearest sites of many points at once", Scalar, float, double) {
+  const Arena arena(2);
+  for (const bool periodic : {false, true}) {
+    for (const int dimension : {1, 2, 3, 4, 9}) {
+      if (periodic && dimension > 5) continue;
+      for (const Layout layout : all_layouts) {
+        for (const Index count : {1, 2, 17, 200}) {
+          CAPTURE(periodic);
+          CAPTURE(dimension);
+          CAPTURE(name_of(layout));
+          CAPTURE(count);
+          const Sites sites(layout, dimension, periodic, count);
+          SiteState state(dimension, count);
+          std::copy_n(sites.positions.data(), sites.positions.size(), state.position.begin());
+          for (const Layout of_points : {Layout::random, Layout::grid, Layout::clusters}) {
+            Points<Scalar> points = make_points<Scalar>(of_points, sites.box, 800, 9);
+            points.col(0) = sites.box.lower.cast<Scalar>();
+            points.col(1) = sites.box.upper.cast<Scalar>();
+            std::vector<Index> which;
+            for (Index p = 0; p < 800; p += 1 + p % 2) which.push_back(p);
+            // Few queries, and so many that a grid pays.
+            for (const std::size_t queries : {which.size(), std::size_t{1'000'000}}) {
+              const NearestSites<Scalar> nearest(sites.metric, state, sites.box, queries, arena);
+              std::vector<Index> owner(which.size(), -1);
+              nearest(ccvt::view_points(points), which, owner.data());
+              for (std::size_t k = 0; k < which.size(); ++k) {
+                const Scalar* x = points.col(which[k]).data();
+                Real best = std::numeric_limits<Real>::infinity();
+                for (Index s = 0; s < count; ++s) {
+                  best = std::min(best, squared_distance(sites.domain, dimension, x,
+                                                         sites.positions.col(s).data()));
+                }
+                REQUIRE((owner[k] >= 0 && owner[k] < count));
+                REQUIRE(equal_distances(squared_distance(sites.domain, dimension, x,
+                                                         sites.positions.col(owner[k]).data()),
+                                        best));
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_SUITE_END();

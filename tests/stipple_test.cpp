@@ -1,0 +1,375 @@
+#include "ccvt/stipple.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "support/files.h"
+#include "support/png.h"
+
+namespace ccvt::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+Image constant_image(int width, int height, float value) {
+  return {width, height,
+          std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                             value)};
+}
+
+/// Dark on the right, with a black disc at the left.
+Image test_picture() {
+  Image image = constant_image(96, 64, 1);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const double dark = std::hypot(x - 20, y - 40) < 12 ? 1 : x / 120.0;
+      image.values[static_cast<std::size_t>(y * image.width + x)] = static_cast<float>(1 - dark);
+    }
+  }
+  return image;
+}
+
+double ink_of(const Image& image) {
+  const auto dark = darkness(image);
+  return std::accumulate(dark.begin(), dark.end(), 0.0);
+}
+
+/// The covered area inside the picture, by counting places of a grid of its own.
+template <class Scalar>
+double union_area(const Points<Scalar>& dots, double radius, int width, int height) {
+  const int fine = 7;
+  std::int64_t covered = 0;
+  for (int row = 0; row < height * fine; ++row) {
+    for (int column = 0; column < width * fine; ++column) {
+      const double x = (column + 0.5) / fine;
+      const double y = (row + 0.5) / fine;
+      for (Eigen::Index dot = 0; dot < dots.cols(); ++dot) {
+        const double dx = static_cast<double>(dots(0, dot)) - x;
+        const double dy = static_cast<double>(dots(1, dot)) - y;
+        if (dx * dx + dy * dy <= radius * radius) {
+          ++covered;
+          break;
+        }
+      }
+    }
+  }
+  return static_cast<double>(covered) / (fine * fine);
+}
+
+std::string refusal_of(const fs::path& path) {
+  try {
+    read_image(path);
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "nothing thrown";
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("stipple");
+
+TEST_CASE("a written picture comes back to 8 bits") {
+  const TemporaryDirectory directory;
+  const Image image = test_picture();
+  write_png(directory / "p.png", image);
+  const Image read = read_image(directory / "p.png");
+  REQUIRE(read.width == 96);
+  REQUIRE(read.height == 64);
+  REQUIRE(read.values.size() == image.values.size());
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    CHECK(std::abs(read.values[i] - image.values[i]) <= 0.5F / 255 + 1e-6F);
+  }
+  write_png(directory / "again.png", read);
+  CHECK(get(directory / "again.png") == get(directory / "p.png"));
+  Image wild = constant_image(3, 1, 2);
+  wild.values[1] = -1;
+  wild.values[2] = std::numeric_limits<float>::quiet_NaN();
+  write_png(directory / "wild.png", wild);
+  CHECK(read_image(directory / "wild.png").values == std::vector<float>{1, 0, 0});
+}
+
+TEST_CASE("grey, colour, alpha, 8 and 16 bits, palettes") {
+  const TemporaryDirectory directory;
+  const std::string palette =
+      png_chunk("PLTE", std::string("\xFF\xFF\xFF\x00\x00\x00\xFF\x00\x00", 9));
+  struct Case {
+    std::string png;
+    std::vector<double> expected;
+  };
+  const double half = 0x8000 / 65535.0;
+  const Case cases[] = {
+      {make_png(3, 1, 8, 0, {0, 51, 255}), {0, 0.2, 1}},
+      {make_png(1, 2, 8, 0, {0, 255}), {0, 1}},
+      {make_png(3, 1, 16, 0, {0, 0x8000, 65535}), {0, half, 1}},
+      {make_png(2, 1, 16, 0, {257, 258}), {257 / 65535.0, 258 / 65535.0}},
+      {make_png(3, 1, 8, 4, {0, 0, 0, 51, 255, 255}), {1, 0.8, 1}},
+      {make_png(2, 1, 16, 4, {0, 0x8000, 0x8000, 65535}), {1 - half, half}},
+      {make_png(4, 1, 8, 2, {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255}),
+       {0.2126, 0.7152, 0.0722, 1}},
+      {make_png(2, 1, 8, 6, {255, 0, 0, 102, 9, 9, 9, 0}), {0.6 + 0.4 * 0.2126, 1}},
+      {make_png(1, 1, 16, 6, {0, 65535, 0, 65535}), {0.7152}},
+      {make_png(3, 1, 8, 3, {0, 1, 2}, palette), {1, 0, 0.2126}},
+      {make_png(3, 1, 8, 3, {0, 1, 2}, palette + png_chunk("tRNS", std::string("\xFF\x00\xFF", 3))),
+       {1, 1, 0.2126}},
+  };
+  for (const auto& [png, expected] : cases) {
+    const Image image = read_image(put(directory / "p.png", png));
+    REQUIRE(image.values.size() == expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      CHECK(static_cast<double>(image.values[i]) == doctest::Approx(expected[i]).epsilon(1e-6));
+      if (expected[i] == 1) CHECK(image.values[i] == 1.0F);  // white has no ink at all
+    }
+  }
+}
+
+TEST_CASE("JPEG, and contents rather than names") {
+  const TemporaryDirectory directory;
+  const fs::path data = CCVT_TEST_DATA;
+  const Image gradient = read_image(data / "gradient.jpg");
+  CHECK(gradient.width == 24);
+  CHECK(gradient.height == 16);
+  CHECK(gradient(0, 0) == doctest::Approx(0.2126).epsilon(0.1));
+  CHECK(gradient(23, 15) == doctest::Approx(0.7152 + 0.0722 / 4).epsilon(0.1));
+  const Image grey = read_image(data / "grey_progressive.jpg");
+  CHECK(grey(3, 5) == doctest::Approx(128.0 / 255).epsilon(0.02));
+  fs::copy(data / "gradient.jpg", directory / "named.png");
+  CHECK(read_image(directory / "named.png").values == gradient.values);
+}
+
+TEST_CASE("every truncation of a picture is refused") {
+  const TemporaryDirectory directory;
+  const std::string whole[] = {make_png(2, 2, 8, 0, {0, 51, 102, 255}),
+                               get(fs::path(CCVT_TEST_DATA) / "gradient.jpg"),
+                               get(fs::path(CCVT_TEST_DATA) / "grey_progressive.jpg")};
+  for (const std::string& bytes : whole) {
+    REQUIRE(bytes.size() > 60);
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      const std::string message = refusal_of(put(directory / "p.png", bytes.substr(0, size)));
+      CAPTURE(size);
+      CAPTURE(message);
+      CHECK(message.rfind((directory / "p.png").string() + ": ", 0) == 0);
+    }
+    CHECK(refusal_of(put(directory / "p.png", bytes)) == "nothing thrown");
+  }
+}
+
+TEST_CASE("every damaged byte of a PNG is refused") {
+  const TemporaryDirectory directory;
+  const std::string good = make_png(2, 2, 8, 0, {0, 51, 102, 255});
+  for (std::size_t at = 0; at < good.size(); ++at) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ 0x10);
+    CAPTURE(at);
+    CHECK(refusal_of(put(directory / "p.png", bad)) != "nothing thrown");
+  }
+}
+
+TEST_CASE("pictures that claim too much are refused before they are decoded") {
+  const TemporaryDirectory directory;
+  const auto claim = [&](std::uint32_t width, std::uint32_t height) {
+    std::string png = make_png(1, 1, 8, 0, {0});
+    std::string header = big_endian(width) + big_endian(height);
+    header += std::string("\x08\x00\x00\x00\x00", 5);
+    png.replace(8, 25, png_chunk("IHDR", header));
+    return refusal_of(put(directory / "p.png", png));
+  };
+  CHECK(claim(1, 1) == "nothing thrown");
+  CHECK(claim(10000, 10000).find("more than its") != std::string::npos);
+  CHECK(claim(0xFFFFFFFF, 0xFFFFFFFF).find("at most 268435456") != std::string::npos);
+  CHECK(claim(0, 5).find("0 x 5 pixels") != std::string::npos);
+  CHECK(claim(2, 2).find("cannot be decoded") != std::string::npos);
+  CHECK(refusal_of(put(directory / "p.png", "GIF89a")).find("neither PNG nor") !=
+        std::string::npos);
+}
+
+TEST_CASE("darkness") {
+  Image image = constant_image(2, 1, 1);
+  image.values[0] = 0.25F;
+  CHECK(darkness(image) == std::vector<float>{0.75F, 0});
+  CHECK(darkness(image, true) == std::vector<float>{0.25F, 1});
+  CHECK(darkness(image, false, 2) == std::vector<float>{0.5625F, 0});
+  image.values[1] = 1.5F;
+  CHECK_THROWS_AS(darkness(image), InvalidInput);
+}
+
+TEST_CASE_TEMPLATE("stipple: dots follow the darkness", Scalar, float, double) {
+  const Image image = test_picture();
+  const Index sites = 600;
+  const auto result = stipple<Scalar>(image, sites, {.points_per_site = 64});
+  REQUIRE(result.dots.rows() == 2);
+  REQUIRE(result.dots.cols() == sites);
+  CHECK(result.width == 96);
+  CHECK(result.height == 64);
+  CHECK(result.summary.termination == Termination::stable);
+  CHECK(result.summary.points == sites * 64);
+  CHECK((result.dots.array() >= 0).all());
+  CHECK((result.dots.row(0).array() <= 96).all());
+  CHECK((result.dots.row(1).array() <= 64).all());
+
+  // Dots have equal shares of the ink, so every region has as many as its ink asks for. Cells
+  // on its border may go either way: some four for each cell of its diameter.
+  const auto dark = darkness(image);
+  const double ink = ink_of(image);
+  const auto share = [&](auto&& inside) {
+    double inked = 0;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        if (inside(x + 0.5, y + 0.5))
+          inked += static_cast<double>(dark[static_cast<std::size_t>(y * 96 + x)]);
+      }
+    }
+    Index dots = 0;
+    for (Eigen::Index dot = 0; dot < sites; ++dot) {
+      dots +=
+          inside(static_cast<double>(result.dots(0, dot)), static_cast<double>(result.dots(1, dot)))
+              ? 1
+              : 0;
+    }
+    CHECK(std::abs(dots - sites * inked / ink) < 20);
+  };
+  share([](double x, double) { return x < 48; });
+  share([](double, double y) { return y < 32; });
+  share([](double x, double y) { return std::hypot(x - 20.5, y - 40.5) < 12; });
+
+  // By default the dots cover as much as is dark.
+  CHECK(union_area(result.dots, result.dot_radius, 96, 64) == doctest::Approx(ink).epsilon(0.01));
+  const auto given = stipple<Scalar>(image, sites, {.points_per_site = 64, .dot_radius = 0.5});
+  CHECK(given.dot_radius == 0.5);
+  CHECK(given.dots == result.dots);
+}
+
+TEST_CASE("stipple: inverting the picture or the option is the same") {
+  const Image image = test_picture();
+  Image negative = image;
+  // In eighths, so that 1 - (1 - v) is v.
+  for (float& value : negative.values) value = std::round(value * 8) / 8;
+  Image positive = negative;
+  for (float& value : positive.values) value = 1 - value;
+  const auto a = stipple(negative, 100, {.points_per_site = 16, .invert = true});
+  const auto b = stipple(positive, 100, {.points_per_site = 16});
+  CHECK(a.dots == b.dots);
+  CHECK(a.dot_radius == b.dot_radius);
+}
+
+TEST_CASE("stipple refuses what cannot be done") {
+  const Image image = test_picture();
+  CHECK_THROWS_AS(stipple(constant_image(9, 9, 1), 10), InvalidInput);
+  CHECK_THROWS_AS(stipple(constant_image(9, 9, 0), 10, {.invert = true}), InvalidInput);
+  CHECK_THROWS_AS(stipple(image, 0), InvalidInput);
+  CHECK_THROWS_AS(stipple(image, -1), InvalidInput);
+  CHECK_THROWS_AS(stipple(image, 2000000000), InvalidInput);
+  CHECK_THROWS_AS(stipple(image, 10, {.points_per_site = 0}), InvalidInput);
+  CHECK_THROWS_AS(stipple(image, 10, {.gamma = 0}), InvalidInput);
+  CHECK_THROWS_AS(stipple(image, 10, {.gamma = std::nan("")}), InvalidInput);
+  CHECK_THROWS_AS(stipple(image, 10, {.dot_radius = -1}), InvalidInput);
+  CHECK_THROWS_AS(stipple(image, 10, {.tessellation = {.max_iterations = -1}}), InvalidInput);
+  Image wrong = image;
+  wrong.values.pop_back();
+  CHECK_THROWS_AS(stipple(wrong, 10), InvalidInput);
+  CHECK_THROWS_AS(stipple(Image{}, 10), InvalidInput);
+  wrong = image;
+  wrong.values[7] = std::numeric_limits<float>::quiet_NaN();
+  CHECK_THROWS_AS(stipple(wrong, 10), InvalidInput);
+}
+
+TEST_CASE("dot radius: single dots and overlaps") {
+  Points<double> one(2, 1);
+  one << 50, 40;
+  CHECK(dot_radius_for(one, 100, 80, 100) ==
+        doctest::Approx(std::sqrt(100 / std::numbers::pi)).epsilon(0.01));
+  // All of the picture: to the farthest corner.
+  CHECK(dot_radius_for(one, 100, 80, 8000) == doctest::Approx(std::hypot(50, 40)).epsilon(0.01));
+  // A dot in a corner has a quarter of its disc inside.
+  one << 0, 0;
+  CHECK(dot_radius_for(one, 100, 80, 100) ==
+        doctest::Approx(std::sqrt(400 / std::numbers::pi)).epsilon(0.01));
+  // Dots on one another count once.
+  const Points<double> many = Eigen::Vector2d(50, 40).replicate(1, 9);
+  CHECK(dot_radius_for(many, 100, 80, 100) ==
+        doctest::Approx(std::sqrt(100 / std::numbers::pi)).epsilon(0.01));
+  const Points<double> random = (Points<double>::Random(2, 60).array() + 1) * 40;
+  for (const double ink : {10.0, 500.0, 3000.0, 5500.0, 6400.0}) {
+    const double radius = dot_radius_for(random, 80, 80, ink);
+    CAPTURE(ink);
+    CHECK(union_area(random, radius, 80, 80) == doctest::Approx(ink).epsilon(0.015));
+  }
+  CHECK_THROWS_AS(dot_radius_for(random, 80, 80, 0), InvalidInput);
+  CHECK_THROWS_AS(dot_radius_for(random, 80, 80, 6401), InvalidInput);
+  CHECK_THROWS_AS(dot_radius_for(Points<double>(2, 0), 80, 80, 10), InvalidInput);
+  CHECK_THROWS_AS(dot_radius_for(Points<double>(Points<double>::Zero(3, 2)), 80, 80, 10),
+                  InvalidInput);
+}
+
+TEST_CASE("SVG has one circle a dot, where the dot is") {
+  const TemporaryDirectory directory;
+  Stippling<double> stippling;
+  stippling.width = 40;
+  stippling.height = 30;
+  stippling.dot_radius = 0.5;
+  stippling.dots = (Points<double>::Random(2, 500).array() + 1) * 15;
+  stippling.dots.col(0) << 0, 12;
+  write_svg(directory / "s.svg", stippling);
+  const std::string svg = get(directory / "s.svg");
+  CHECK(svg.find("viewBox=\"0 0 40 30\"") != std::string::npos);
+  CHECK(svg.find("<circle cx=\"0\" cy=\"12\" r=\"0.5\"/>") != std::string::npos);
+  CHECK(svg.substr(svg.size() - 7) == "</svg>\n");
+  Eigen::Index dot = 0;
+  for (std::size_t at = svg.find("<circle "); at != std::string::npos;
+       at = svg.find("<circle ", at + 1), ++dot) {
+    REQUIRE(dot < 500);
+    const std::size_t x = svg.find("cx=\"", at) + 4;
+    const std::size_t y = svg.find("cy=\"", at) + 4;
+    CHECK(std::abs(std::stod(svg.substr(x, 20)) - stippling.dots(0, dot)) <= 0.0051);
+    CHECK(std::abs(std::stod(svg.substr(y, 20)) - stippling.dots(1, dot)) <= 0.0051);
+  }
+  CHECK(dot == 500);
+  CHECK_THROWS_AS(write_svg(directory / "s.png", stippling), InvalidInput);
+  CHECK(directory.entries() == 1);
+}
+
+TEST_CASE("render: the ink of a dot is its area, at any place and scale") {
+  Stippling<double> stippling;
+  stippling.width = 20;
+  stippling.height = 10;
+  stippling.dot_radius = 2;
+  stippling.dots.resize(2, 1);
+  for (const double scale : {1.0, 2.5, 7.0}) {
+    for (const double shift : {0.0, 0.3, 0.5}) {
+      stippling.dots << 8 + shift, 5 - shift;
+      const Image image = render(stippling, scale);
+      CHECK(image.width == std::ceil(20 * scale));
+      CHECK(image.height == std::ceil(10 * scale));
+      CHECK(ink_of(image) / (scale * scale) == doctest::Approx(std::numbers::pi * 4).epsilon(0.03));
+      CHECK(image(static_cast<int>((8 + shift) * scale), static_cast<int>((5 - shift) * scale)) ==
+            0);
+      CHECK(image(0, 0) == 1);
+    }
+  }
+  // Half of a dot on the edge is outside; one that is all outside leaves no trace.
+  stippling.dots << 0, 5;
+  CHECK(ink_of(render(stippling, 8)) / 64 == doctest::Approx(std::numbers::pi * 2).epsilon(0.02));
+  stippling.dots << -9, 5;
+  CHECK(ink_of(render(stippling, 8)) == 0);
+
+  CHECK(render(stippling).width == 30);  // a radius of 3 pixels
+  stippling.dot_radius = 5;
+  CHECK(render(stippling).width == 20);
+  CHECK_THROWS_AS(render(stippling, -1), InvalidInput);
+  CHECK_THROWS_AS(render(stippling, 1e6), InvalidInput);
+  CHECK_THROWS_AS(render(stippling, std::nan("")), InvalidInput);
+  CHECK_THROWS_AS(render(Stippling<double>{}), InvalidInput);
+}
+
+TEST_SUITE_END();
+
+}  // namespace ccvt::test

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace ccvt::test {
+
+/// A program that runs in `directory`, with what it prints.
+class Process {
+ public:
+  Process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+          const std::filesystem::path& directory);
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+  ~Process();
+
+  void send(int signal) const;
+  /// False when it has ended.
+  bool running();
+  /// Waits for the end. The exit status; 1000 and the signal when a signal ended it.
+  int wait();
+  /// After wait().
+  [[nodiscard]] std::string output() const;
+  [[nodiscard]] std::string errors() const;
+
+ private:
+  std::filesystem::path output_;
+  std::filesystem::path errors_;
+  pid_t id_ = -1;
+  int status_ = -1;
+};
+
+}  // namespace ccvt::test

@@ -1,0 +1,244 @@
+// The swap of one pair of cells, against sorting and counting.
+#include "relax/swap.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "random.h"
+#include "relax/update.h"
+#include "support/generate.h"
+#include "support/oracle.h"
+
+using ccvt::Box;
+using ccvt::Candidate;
+using ccvt::Cells;
+using ccvt::Domain;
+using ccvt::Exchange;
+using ccvt::Index;
+using ccvt::Metric;
+using ccvt::Options;
+using ccvt::PairSwapper;
+using ccvt::PointPruning;
+using ccvt::Random;
+using ccvt::SiteState;
+using ccvt::SwapMethod;
+using namespace ccvt::test;
+
+namespace {
+
+constexpr SwapMethod methods[] = {SwapMethod::median, SwapMethod::heap, SwapMethod::sort};
+
+// Whole numbers below `values`: few of them make ties, and sums are exact.
+std::vector<Candidate> candidates(Random& random, std::size_t count, std::uint64_t values) {
+  std::vector<Candidate> list;
+  for (std::size_t k = 0; k < count; ++k) {
+    list.push_back({static_cast<double>(random.below(values)), static_cast<Index>(3 * k)});
+  }
+  return list;
+}
+
+// The largest gain of exchanging equally many of both, if each exchange must gain more than
+// `margin`.
+double best_gain(const Exchange& all, double margin) {
+  std::vector<double> down;
+  std::vector<double> up;
+  for (const Candidate& c : all.from_i) down.push_back(c.key);
+  for (const Candidate& c : all.from_j) up.push_back(c.key);
+  std::sort(down.rbegin(), down.rend());
+  std::sort(up.begin(), up.end());
+  double gain = 0;
+  for (std::size_t k = 0; k < std::min(down.size(), up.size()); ++k) {
+    if (down[k] - up[k] > margin) gain += down[k] - up[k];
+  }
+  return gain;
+}
+
+bool drawn_from(const std::vector<Candidate>& chosen, const std::vector<Candidate>& all) {
+  std::set<Index> places;
+  for (const Candidate& c : chosen) {
+    places.insert(c.place);
+    const bool known = std::any_of(all.begin(), all.end(), [&](const Candidate& a) {
+      return a.place == c.place && a.key == c.key;
+    });
+    if (!known) return false;
+  }
+  return places.size() == chosen.size();
+}
+
+double gain_of(const Exchange& moves) {
+  double gain = 0;
+  for (const Candidate& c : moves.from_i) gain += c.key;
+  for (const Candidate& c : moves.from_j) gain -= c.key;
+  return gain;
+}
+
+/// Two cells and their sites, and what they hold.
+template <class Scalar>
+struct PairOfCells {
+  PairOfCells(const Metric& metric, const ccvt::Points<Scalar>& all_points, Index size_i)
+      : points(all_points), cells(metric.dimension(), sizes(size_i)), sites(metric.dimension(), 2) {
+    for (Index p = 0; p < points.cols(); ++p) {
+      const Index s = p < size_i ? 0 : 1;
+      cells.put(s, p < size_i ? p : p - size_i, p, points.col(p).data());
+      for (int d = 0; d < metric.dimension(); ++d) {
+        sites.at(s)[d] = static_cast<double>(points(d, p));
+      }
+    }
+    ccvt::update_site(metric, cells, sites, 0);
+    ccvt::update_site(metric, cells, sites, 1);
+  }
+  [[nodiscard]] std::vector<Index> sizes(Index size_i) const {
+    return {size_i, static_cast<Index>(points.cols()) - size_i};
+  }
+
+  const ccvt::Points<Scalar>& points;
+  Cells<Scalar> cells;
+  SiteState sites;
+};
+
+// Of |p - s_i|^2 - |p - s_j|^2 over all points of both cells, cell i must hold the smallest.
+template <class Scalar>
+std::string pair_faults(const Domain& domain, const PairOfCells<Scalar>& pair) {
+  const int dimension = pair.sites.dimension;
+  std::string wrong;
+  std::vector<Real> keys;
+  Real held = 0;
+  Real scale = 0;
+  std::set<Index> seen;
+  for (const Index s : {0, 1}) {
+    std::vector<Scalar> x(static_cast<std::size_t>(dimension));
+    for (Index k = 0; k < pair.cells.size(s); ++k) {
+      pair.cells.get(s, k, x.data());
+      const Index p = pair.cells.points(s)[k];
+      seen.insert(p);
+      if (!std::equal(x.begin(), x.end(), pair.points.col(p).data())) wrong += "coordinates ";
+      const Real to_i = squared_distance(domain, dimension, x.data(), pair.sites.at(0));
+      const Real to_j = squared_distance(domain, dimension, x.data(), pair.sites.at(1));
+      keys.push_back(to_i - to_j);
+      scale = std::max({scale, to_i, to_j});
+      if (s == 0) held += keys.back();
+      const Real distance = std::sqrt(s == 0 ? to_i : to_j);
+      if (distance > pair.sites.radius[static_cast<std::size_t>(s)]) wrong += "radius ";
+    }
+  }
+  if (seen.size() != static_cast<std::size_t>(pair.points.cols())) wrong += "points ";
+  std::sort(keys.begin(), keys.end());
+  Real least = 0;
+  for (Index k = 0; k < pair.cells.size(0); ++k) least += keys[static_cast<std::size_t>(k)];
+  // Keys are decided in double: 2^-52 of the squares they are differences of, each.
+  if (held - least > 64 * (dimension + 4) * 0x1p-52L * scale * keys.size()) wrong += "not least ";
+  return wrong;
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("swap");
+
+TEST_CASE("each method finds an exchange of the greatest gain") {
+  Random random(4);
+  for (int trial = 0; trial < 3000; ++trial) {
+    const std::uint64_t values = trial % 3 == 0 ? 3 : trial % 3 == 1 ? 20 : 1'000'000;
+    const Exchange all{candidates(random, random.below(40), values),
+                       candidates(random, random.below(40), values)};
+    for (const double margin : {0.0, 1.0, 2.5}) {
+      for (const SwapMethod method : methods) {
+        CAPTURE(static_cast<int>(method));
+        CAPTURE(margin);
+        Exchange moves = all;
+        ccvt::select_exchange(method, margin, moves);
+        REQUIRE(moves.from_i.size() == moves.from_j.size());
+        REQUIRE(drawn_from(moves.from_i, all.from_i));
+        REQUIRE(drawn_from(moves.from_j, all.from_j));
+        REQUIRE(gain_of(moves) == best_gain(all, margin));
+        // However they are paired up: the weakest of both sides gains.
+        for (const Candidate& a : moves.from_i) {
+          for (const Candidate& b : moves.from_j) REQUIRE(a.key - b.key > margin);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("ties and gains within the margin are no exchange") {
+  Random random(5);
+  for (const SwapMethod method : methods) {
+    for (const std::size_t count : {1, 2, 7, 100}) {
+      Exchange ties{candidates(random, count, 1), candidates(random, count, 1)};
+      ccvt::select_exchange(method, 0, ties);
+      CHECK(ties.from_i.empty());
+      CHECK(ties.from_j.empty());
+      Exchange close{candidates(random, count, 2), candidates(random, count, 2)};
+      ccvt::select_exchange(method, 1, close);
+      CHECK(close.from_i.empty());
+      CHECK(close.from_j.empty());
+    }
+    Exchange nobody;
+    ccvt::select_exchange(method, 0, nobody);
+    CHECK(nobody.from_i.empty());
+    Exchange one_sided{candidates(random, 5, 9), {}};
+    ccvt::select_exchange(method, 0, one_sided);
+    CHECK(one_sided.from_i.empty());
+  }
+}
+
+TEST_CASE_TEMPLATE("a swap leaves the pair optimal and its radii bounds", Scalar, float, double) {
+  for (const int dimension : {1, 2, 3, 5, 17}) {
+    for (const bool periodic : {false, true}) {
+      if (periodic && dimension > 5) continue;
+      const Box box = uneven_box(dimension);
+      const Domain domain = periodic ? Domain::periodic(box) : Domain();
+      const Metric metric(dimension, domain);
+      for (const Layout layout : all_layouts) {
+        for (const Index size_i : {1, 40, 150, 299}) {
+          const auto points = make_points<Scalar>(layout, box, 300);
+          for (const SwapMethod method : methods) {
+            for (const auto pruning :
+                 {PointPruning::none, PointPruning::distance, PointPruning::extremes}) {
+              for (const bool median_cut : {false, true}) {
+                CAPTURE(dimension);
+                CAPTURE(periodic);
+                CAPTURE(name_of(layout));
+                CAPTURE(size_i);
+                CAPTURE(static_cast<int>(method));
+                CAPTURE(static_cast<int>(pruning));
+                PairOfCells<Scalar> pair(metric, points, size_i);
+                Options options;
+                options.swap = method;
+                options.point_pruning = pruning;
+                options.median_cut_pruning = median_cut;
+                PairSwapper<Scalar> swap(metric, options, 6.0);
+                swap(pair.cells, pair.sites, 0, 1);
+                REQUIRE(pair_faults(domain, pair) == "");
+                // What is optimal stays, from the other side too.
+                REQUIRE(swap(pair.cells, pair.sites, 0, 1) == 0);
+                REQUIRE(swap(pair.cells, pair.sites, 1, 0) == 0);
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("spheres meet when their radii reach, across the border of a torus too") {
+  const Domain torus = Domain::periodic(Box::unit(2));
+  SiteState sites(2, 2);
+  sites.at(0)[0] = 0.125;
+  sites.at(1)[0] = 0.875;
+  sites.radius = {0.25, 0.25};
+  CHECK(PairSwapper<float>::spheres_meet(Metric(2, torus), sites, 0, 1));
+  CHECK_FALSE(PairSwapper<float>::spheres_meet(Metric(2, Domain()), sites, 0, 1));
+  sites.radius = {0.125, 0.125};  // they touch
+  CHECK(PairSwapper<float>::spheres_meet(Metric(2, torus), sites, 0, 1));
+  sites.radius = {0.125, 0.12};
+  CHECK_FALSE(PairSwapper<float>::spheres_meet(Metric(2, torus), sites, 0, 1));
+}
+
+TEST_SUITE_END();
