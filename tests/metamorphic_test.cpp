@@ -43,14 +43,14 @@ void check_threads(Layout layout, int dimension, Index sites, Index each, bool p
   options.threads = 1;
   const auto one = ccvt::tessellate(problem, options);
   CHECK(one.summary.threads_used == 1);
-  for (const int threads : {2, 3, 8, 0, 1}) {
+  for (const int threads : {2, 3, 8}) {
     CAPTURE(dimension);
     CAPTURE(threads);
     options.threads = threads;
     const auto many = ccvt::tessellate(problem, options);
     CHECK(many.summary.threads_given == threads);
     CHECK(many.summary.threads_used >= 1);
-    if (threads > 0) CHECK(many.summary.threads_used <= threads);
+    CHECK(many.summary.threads_used <= threads);
     CHECK(differences(one, many) == "");
   }
 }

@@ -261,7 +261,7 @@ TEST_CASE("initial owners") {
 
 TEST_CASE("options") {
   const auto points = row_of_points(6);
-  const auto solve = [&](const Options& options) { ccvt::tessellate(points, 2, options); };
+  const auto solve = [&](const Options& options) { ccvt::tessellate(points, 3, options); };
   check_refused({
       {[&] { solve({.threads = -1}); }, {"threads", "-1"}},
       {[&] { solve({.threads = 5000}); }, {"threads", "5000", "4096"}},

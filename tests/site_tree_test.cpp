@@ -223,11 +223,11 @@ TEST_CASE_TEMPLATE("nearest sites of many points at once", Scalar, float, double
           SiteState state(dimension, count);
           std::copy_n(sites.positions.data(), sites.positions.size(), state.position.begin());
           for (const Layout of_points : {Layout::random, Layout::grid, Layout::clusters}) {
-            Points<Scalar> points = make_points<Scalar>(of_points, sites.box, 800, 9);
+            Points<Scalar> points = make_points<Scalar>(of_points, sites.box, 400, 9);
             points.col(0) = sites.box.lower.cast<Scalar>();
             points.col(1) = sites.box.upper.cast<Scalar>();
             std::vector<Index> which;
-            for (Index p = 0; p < 800; p += 1 + p % 2) which.push_back(p);
+            for (Index p = 0; p < 400; p += 1 + p % 2) which.push_back(p);
             // Few queries, and so many that a grid pays.
             for (const std::size_t queries : {which.size(), std::size_t{1'000'000}}) {
               const NearestSites<Scalar> nearest(sites.metric, state, sites.box, queries, arena);

@@ -111,15 +111,17 @@ TEST_CASE_TEMPLATE("the smallest problems", Scalar, float, double) {
     for (const bool periodic : {false, true}) {
       if (periodic && dimension > 5) continue;
       for (const auto layout : all_layouts) {
-        for (const auto& [points, sites] : {std::pair<Index, Index>{1, 1},
-                                            {2, 1},
-                                            {2, 2},
-                                            {3, 2},
-                                            {8, 2},
-                                            {50, 1},
-                                            {50, 2},
-                                            {50, 49},
-                                            {50, 50}}) {
+        for (const auto& size : {std::pair<Index, Index>{1, 1},
+                                 {2, 1},
+                                 {2, 2},
+                                 {3, 2},
+                                 {8, 2},
+                                 {50, 1},
+                                 {50, 2},
+                                 {50, 49},
+                                 {50, 50}}) {
+          const Index points = size.first;
+          const Index sites = size.second;
           CAPTURE(dimension);
           CAPTURE(periodic);
           CAPTURE(name_of(layout));

@@ -144,8 +144,9 @@ TEST_CASE("each method finds an exchange of the greatest gain") {
   Random random(4);
   for (int trial = 0; trial < 3000; ++trial) {
     const std::uint64_t values = trial % 3 == 0 ? 3 : trial % 3 == 1 ? 20 : 1'000'000;
-    const Exchange all{candidates(random, random.below(40), values),
-                       candidates(random, random.below(40), values)};
+    Exchange all;
+    all.from_i = candidates(random, random.below(40), values);
+    all.from_j = candidates(random, random.below(40), values);
     for (const double margin : {0.0, 1.0, 2.5}) {
       for (const SwapMethod method : methods) {
         CAPTURE(static_cast<int>(method));
@@ -168,12 +169,16 @@ TEST_CASE("each method finds an exchange of the greatest gain") {
 TEST_CASE("ties and gains within the margin are no exchange") {
   Random random(5);
   for (const SwapMethod method : methods) {
-    for (const std::size_t count : {1, 2, 7, 100}) {
-      Exchange ties{candidates(random, count, 1), candidates(random, count, 1)};
+    for (const std::size_t count : {1U, 2U, 7U, 100U}) {
+      Exchange ties;
+      ties.from_i = candidates(random, count, 1);
+      ties.from_j = candidates(random, count, 1);
       ccvt::select_exchange(method, 0, ties);
       CHECK(ties.from_i.empty());
       CHECK(ties.from_j.empty());
-      Exchange close{candidates(random, count, 2), candidates(random, count, 2)};
+      Exchange close;
+      close.from_i = candidates(random, count, 2);
+      close.from_j = candidates(random, count, 2);
       ccvt::select_exchange(method, 1, close);
       CHECK(close.from_i.empty());
       CHECK(close.from_j.empty());
@@ -181,7 +186,8 @@ TEST_CASE("ties and gains within the margin are no exchange") {
     Exchange nobody;
     ccvt::select_exchange(method, 0, nobody);
     CHECK(nobody.from_i.empty());
-    Exchange one_sided{candidates(random, 5, 9), {}};
+    Exchange one_sided;
+    one_sided.from_i = candidates(random, 5, 9);
     ccvt::select_exchange(method, 0, one_sided);
     CHECK(one_sided.from_i.empty());
   }

@@ -23,7 +23,7 @@ std::vector<Level> make_levels(std::span<const Index> capacities, Index points,
   if (options.multilevel) {
     const auto coarsest = static_cast<std::int64_t>(options.level_points) *
                           static_cast<std::int64_t>(capacities.size());
-    while (total(levels[0].capacities) >= coarsest * options.level_factor) {
+    while (total(levels[0].capacities) / options.level_factor >= coarsest) {
       Level coarse;
       for (const Index c : levels[0].capacities) {
         coarse.capacities.push_back(c / options.level_factor + (c % options.level_factor != 0));

@@ -91,9 +91,9 @@ void Relaxer<Scalar>::run(const Schedule& schedule, bool full) {
 template <class Scalar>
 void Relaxer<Scalar>::all_pairs_pass() {
   const Index n = sites_.count();
-  const Index tile = options_.tile_sites;
-  const Index tiles = (n + tile - 1) / tile;
-  const auto last = [&](Index t) { return std::min(n, (t + 1) * tile); };
+  const Index tile = std::min(options_.tile_sites, n);
+  const Index tiles = n / tile + (n % tile != 0 ? 1 : 0);
+  const auto last = [&](Index t) { return n - t * tile > tile ? (t + 1) * tile : n; };
   const auto grain = std::max<std::size_t>(
       1, kPairsPerGrain / (static_cast<std::size_t>(tile) * static_cast<std::size_t>(tile)));
   if (tile > 1) {

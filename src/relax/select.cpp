@@ -48,13 +48,9 @@ void heap_swap(double margin, Exchange& moves) {
 /// Cell i keeps as many of all candidates as it brought: those with the lowest keys. What it
 /// brought and does not keep moves to j, and the other way round.
 void median_swap(double margin, Exchange& moves) {
-  struct Choice {
-    double key;
-    Index place;
-    bool from_j;
-  };
-  std::vector<Choice> all;
-  all.reserve(moves.from_i.size() + moves.from_j.size());
+  using Choice = Exchange::Choice;
+  std::vector<Choice>& all = moves.both;
+  all.clear();
   for (const Candidate& c : moves.from_i) all.push_back({c.key, c.place, false});
   for (const Candidate& c : moves.from_j) all.push_back({c.key, c.place, true});
   const auto cut = all.begin() + static_cast<std::ptrdiff_t>(moves.from_i.size());

@@ -144,17 +144,17 @@ bool PairSwapper<Scalar>::already_separated(const Cells<Scalar>& cells, Index i,
 /// other site to gain by an exchange.
 template <class Scalar>
 void PairSwapper<Scalar>::within_reach(const Cells<Scalar>& cells, const SiteState& sites,
-                                       Index cell, Index other, std::vector<Index>& places) const {
+                                       Index cell, Index other, std::vector<Index>& places) {
   const double own = sites.radius[static_cast<std::size_t>(cell)];
   const double others = sites.radius[static_cast<std::size_t>(other)];
   const double nearest = std::max(0.0, length_ - others);
   const double slack = 1 + 8 * static_cast<double>(normal_.size() + 4) * kHalfUlp;
   const double limit = (own * own + others * others) * slack - nearest * nearest;
   places.clear();
-  std::vector<Scalar> x(normal_.size());
+  keys_.resize(normal_.size());
   for (Index k = 0; k < cells.size(cell); ++k) {
-    cells.get(cell, k, x.data());
-    if (metric_.squared_distance(x.data(), sites.at(other)) <= limit) places.push_back(k);
+    cells.get(cell, k, keys_.data());
+    if (metric_.squared_distance(keys_.data(), sites.at(other)) <= limit) places.push_back(k);
   }
 }
 

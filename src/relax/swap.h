@@ -21,6 +21,13 @@ struct Candidate {
 struct Exchange {
   std::vector<Candidate> from_i;
   std::vector<Candidate> from_j;
+
+  struct Choice {
+    double key;
+    Index place;
+    bool from_j;
+  };
+  std::vector<Choice> both;  ///< scratch memory, kept between swaps
 };
 
 /// Reduces the candidates to those that move: the k points of cell i with the highest keys and the
@@ -60,7 +67,7 @@ class PairSwapper {
   void find_candidates(const Cells<Scalar>& cells, const SiteState& sites, Index i, Index j);
   bool already_separated(const Cells<Scalar>& cells, Index i, Index j);
   void within_reach(const Cells<Scalar>& cells, const SiteState& sites, Index cell, Index other,
-                    std::vector<Index>& places) const;
+                    std::vector<Index>& places);
   void exchange(Cells<Scalar>& cells, SiteState& sites, Index i, Index j);
   void compute_keys(const Scalar* block, Index count, const std::vector<Scalar>& middle,
                     std::vector<Scalar>& keys) const;
@@ -91,7 +98,7 @@ class PairSwapper {
 
   double highest_i_ = 0;
   double lowest_j_ = 0;
-  std::vector<Scalar> keys_;
+  std::vector<Scalar> keys_;  ///< of one cell; or the coordinates of one point
   std::vector<Index> places_i_;
   std::vector<Index> places_j_;
   Exchange moves_;

@@ -74,7 +74,9 @@ void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& si
   if (plain) {
     const Scalar* stream = cells.block(site);
     for (int d = 0; d < dimension; ++d, stream += count) {
-      position[d] += kernels::sum_from(stream, count, position[d]) / count;
+      // From a point of the cell: a site that is still far away would cost digits.
+      const auto origin = static_cast<double>(stream[0]);
+      position[d] = origin + kernels::sum_from(stream, count, origin) / count;
     }
   }
   if (plain && (!metric.periodic() || is_compact(metric, cells, position, site))) {
