@@ -67,8 +67,9 @@ double flann_pass(const Points2& points, Index sites) {
 /// Default options, one thread, unit square, white noise, float; in turn with the FLANN pass.
 void speed(int repetitions) {
   std::printf("## Speed: one thread, 2D square, float, white noise, to stable\n\n");
-  std::printf("| sites x points a site | seconds | FLANN pass, s | ratio | iterations "
-              "| normalized energy |\n|---|---|---|---|---|---|\n");
+  std::printf(
+      "| sites x points a site | seconds | FLANN pass, s | ratio | iterations "
+      "| normalized energy |\n|---|---|---|---|---|---|\n");
   for (const auto& [sites, capacity] :
        {std::pair{1024, 256}, {4096, 256}, {4096, 1024}, {16384, 256}}) {
     std::vector<double> ours;
@@ -77,8 +78,8 @@ void speed(int repetitions) {
     ccvt::Summary last;
     for (int r = 0; r < repetitions; ++r) {
       const auto seed = static_cast<std::uint64_t>(r + 1);
-      const auto points = ccvt::sample_uniform<float, 2>(Box::unit(2), sites * capacity, seed,
-                                                         Distribution::white);
+      const auto points =
+          ccvt::sample_uniform<float, 2>(Box::unit(2), sites * capacity, seed, Distribution::white);
       theirs.push_back(flann_pass(points, sites));
       last = ccvt::tessellate(points, sites, {.threads = 1, .seed = seed}).summary;
       ours.push_back(last.seconds_total);
@@ -98,7 +99,8 @@ void choices(int repetitions) {
     const char* name;
     Options options;
   };
-  Options coherent{.threads = 1, .initialization = ccvt::Initialization::coherent,
+  Options coherent{.threads = 1,
+                   .initialization = ccvt::Initialization::coherent,
                    .automatic_initialization = false};
   Options coherent_flat = coherent;
   coherent_flat.multilevel = false;
@@ -118,8 +120,9 @@ void choices(int repetitions) {
   };
   constexpr Index kSites = 4096;
   std::printf("## Choices: %d sites x 256, torus, float, white noise, to stable\n\n", kSites);
-  std::printf("| options | seconds | of default | iterations | pairs examined | points exchanged "
-              "| normalized energy |\n|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "| options | seconds | of default | iterations | pairs examined | points exchanged "
+      "| normalized energy |\n|---|---|---|---|---|---|---|\n");
   std::vector<std::vector<double>> times(rows.size());
   std::vector<ccvt::Summary> last(rows.size());
   for (int r = 0; r < repetitions; ++r) {
@@ -148,8 +151,9 @@ void choices(int repetitions) {
 /// The spectrum of ten runs of 1024 sites x 256 on the torus.
 void quality() {
   std::printf("## Quality: 1024 sites x 256, torus, default options, 10 runs\n\n");
-  std::printf("| points | mean power below .25 sqrt(n) | worst anisotropy beyond .875 sqrt(n), dB "
-              "| normalized energy | smallest distance / hexagonal |\n|---|---|---|---|---|\n");
+  std::printf(
+      "| points | mean power below .25 sqrt(n) | worst anisotropy beyond .875 sqrt(n), dB "
+      "| normalized energy | smallest distance / hexagonal |\n|---|---|---|---|---|\n");
   for (const auto distribution : {Distribution::white, Distribution::jittered}) {
     ccvt::support::RadialSpectrum spectrum(1024);
     double energy = 0;
@@ -178,8 +182,9 @@ void quality() {
 /// Time against dimension: 1024 sites x 64, jittered, Euclidean.
 void dimensions() {
   std::printf("## Dimensions: 1024 sites x 64, unit cube, float, one thread, to stable\n\n");
-  std::printf("| D | seconds | start | iterations | pairs examined | energy / start energy |\n"
-              "|---|---|---|---|---|---|\n");
+  std::printf(
+      "| D | seconds | start | iterations | pairs examined | energy / start energy |\n"
+      "|---|---|---|---|---|---|\n");
   for (const int dimension : {1, 2, 3, 4, 8, 16, 64, 128}) {
     const auto points = ccvt::sample_uniform<float>(Box::unit(dimension), 1024 * 64, 1);
     const auto s = ccvt::tessellate(points, 1024, {.threads = 1}).summary;
@@ -194,15 +199,15 @@ void dimensions() {
 /// Peak memory of this whole process, points and result included.
 void memory(Index sites) {
   const Index count = sites * 256;
-  const auto points =
-      ccvt::sample_uniform<float, 2>(Box::unit(2), count, 1, Distribution::white);
+  const auto points = ccvt::sample_uniform<float, 2>(Box::unit(2), count, 1, Distribution::white);
   const auto result = ccvt::tessellate(points, sites, {.threads = 1});
   const double coordinates = 2.0 * sizeof(float) * count / (1024 * 1024);
   std::printf("## Memory: %d sites x 256, 2D, float\n\n", sites);
-  std::printf("coordinates %.0f MB, peak of the process %.0f MB: (peak - 100 MB) / coordinates = "
-              "%.2f (%s)\n\n",
-              coordinates, peak_megabytes(), (peak_megabytes() - 100) / coordinates,
-              to_string(result.summary.termination));
+  std::printf(
+      "coordinates %.0f MB, peak of the process %.0f MB: (peak - 100 MB) / coordinates = "
+      "%.2f (%s)\n\n",
+      coordinates, peak_megabytes(), (peak_megabytes() - 100) / coordinates,
+      to_string(result.summary.termination));
 }
 
 }  // namespace
@@ -217,7 +222,8 @@ int main(int argc, char** argv) {
   if (all || what == "quality") quality();
   if (all || what == "dimensions") dimensions();
   if (all || what == "memory") memory(65536);
-  const std::vector<std::string> known{"all", "speed", "choices", "quality", "dimensions", "memory"};
+  const std::vector<std::string> known{"all",     "speed",      "choices",
+                                       "quality", "dimensions", "memory"};
   if (std::find(known.begin(), known.end(), what) == known.end()) {
     std::fprintf(stderr,
                  "usage: core_benchmark [all|speed|choices|quality|dimensions|memory] [RUNS]\n");

@@ -21,8 +21,8 @@ void Options::validate() const {
   at_least("threads", threads, 0, "it must be 0 (one per processor) or more");
   require(threads <= 4096, "threads", std::to_string(threads), "it must be at most 4096");
   at_least("max_iterations", max_iterations, 0, "it must be 0 or more");
-  require(energy_tolerance >= 0 && energy_tolerance < 1, "energy_tolerance",
-          text(energy_tolerance), "it must be in [0, 1)");
+  require(energy_tolerance >= 0 && energy_tolerance < 1, "energy_tolerance", text(energy_tolerance),
+          "it must be in [0, 1)");
   at_least("level_points", level_points, 1, "it must be 1 or more");
   at_least("level_factor", level_factor, 2, "it must be 2 or more");
   at_least("cached_passes", cached_passes, 0, "it must be 0 or more");

@@ -104,9 +104,8 @@ Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Op
   box = problem.bounding_box();
   coordinate_bound = std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
   if (options.automatic_initialization) {
-    options.initialization = problem.dimension() <= kBalancedDimensions
-                                 ? Initialization::balanced
-                                 : Initialization::coherent;
+    options.initialization = problem.dimension() <= kBalancedDimensions ? Initialization::balanced
+                                                                        : Initialization::coherent;
   }
   const bool warm = !problem.initial_owners().empty();
   if (warm) options.multilevel = false;
@@ -211,8 +210,8 @@ void Solver<Scalar>::Implementation::enter_level(std::size_t next) {
 
 template <class Scalar>
 void Solver<Scalar>::Implementation::make_relaxer() {
-  relaxer = std::make_unique<Relaxer<Scalar>>(metric, options, arena, cells, sites,
-                                              coordinate_bound);
+  relaxer =
+      std::make_unique<Relaxer<Scalar>>(metric, options, arena, cells, sites, coordinate_bound);
   relaxer->update_all();
   summary.energy = total_energy(sites);
   if (level + 1 == levels.size()) summary.initial_energy = summary.energy;
@@ -289,8 +288,7 @@ bool Solver<Scalar>::Implementation::step() {
       const Stopwatch initialization(summary.seconds_initialization);
       enter_level(level + 1);
     }
-  } else if (finest &&
-             energy_before - summary.energy < options.energy_tolerance * energy_before) {
+  } else if (finest && energy_before - summary.energy < options.energy_tolerance * energy_before) {
     finish(Termination::energy_tolerance);
   }
   return summary.termination == Termination::running;
@@ -298,8 +296,7 @@ bool Solver<Scalar>::Implementation::step() {
 
 template <class Scalar>
 Solver<Scalar>::Solver(Problem<Scalar> problem, Options options)
-    : implementation_(
-          std::make_unique<Implementation>(std::move(problem), std::move(options))) {}
+    : implementation_(std::make_unique<Implementation>(std::move(problem), std::move(options))) {}
 
 template <class Scalar>
 Solver<Scalar>::Solver(Solver&&) noexcept = default;

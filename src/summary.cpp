@@ -23,8 +23,8 @@ const char* to_string(Termination termination) {
 std::string Summary::brief() const {
   return std::string(to_string(termination)) + " after " + std::to_string(iterations) +
          " iterations: " + std::to_string(points) + " points, " + std::to_string(sites) +
-         " sites, normalized energy " + text(normalized_energy, 6) + ", " +
-         text(seconds_total, 3) + " s";
+         " sites, normalized energy " + text(normalized_energy, 6) + ", " + text(seconds_total, 3) +
+         " s";
 }
 
 std::string Summary::full() const {

@@ -25,8 +25,7 @@ Quality measure(Distribution distribution) {
   Quality quality;
   for (int run = 0; run < kRuns; ++run) {
     const auto seed = static_cast<std::uint64_t>(run + 1);
-    const auto points =
-        sample_uniform<float, 2>(Box::unit(2), kSites * 256, seed, distribution);
+    const auto points = sample_uniform<float, 2>(Box::unit(2), kSites * 256, seed, distribution);
     Problem<float> problem(points, kSites);
     problem.set_domain(Domain::periodic(Box::unit(2)));
     Options options;

@@ -24,8 +24,8 @@ HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int di
                      hn::Set(tag, cut.normal[0]));
   for (int d = 1; d < dimension; ++d) {
     const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
-    key = hn::Add(key, hn::Mul(hn::Sub(x, hn::Set(tag, cut.middle[d])),
-                               hn::Set(tag, cut.normal[d])));
+    key =
+        hn::Add(key, hn::Mul(hn::Sub(x, hn::Set(tag, cut.middle[d])), hn::Set(tag, cut.normal[d])));
   }
   return key;
 }
@@ -116,8 +116,8 @@ HWY_INLINE auto with_dimension(int dimension, Function function) {
 template <class Scalar, class AnyCut>
 HWY_INLINE Extremes<Scalar> any_extremes(const Scalar* block, Index count, int dimension,
                                          AnyCut cut) {
-  return with_dimension(
-      dimension, [=](auto d) HWY_ATTR { return extremes_of(block, count, d, cut); });
+  return with_dimension(dimension,
+                        [=](auto d) HWY_ATTR { return extremes_of(block, count, d, cut); });
 }
 
 template <class Scalar, class AnyCut>
@@ -228,9 +228,8 @@ HWY_INLINE void dots(const Scalar* block, Index stride, int dimension, const Sca
       }
       const auto oa = hn::LoadU(wide, offset + k);
       const auto ob = hn::LoadU(wide, offset + k + lanes);
-      const auto keep = [&](auto& m, const auto& a, const auto& b) HWY_ATTR {
-        m = hn::Max(m, hn::Max(hn::Sub(a, oa), hn::Sub(b, ob)));
-      };
+      const auto keep = [&](auto& m, const auto& a, const auto& b)
+                            HWY_ATTR { m = hn::Max(m, hn::Max(hn::Sub(a, oa), hn::Sub(b, ob))); };
       keep(m0, a0, b0);
       keep(m1, a1, b1);
       keep(m2, a2, b2);
@@ -247,8 +246,8 @@ HWY_INLINE void dots(const Scalar* block, Index stride, int dimension, const Sca
   }
 }
 
-/// A position is left as soon as the dimensions seen so far put it beyond the best. Sums are made of
-/// eight interleaved parts whatever the vector width, so that bits do not depend on it.
+/// A position is left as soon as the dimensions seen so far put it beyond the best. Sums are made
+/// of eight interleaved parts whatever the vector width, so that bits do not depend on it.
 HWY_INLINE double squared_distance_up_to(const double* a, const double* b, int dimension,
                                          double limit) {
   std::array<double, kPartials> part{};
@@ -283,42 +282,42 @@ Index nearest_of_positions(const double* query, const double* positions, Index c
   return nearest;
 }
 
-#define CCVT_FOR_SCALAR(Scalar, Name)                                                           \
-  Extremes<Scalar> Name##_extremes(const Scalar* block, Index count, int dimension,             \
-                                   Cut<Scalar> cut) {                                           \
-    return any_extremes(block, count, dimension, cut);                                          \
-  }                                                                                             \
-  Extremes<Scalar> Name##_torus_extremes(const Scalar* block, Index count, int dimension,       \
-                                         TorusCut<Scalar> cut) {                                \
-    return any_extremes(block, count, dimension, cut);                                          \
-  }                                                                                             \
-  void Name##_keys(const Scalar* block, Index count, int dimension, Cut<Scalar> cut,            \
-                   Scalar* out) {                                                               \
-    any_keys(block, count, dimension, cut, out);                                                \
-  }                                                                                             \
-  void Name##_torus_keys(const Scalar* block, Index count, int dimension, TorusCut<Scalar> cut, \
-                         Scalar* out) {                                                         \
-    any_keys(block, count, dimension, cut, out);                                                \
-  }                                                                                             \
-  Index Name##_above(const Scalar* values, Index count, Scalar threshold, Index* places) {      \
-    return places_beyond<true>(values, count, threshold, places);                               \
-  }                                                                                             \
-  Index Name##_below(const Scalar* values, Index count, Scalar threshold, Index* places) {      \
-    return places_beyond<false>(values, count, threshold, places);                              \
-  }                                                                                             \
-  void Name##_dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,      \
-                   const Scalar* sites, Index site_count, Scalar* largest) {                    \
-    dots(block, stride, dimension, offset, sites, site_count, largest);                         \
-  }                                                                                             \
-  Index Name##_dot_points() {                                                                   \
-    return 2 * static_cast<Index>(hn::Lanes(hn::ScalableTag<Scalar>()));                        \
-  }                                                                                             \
-  double Name##_sum(const Scalar* stream, Index count, double origin) {                         \
-    return stream_sum(stream, count, origin);                                                   \
-  }                                                                                             \
-  Spread Name##_spread(const Scalar* block, Index count, int dimension, const double* centre) { \
-    return with_dimension(dimension, [=](auto d)                                                \
-                                         HWY_ATTR { return block_spread(block, count, d, centre); }); \
+#define CCVT_FOR_SCALAR(Scalar, Name)                                                              \
+  Extremes<Scalar> Name##_extremes(const Scalar* block, Index count, int dimension,                \
+                                   Cut<Scalar> cut) {                                              \
+    return any_extremes(block, count, dimension, cut);                                             \
+  }                                                                                                \
+  Extremes<Scalar> Name##_torus_extremes(const Scalar* block, Index count, int dimension,          \
+                                         TorusCut<Scalar> cut) {                                   \
+    return any_extremes(block, count, dimension, cut);                                             \
+  }                                                                                                \
+  void Name##_keys(const Scalar* block, Index count, int dimension, Cut<Scalar> cut,               \
+                   Scalar* out) {                                                                  \
+    any_keys(block, count, dimension, cut, out);                                                   \
+  }                                                                                                \
+  void Name##_torus_keys(const Scalar* block, Index count, int dimension, TorusCut<Scalar> cut,    \
+                         Scalar* out) {                                                            \
+    any_keys(block, count, dimension, cut, out);                                                   \
+  }                                                                                                \
+  Index Name##_above(const Scalar* values, Index count, Scalar threshold, Index* places) {         \
+    return places_beyond<true>(values, count, threshold, places);                                  \
+  }                                                                                                \
+  Index Name##_below(const Scalar* values, Index count, Scalar threshold, Index* places) {         \
+    return places_beyond<false>(values, count, threshold, places);                                 \
+  }                                                                                                \
+  void Name##_dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,         \
+                   const Scalar* sites, Index site_count, Scalar* largest) {                       \
+    dots(block, stride, dimension, offset, sites, site_count, largest);                            \
+  }                                                                                                \
+  Index Name##_dot_points() {                                                                      \
+    return 2 * static_cast<Index>(hn::Lanes(hn::ScalableTag<Scalar>()));                           \
+  }                                                                                                \
+  double Name##_sum(const Scalar* stream, Index count, double origin) {                            \
+    return stream_sum(stream, count, origin);                                                      \
+  }                                                                                                \
+  Spread Name##_spread(const Scalar* block, Index count, int dimension, const double* centre) {    \
+    return with_dimension(dimension,                                                               \
+                          [=](auto d) HWY_ATTR { return block_spread(block, count, d, centre); }); \
   }
 
 CCVT_FOR_SCALAR(float, float32)
@@ -332,62 +331,60 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ccvt::kernels {
 
-#define CCVT_DISPATCH(Scalar, Name)                                                          \
-  HWY_EXPORT(Name##_extremes);                                                               \
-  HWY_EXPORT(Name##_torus_extremes);                                                         \
-  HWY_EXPORT(Name##_keys);                                                                   \
-  HWY_EXPORT(Name##_torus_keys);                                                             \
-  HWY_EXPORT(Name##_above);                                                                  \
-  HWY_EXPORT(Name##_below);                                                                  \
-  HWY_EXPORT(Name##_sum);                                                                    \
-  HWY_EXPORT(Name##_spread);                                                                 \
-  HWY_EXPORT(Name##_dots);                                                                   \
-  HWY_EXPORT(Name##_dot_points);                                                             \
-  template <>                                                                                \
-  void largest_dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,  \
-                    const Scalar* sites, Index site_count, Scalar* largest) {                \
-    HWY_DYNAMIC_DISPATCH(Name##_dots)                                                        \
-    (block, stride, dimension, offset, sites, site_count, largest);                          \
-  }                                                                                          \
-  template <>                                                                                \
-  Index dot_points<Scalar>() {                                                               \
-    return HWY_DYNAMIC_DISPATCH(Name##_dot_points)();                                        \
-  }                                                                                          \
-  template <>                                                                                \
-  Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension,             \
-                                Cut<Scalar> cut) {                                           \
-    return HWY_DYNAMIC_DISPATCH(Name##_extremes)(block, count, dimension, cut);              \
-  }                                                                                          \
-  template <>                                                                                \
-  Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension,             \
-                                TorusCut<Scalar> cut) {                                      \
-    return HWY_DYNAMIC_DISPATCH(Name##_torus_extremes)(block, count, dimension, cut);        \
-  }                                                                                          \
-  template <>                                                                                \
-  void keys(const Scalar* block, Index count, int dimension, Cut<Scalar> cut, Scalar* out) { \
-    HWY_DYNAMIC_DISPATCH(Name##_keys)(block, count, dimension, cut, out);                    \
-  }                                                                                          \
-  template <>                                                                                \
-  void keys(const Scalar* block, Index count, int dimension, TorusCut<Scalar> cut,           \
-            Scalar* out) {                                                                   \
-    HWY_DYNAMIC_DISPATCH(Name##_torus_keys)(block, count, dimension, cut, out);              \
-  }                                                                                          \
-  template <>                                                                                \
-  Index places_above(const Scalar* values, Index count, Scalar threshold, Index* places) {   \
-    return HWY_DYNAMIC_DISPATCH(Name##_above)(values, count, threshold, places);             \
-  }                                                                                          \
-  template <>                                                                                \
-  Index places_below(const Scalar* values, Index count, Scalar threshold, Index* places) {   \
-    return HWY_DYNAMIC_DISPATCH(Name##_below)(values, count, threshold, places);             \
-  }                                                                                          \
-  template <>                                                                                \
-  double sum_from(const Scalar* stream, Index count, double origin) {                        \
-    return HWY_DYNAMIC_DISPATCH(Name##_sum)(stream, count, origin);                          \
-  }                                                                                          \
-  template <>                                                                                \
-  Spread spread_around(const Scalar* block, Index count, int dimension,                      \
-                       const double* centre) {                                               \
-    return HWY_DYNAMIC_DISPATCH(Name##_spread)(block, count, dimension, centre);             \
+#define CCVT_DISPATCH(Scalar, Name)                                                               \
+  HWY_EXPORT(Name##_extremes);                                                                    \
+  HWY_EXPORT(Name##_torus_extremes);                                                              \
+  HWY_EXPORT(Name##_keys);                                                                        \
+  HWY_EXPORT(Name##_torus_keys);                                                                  \
+  HWY_EXPORT(Name##_above);                                                                       \
+  HWY_EXPORT(Name##_below);                                                                       \
+  HWY_EXPORT(Name##_sum);                                                                         \
+  HWY_EXPORT(Name##_spread);                                                                      \
+  HWY_EXPORT(Name##_dots);                                                                        \
+  HWY_EXPORT(Name##_dot_points);                                                                  \
+  template <>                                                                                     \
+  void largest_dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,       \
+                    const Scalar* sites, Index site_count, Scalar* largest) {                     \
+    HWY_DYNAMIC_DISPATCH(Name##_dots)                                                             \
+    (block, stride, dimension, offset, sites, site_count, largest);                               \
+  }                                                                                               \
+  template <>                                                                                     \
+  Index dot_points<Scalar>() {                                                                    \
+    return HWY_DYNAMIC_DISPATCH(Name##_dot_points)();                                             \
+  }                                                                                               \
+  template <>                                                                                     \
+  Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension,                  \
+                                Cut<Scalar> cut) {                                                \
+    return HWY_DYNAMIC_DISPATCH(Name##_extremes)(block, count, dimension, cut);                   \
+  }                                                                                               \
+  template <>                                                                                     \
+  Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension,                  \
+                                TorusCut<Scalar> cut) {                                           \
+    return HWY_DYNAMIC_DISPATCH(Name##_torus_extremes)(block, count, dimension, cut);             \
+  }                                                                                               \
+  template <>                                                                                     \
+  void keys(const Scalar* block, Index count, int dimension, Cut<Scalar> cut, Scalar* out) {      \
+    HWY_DYNAMIC_DISPATCH(Name##_keys)(block, count, dimension, cut, out);                         \
+  }                                                                                               \
+  template <>                                                                                     \
+  void keys(const Scalar* block, Index count, int dimension, TorusCut<Scalar> cut, Scalar* out) { \
+    HWY_DYNAMIC_DISPATCH(Name##_torus_keys)(block, count, dimension, cut, out);                   \
+  }                                                                                               \
+  template <>                                                                                     \
+  Index places_above(const Scalar* values, Index count, Scalar threshold, Index* places) {        \
+    return HWY_DYNAMIC_DISPATCH(Name##_above)(values, count, threshold, places);                  \
+  }                                                                                               \
+  template <>                                                                                     \
+  Index places_below(const Scalar* values, Index count, Scalar threshold, Index* places) {        \
+    return HWY_DYNAMIC_DISPATCH(Name##_below)(values, count, threshold, places);                  \
+  }                                                                                               \
+  template <>                                                                                     \
+  double sum_from(const Scalar* stream, Index count, double origin) {                             \
+    return HWY_DYNAMIC_DISPATCH(Name##_sum)(stream, count, origin);                               \
+  }                                                                                               \
+  template <>                                                                                     \
+  Spread spread_around(const Scalar* block, Index count, int dimension, const double* centre) {   \
+    return HWY_DYNAMIC_DISPATCH(Name##_spread)(block, count, dimension, centre);                  \
   }
 
 HWY_EXPORT(nearest_of_positions);

@@ -69,9 +69,10 @@ Spread spread_around(const Scalar* block, Index count, int dimension, const doub
 /// `count` >= 1 of them, `dimension` values each, one after the other.
 Index nearest_position(const double* query, const double* positions, Index count, int dimension);
 
-/// For each of `sites` sites (a multiple of kDotSites, `dimension` values each, one after the other)
-/// the largest over the points of (point . site) - offset[point]. `block` has `stride` points (a
-/// multiple of dot_points<Scalar>()). The inner loop of a matrix product, without the product.
+/// For each of `sites` sites (a multiple of kDotSites, `dimension` values each, one after the
+/// other) the largest over the points of (point . site) - offset[point]. `block` has `stride`
+/// points (a multiple of dot_points<Scalar>()). The inner loop of a matrix product, without the
+/// product.
 template <class Scalar>
 void largest_dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,
                   const Scalar* sites, Index site_count, Scalar* largest);

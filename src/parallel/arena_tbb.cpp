@@ -29,9 +29,8 @@ void Arena::run(std::size_t count, std::size_t grain, RangeFunction function, vo
     tbb::task_group group;
     for (std::size_t begin = 0; begin < count; begin += grain) {
       const std::size_t end = std::min(begin + grain, count);
-      group.run([=] {
-        function(context, begin, end, tbb::this_task_arena::current_thread_index());
-      });
+      group.run(
+          [=] { function(context, begin, end, tbb::this_task_arena::current_thread_index()); });
     }
     group.wait();
   });

@@ -133,9 +133,8 @@ void flow_downhill(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scalar>
   std::vector<Index> order(phi.size());
   std::iota(order.begin(), order.end(), 0);
   const auto at = [&](Index s) { return phi[static_cast<std::size_t>(s)]; };
-  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
-    return at(a) != at(b) ? at(a) > at(b) : a < b;
-  });
+  std::sort(order.begin(), order.end(),
+            [&](Index a, Index b) { return at(a) != at(b) ? at(a) > at(b) : a < b; });
   for (const Index site : order) {
     for (const Index next : graph.neighbours(site)) {
       const double flow = std::nearbyint(at(site) - at(next));

@@ -2,8 +2,8 @@
 
 #include <span>
 
-#include "relax/filling.h"
 #include "geometry/metric.h"
+#include "relax/filling.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
 
@@ -12,12 +12,12 @@ namespace ccvt {
 /// Moves points between neighbouring sites until every cell is exactly full.
 ///
 /// The surplus e of the sites flows down a potential: L phi = e on the graph of neighbours, solved
-/// by conjugate gradients; the flow on an edge is phi_i - phi_j, rounded. Sites pass on their points
-/// in order of falling phi, on each edge those that want it most by the swap key. What rounding
-/// leaves over is moved along a spanning tree, which makes capacities exact.
+/// by conjugate gradients; the flow on an edge is phi_i - phi_j, rounded. Sites pass on their
+/// points in order of falling phi, on each edge those that want it most by the swap key. What
+/// rounding leaves over is moved along a spanning tree, which makes capacities exact.
 ///
-/// The graph is the Gabriel graph of the sites, taken from `near`, pairs of sites that are near each
-/// other. Edges to farther sites would send points across other cells, and leave strays there.
+/// The graph is the Gabriel graph of the sites, taken from `near`, pairs of sites that are near
+/// each other. Edges to farther sites would send points across other cells, and leave strays there.
 /// Throws std::logic_error unless the surpluses sum to zero.
 template <class Scalar>
 void balance(const Metric& metric, const SiteState& sites, std::span<const Pair> near,

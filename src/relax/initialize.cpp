@@ -61,8 +61,8 @@ void join_coherent(const Metric& metric, const SiteState& sites, std::span<const
 
 template <class Scalar>
 void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
-                   std::span<const Index> joining, std::span<const Pair> near,
-                   const Arena& arena, Filling<Scalar>& filling) {
+                   std::span<const Index> joining, std::span<const Pair> near, const Arena& arena,
+                   Filling<Scalar>& filling) {
   {
     const NearestSites<Scalar> nearest(metric, sites, box, joining.size(), arena);
     constexpr std::size_t kChunk = 1 << 18;  // bounds the memory for owners
@@ -91,12 +91,11 @@ void join_random(std::span<const Index> joining, std::uint64_t seed, Filling<Sca
   }
 }
 
-#define CCVT_INSTANTIATE(Scalar)                                                                  \
-  template void join_coherent(const Metric&, const SiteState&, std::span<const Index>,            \
-                              std::uint64_t, Filling<Scalar>&);                                   \
-  template void join_balanced(const Metric&, const SiteState&, const Box&,                        \
-                              std::span<const Index>, std::span<const Pair>, const Arena&,        \
-                              Filling<Scalar>&);                                                  \
+#define CCVT_INSTANTIATE(Scalar)                                                                   \
+  template void join_coherent(const Metric&, const SiteState&, std::span<const Index>,             \
+                              std::uint64_t, Filling<Scalar>&);                                    \
+  template void join_balanced(const Metric&, const SiteState&, const Box&, std::span<const Index>, \
+                              std::span<const Pair>, const Arena&, Filling<Scalar>&);              \
   template void join_random(std::span<const Index>, std::uint64_t, Filling<Scalar>&);
 
 CCVT_INSTANTIATE(float)

@@ -6,10 +6,10 @@
 
 #include "ccvt/domain.h"
 #include "ccvt/types.h"
+#include "geometry/metric.h"
 #include "parallel/arena.h"
 #include "relax/cells.h"
 #include "relax/filling.h"
-#include "geometry/metric.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
 
@@ -24,12 +24,12 @@ template <class Scalar>
 void join_coherent(const Metric& metric, const SiteState& sites, std::span<const Index> joining,
                    std::uint64_t seed, Filling<Scalar>& filling);
 
-/// Each point takes its nearest site whether or not it has room; then balance(). `near` are pairs of
-/// sites near each other, if any are known.
+/// Each point takes its nearest site whether or not it has room; then balance(). `near` are pairs
+/// of sites near each other, if any are known.
 template <class Scalar>
 void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
-                   std::span<const Index> joining, std::span<const Pair> near,
-                   const Arena& arena, Filling<Scalar>& filling);
+                   std::span<const Index> joining, std::span<const Pair> near, const Arena& arena,
+                   Filling<Scalar>& filling);
 
 /// Random owners [Program 1].
 template <class Scalar>

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "parallel/arena.h"
 #include "geometry/metric.h"
+#include "parallel/arena.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
 #include "spatial/site_tree.h"
@@ -23,8 +23,8 @@ class MeetingPairs {
   enum class Refreshed { unchanged, extended, rebuilt, too_many };
 
   /// Makes the list hold every pair whose spheres meet now. O(n) when it still does, O(n log n +
-  /// pairs) when it has to be made again. Gives up with `too_many` when that takes more than `limit`
-  /// pairs; the list is then empty.
+  /// pairs) when it has to be made again. Gives up with `too_many` when that takes more than
+  /// `limit` pairs; the list is then empty.
   Refreshed refresh(const Metric& metric, const SiteState& sites, const Arena& arena,
                     std::size_t limit);
 

@@ -123,7 +123,8 @@ void NearestSites<Scalar>::make_grid(const Box& box, const Arena& arena) {
     inverse_width_.push_back(count / extent[d]);
     cells *= static_cast<std::size_t>(count);
     // Rings that wrap around onto themselves would find sites twice.
-    if ((metric_.periodic() && count < 2 * kMostRings + 1) || static_cast<double>(cells) > 4 * most) {
+    if ((metric_.periodic() && count < 2 * kMostRings + 1) ||
+        static_cast<double>(cells) > 4 * most) {
       resolution_.clear();
       return;
     }

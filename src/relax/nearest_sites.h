@@ -7,8 +7,8 @@
 
 #include "ccvt/domain.h"
 #include "ccvt/types.h"
-#include "parallel/arena.h"
 #include "geometry/metric.h"
+#include "parallel/arena.h"
 #include "relax/site_state.h"
 #include "spatial/site_tree.h"
 
@@ -50,7 +50,8 @@ class NearestSites {
   std::vector<double> inverse_width_;
   std::vector<Index> resolution_;  ///< cells along each dimension; empty: no grid
   std::vector<std::uint32_t> begin_;
-  std::vector<Index> candidate_;  ///< of grid cell g: begin_[g] .. begin_[g + 1]; none: ask the tree
+  std::vector<Index>
+      candidate_;  ///< of grid cell g: begin_[g] .. begin_[g + 1]; none: ask the tree
   std::vector<double> position_;  ///< of the candidates
 };
 

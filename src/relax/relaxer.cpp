@@ -99,14 +99,14 @@ void Relaxer<Scalar>::all_pairs_pass() {
   if (tile > 1) {
     arena_.for_ranges(static_cast<std::size_t>(tiles), 1,
                       [&](std::size_t begin, std::size_t end, int w) {
-      for (auto t = static_cast<Index>(begin); t < static_cast<Index>(end); ++t) {
-        for (Index i = t * tile; i < last(t); ++i) {
-          for (Index j = i + 1; j < last(t); ++j) {
-            examine(workers_[static_cast<std::size_t>(w)], i, j, true);
-          }
-        }
-      }
-    });
+                        for (auto t = static_cast<Index>(begin); t < static_cast<Index>(end); ++t) {
+                          for (Index i = t * tile; i < last(t); ++i) {
+                            for (Index j = i + 1; j < last(t); ++j) {
+                              examine(workers_[static_cast<std::size_t>(w)], i, j, true);
+                            }
+                          }
+                        }
+                      });
   }
   std::vector<Pair> round;
   for (Index r = 0; r < tiles && !cancelled(); ++r) {

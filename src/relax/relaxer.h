@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "ccvt/options.h"
+#include "geometry/metric.h"
 #include "parallel/arena.h"
 #include "relax/cells.h"
 #include "relax/meeting_pairs.h"
-#include "geometry/metric.h"
 #include "relax/site_state.h"
 #include "relax/swap.h"
 #include "schedule/schedule.h"
@@ -78,13 +78,13 @@ class Relaxer {
   MeetingPairs meeting_;
   Schedule schedule_;
   Schedule added_schedule_;  ///< of the pairs added to the list since schedule_ was made
-  bool dense_ = false;  ///< (nearly) all spheres meet: a list would not pay
+  bool dense_ = false;       ///< (nearly) all spheres meet: a list would not pay
 
   std::vector<std::uint8_t> changed_;  ///< in this pass
   std::vector<std::uint8_t> touched_;  ///< since the last full pass began
   std::vector<std::uint8_t> touched_tile_;
-  std::vector<Pair> cache_;            ///< pairs that swapped in the last pass
-  int cached_passes_ = 0;              ///< since the last full pass
+  std::vector<Pair> cache_;  ///< pairs that swapped in the last pass
+  int cached_passes_ = 0;    ///< since the last full pass
   bool stable_ = false;
   bool stopped_ = false;
 };

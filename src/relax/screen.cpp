@@ -135,8 +135,7 @@ std::vector<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells
     const auto fill = [&](const auto& from, const auto& to, Scalar* largest) {
       const auto cells_here = static_cast<Index>(from.site.size());
       for (Index k = 0; k < cells_here; ++k) {
-        const Index targets =
-            k < from.touched ? static_cast<Index>(to.site.size()) : to.touched;
+        const Index targets = k < from.touched ? static_cast<Index>(to.site.size()) : to.touched;
         if (targets == 0) continue;
         own.cell.load(cells, sites, blocks, from.site[static_cast<std::size_t>(k)]);
         const Index padded =

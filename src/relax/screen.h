@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/metric.h"
 #include "parallel/arena.h"
 #include "relax/cells.h"
-#include "geometry/metric.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
 

@@ -10,8 +10,9 @@
 
 namespace ccvt {
 
-/// Those of `pairs` whose diametral ball holds no third site that is paired with either: the Gabriel
-/// graph, a connected part of the Delaunay graph, when `pairs` holds all of that. O(pairs * degree).
+/// Those of `pairs` whose diametral ball holds no third site that is paired with either: the
+/// Gabriel graph, a connected part of the Delaunay graph, when `pairs` holds all of that. O(pairs *
+/// degree).
 std::vector<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
                                 std::span<const Pair> pairs);
 

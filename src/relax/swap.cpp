@@ -184,8 +184,7 @@ void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const Site
       };
       // Thresholds are rounded outwards, away from the points that can move.
       const auto infinity = std::numeric_limits<Scalar>::infinity();
-      const auto floor =
-          std::nextafter(static_cast<Scalar>(lowest_j_ - tolerance_), -infinity);
+      const auto floor = std::nextafter(static_cast<Scalar>(lowest_j_ - tolerance_), -infinity);
       const auto ceiling = std::nextafter(static_cast<Scalar>(highest_i_ + tolerance_), infinity);
       beyond(i, scalar_middle_i_, places_i_, [&](const Scalar* k, Index n, Index* p) {
         return kernels::places_above(k, n, floor, p);

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "ccvt/options.h"
-#include "relax/cells.h"
 #include "geometry/metric.h"
+#include "relax/cells.h"
 #include "relax/site_state.h"
 
 namespace ccvt {
@@ -60,7 +60,6 @@ class PairSwapper {
                                          Index j);
 
  private:
-
   void place_cut(const SiteState& sites, Index i, Index j);
   [[nodiscard]] double exact_key(const Scalar* block, Index count, Index place,
                                  const std::vector<double>& middle) const;

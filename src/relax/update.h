@@ -1,7 +1,7 @@
 #pragma once
 
-#include "relax/cells.h"
 #include "geometry/metric.h"
+#include "relax/cells.h"
 #include "relax/site_state.h"
 
 namespace ccvt {

@@ -8,7 +8,7 @@ namespace ccvt {
 
 Batches greedy_batches(std::span<const Pair> pairs, Index nodes) {
   Batches batches;
-  std::vector<std::vector<std::uint8_t>> used;           // [batch][node]
+  std::vector<std::vector<std::uint8_t>> used;            // [batch][node]
   std::set<std::pair<std::size_t, std::size_t>> by_size;  // (size, batch)
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const auto a = static_cast<std::size_t>(pairs[p].first);

@@ -38,8 +38,8 @@ struct Schedule {
     std::int64_t begin;
     std::int64_t end;
   };
-  std::vector<Pair> pairs;                ///< grouped by task
-  std::vector<Task> tasks;                ///< grouped by batch
+  std::vector<Pair> pairs;                   ///< grouped by task
+  std::vector<Task> tasks;                   ///< grouped by batch
   std::vector<std::int64_t> batch_begin{0};  ///< of batches, in tasks; one more than batches
 
   [[nodiscard]] std::size_t batch_count() const { return batch_begin.size() - 1; }

@@ -34,8 +34,8 @@ void for_each_image(const Metric& metric, const double* query, Reach reach, Visi
     const double below = query[d] - metric.lower()[d];
     const double above = metric.extent()[d] - below;
     // An image one extent up lies `below` beyond the upper face, and the other way round.
-    for (const auto& [gap, shift] : {std::pair{below, metric.extent()[d]},
-                                     std::pair{above, -metric.extent()[d]}}) {
+    for (const auto& [gap, shift] :
+         {std::pair{below, metric.extent()[d]}, std::pair{above, -metric.extent()[d]}}) {
       const double outside = std::max(0.0, gap);
       if (squared + outside * outside > reach()) continue;
       image[k] = query[d] + shift;
@@ -157,7 +157,8 @@ Index SiteTree::nearest(const double* query) const {
     }
   };
   if (metric_.periodic()) {
-    for_each_image(metric_, query, [&] { return best; }, ask);
+    for_each_image(
+        metric_, query, [&] { return best; }, ask);
   } else {
     ask(query);
   }
@@ -234,7 +235,8 @@ void SiteTree::within(const double* query, double radius, std::vector<Index>& fo
     for (const std::size_t slot : slots) found.push_back(site_[slot]);
   };
   if (metric_.periodic()) {
-    for_each_image(metric_, query, [&] { return squared_radius; }, ask);
+    for_each_image(
+        metric_, query, [&] { return squared_radius; }, ask);
   } else {
     ask(query);
   }

@@ -15,8 +15,8 @@ namespace ccvt {
 /// where the images of a query that can matter are asked one by one. Exact. Of several nearest
 /// sites any may be returned, but always the same one.
 ///
-/// Beyond kTreeDimensions (kTorusTreeDimensions on a torus), where trees visit every leaf, sites are
-/// scanned instead.
+/// Beyond kTreeDimensions (kTorusTreeDimensions on a torus), where trees visit every leaf, sites
+/// are scanned instead.
 ///
 /// Const queries may run concurrently; remove() may not.
 class SiteTree {

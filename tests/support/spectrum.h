@@ -106,8 +106,8 @@ double smallest_distance(const Matrix& sites) {
     for (Eigen::Index j = i + 1; j < n; ++j) {
       double squared = 0;
       for (int d = 0; d < 2; ++d) {
-        const double difference = std::abs(static_cast<double>(sites(d, i)) -
-                                           static_cast<double>(sites(d, j)));
+        const double difference =
+            std::abs(static_cast<double>(sites(d, i)) - static_cast<double>(sites(d, j)));
         squared += std::pow(std::min(difference, 1 - difference), 2);
       }
       smallest = std::min(smallest, squared);
