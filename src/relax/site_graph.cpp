@@ -33,10 +33,6 @@ class DisjointSets {
   std::vector<Index> parent_;
 };
 
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-}
-
 }  // namespace
 
 std::vector<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
@@ -85,43 +81,47 @@ SiteGraph::SiteGraph(Index sites, std::span<const Pair> edges) {
 std::vector<double> SiteGraph::potential(std::span<const Index> e) const {
   constexpr double kResidual = 0.25;
   const std::size_t n = e.size();
-  const auto degree = [&](std::size_t s) { return static_cast<double>(begin_[s + 1] - begin_[s]); };
   std::vector<double> phi(n, 0.0);
+  if (n < 2) return phi;
   std::vector<double> residual(e.begin(), e.end());
-  std::vector<double> scaled(n);
   std::vector<double> direction(n, 0.0);
   std::vector<double> image(n);
-  const auto precondition = [&] {
-    for (std::size_t s = 0; s < n; ++s) scaled[s] = residual[s] / degree(s);
+  std::vector<double> inverse_degree(n);
+  for (std::size_t s = 0; s < n; ++s) {
+    inverse_degree[s] = 1 / static_cast<double>(begin_[s + 1] - begin_[s]);
+  }
+  double rho = 0;
+  double largest = 0;
+  const auto measure = [&](std::size_t s) {
+    rho += residual[s] * residual[s] * inverse_degree[s];
+    largest = std::max(largest, std::abs(residual[s]));
   };
-  const auto done = [&] {
-    return std::all_of(residual.begin(), residual.end(),
-                       [](double r) { return std::abs(r) <= kResidual; });
-  };
-  if (n < 2) return phi;
-  precondition();
-  double rho = dot(residual, scaled);
+  for (std::size_t s = 0; s < n; ++s) measure(s);
   double beta = 0;
-  for (std::size_t iteration = 0; iteration < 2 * n && !done(); ++iteration) {
-    for (std::size_t s = 0; s < n; ++s) direction[s] = scaled[s] + beta * direction[s];
+  for (std::size_t iteration = 0; iteration < 2 * n && largest > kResidual; ++iteration) {
     for (std::size_t s = 0; s < n; ++s) {
-      double sum = degree(s) * direction[s];
-      for (const Index t : neighbours(static_cast<Index>(s))) {
-        sum -= direction[static_cast<std::size_t>(t)];
+      direction[s] = residual[s] * inverse_degree[s] + beta * direction[s];
+    }
+    double curvature = 0;
+    for (std::size_t s = 0; s < n; ++s) {
+      double sum = static_cast<double>(begin_[s + 1] - begin_[s]) * direction[s];
+      for (std::size_t k = begin_[s]; k < begin_[s + 1]; ++k) {
+        sum -= direction[static_cast<std::size_t>(neighbour_[k])];
       }
       image[s] = sum;
+      curvature += direction[s] * sum;
     }
-    const double curvature = dot(direction, image);
     if (!(curvature > 0)) break;  // nothing left but rounding
     const double step = rho / curvature;
+    const double before = rho;
+    rho = 0;
+    largest = 0;
     for (std::size_t s = 0; s < n; ++s) {
       phi[s] += step * direction[s];
       residual[s] -= step * image[s];
+      measure(s);
     }
-    precondition();
-    const double next = dot(residual, scaled);
-    beta = next / rho;
-    rho = next;
+    beta = rho / before;
   }
   return phi;
 }
