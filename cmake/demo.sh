@@ -2,6 +2,7 @@
 # From a fresh clone to a picture: installs the packages that are missing, builds the program, and
 # stipples a photograph with 20,000 dots. Pictures go to the folder named as argument (default: .).
 set -eu
+mkdir -p "${1:-.}"
 out=$(cd "${1:-.}" && pwd)
 cd "$(dirname "$0")/.."
 

@@ -411,7 +411,7 @@ TEST_CASE("a second Ctrl-C, or a termination, leaves no partial file") {
   const TemporaryDirectory directory;
   // Points as text take a while to write: long enough to be caught at it.
   const std::string line =
-      "sample --dim 64 --sites 2 --points-per-site 40000 --max-iterations 0 -o s.npy "
+      "sample --dim 64 --sites 2 --points-per-site 160000 --max-iterations 0 -o s.npy "
       "--points-out p.txt";
   const fs::path target = directory / "p.txt";
   for (const bool twice : {true, false}) {
@@ -424,8 +424,8 @@ TEST_CASE("a second Ctrl-C, or a termination, leaves no partial file") {
       wait_for([&] { return directory.entries() > 1 || !process.running(); });
       process.send(twice ? SIGINT : SIGTERM);
       if (twice) {
-        // Two signals sent at once arrive as one.
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        // Signals less than 0.3 s apart count as one key press.
+        std::this_thread::sleep_for(std::chrono::milliseconds(350));
         process.send(SIGINT);
       }
       const int status = process.wait();

@@ -220,7 +220,7 @@ int run_command_line(int argc, const char* const* argv) {
     const std::vector<std::string> unknown = app.remaining(true);
     throw InvalidInput(
         (unknown.empty() ? error.what() : "unknown argument '" + unknown.front() + "'") +
-        "; see ccvt --help");
+        "; see ccvt --help, or ccvt COMMAND --help");
   }
   if (sample_command->parsed()) return run_sample(sample);
   if (tessellate_command->parsed()) return run_tessellate(tessellate);

@@ -1,5 +1,6 @@
 #include "cli/signals.h"
 
+#include <time.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -21,16 +22,34 @@ constexpr std::size_t kLongestPath = 4096;
 char temporary_names[kMostOutputs][kLongestPath];
 volatile std::sig_atomic_t temporary_count = 0;
 volatile std::sig_atomic_t interrupt_count = 0;
+volatile std::sig_atomic_t somebody_reads = 0;  // standard error is a terminal
+double interrupted_at = 0;                      // read and written by the handler alone
 
 void remove_temporary_files() {
   for (int i = 0; i < temporary_count; ++i) ::unlink(temporary_names[i]);
 }
 
+double seconds_now() {
+  timespec now = {};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 extern "C" void on_interrupt(int) {
+  // One Ctrl-C may arrive twice: a parent that passes it on signals the process and its group.
+  constexpr double kSameKey = 0.3;
+  const double now = seconds_now();
   if (interrupt_count == 0) {
     interrupt_count = 1;
+    interrupted_at = now;
+    constexpr char message[] =
+        "\nccvt: stopping, and writing what has been reached; Ctrl-C again discards it\n";
+    if (somebody_reads != 0) {
+      [[maybe_unused]] const auto written = ::write(STDERR_FILENO, message, sizeof message - 1);
+    }
     return;
   }
+  if (now - interrupted_at < kSameKey) return;
   remove_temporary_files();
   ::_exit(130);
 }
@@ -56,6 +75,7 @@ bool is_ignored(int signal) {
 }  // namespace
 
 void handle_signals() {
+  somebody_reads = ::isatty(STDERR_FILENO) != 0 ? 1 : 0;
   handle(SIGINT, on_interrupt);
   handle(SIGTERM, on_termination);
   if (!is_ignored(SIGHUP)) handle(SIGHUP, on_termination);  // as nohup asks

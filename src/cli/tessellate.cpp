@@ -41,6 +41,11 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
   Index sites = arguments.sites;
   if (!arguments.initial_sites.empty()) {
     initial_sites = read_points<Scalar>(arguments.initial_sites);
+    if (initial_sites.rows() != static_cast<Eigen::Index>(header.dimension)) {
+      throw InvalidInput(arguments.initial_sites.string() + ": initial sites have " +
+                         std::to_string(initial_sites.rows()) + " coordinates, points have " +
+                         std::to_string(header.dimension) + ": the two must be equal");
+    }
     sites = static_cast<Index>(initial_sites.cols());
   }
   const Points<Scalar> points = read_points<Scalar>(arguments.points);
@@ -69,10 +74,11 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
 
 int run_tessellate(const TessellateArguments& arguments) {
   if (arguments.sites == 0 && arguments.initial_sites.empty()) {
-    throw InvalidInput("tessellate: needs --sites or --initial-sites; see ccvt --help");
+    throw InvalidInput("tessellate: needs --sites or --initial-sites; see ccvt tessellate --help");
   }
   if (arguments.periodic && arguments.box.empty()) {
-    throw InvalidInput("--periodic: needs --box, the bounds of one period; see ccvt --help");
+    throw InvalidInput(
+        "--periodic: needs --box, the bounds of one period; see ccvt tessellate --help");
   }
   const PointsHeader header = inspect_points(arguments.points);
   Outputs()

@@ -27,10 +27,11 @@ std::string to_text(Number value) {
 }
 
 template <class Number>
-std::string describe(const Range<Number>& range) {
+std::string describe(const Range<Number>& range, bool too_large) {
   std::string text = std::is_integral_v<Number> ? "a whole number" : "a finite number";
-  const bool least = range.least != std::numeric_limits<Number>::lowest();
-  const bool most = range.most != std::numeric_limits<Number>::max();
+  const bool least =
+      std::is_unsigned_v<Number> || range.least != std::numeric_limits<Number>::lowest();
+  const bool most = too_large || range.most != std::numeric_limits<Number>::max();
   if (least) text += (range.open_below ? " above " : " of at least ") + to_text(range.least);
   if (most) {
     text += least ? " and" : "";
@@ -50,7 +51,8 @@ std::string parse_number(std::string_view text, const Range<Number>& range, Numb
               !(range.open_above && value == range.most);
   if constexpr (!std::is_integral_v<Number>) good = good && std::isfinite(value);
   if (good) return {};
-  return "'" + std::string(text) + "' is not " + describe(range);
+  const bool too_large = error == std::errc::result_out_of_range && text.front() != '-';
+  return "'" + std::string(text) + "' is not " + describe(range, too_large);
 }
 
 }  // namespace ccvt::cli

@@ -18,6 +18,10 @@ bool is_separator(char c) { return c == ',' || c == ';'; }
 
 bool looks_numeric(std::string_view field) {
   double value = 0;
+  // A quoted number is refused as one, not taken for a header.
+  if (field.size() > 1 && field.front() == '"' && field.back() == '"') {
+    field = field.substr(1, field.size() - 2);
+  }
   if (!field.empty() && field.front() == '+') field.remove_prefix(1);
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
   return error != std::errc::invalid_argument && end == field.data() + field.size();
