@@ -99,9 +99,7 @@ void choices(int repetitions) {
     const char* name;
     Options options;
   };
-  Options coherent{.threads = 1,
-                   .initialization = ccvt::Initialization::coherent,
-                   .automatic_initialization = false};
+  Options coherent{.threads = 1, .initialization = ccvt::Initialization::coherent};
   Options coherent_flat = coherent;
   coherent_flat.multilevel = false;
   Options paper = Options::fast_ccvt();

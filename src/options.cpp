@@ -31,7 +31,6 @@ void Options::validate() const {
 
 Options Options::balzer2009() {
   Options options;
-  options.automatic_initialization = false;
   options.initialization = Initialization::random;
   options.multilevel = false;
   options.swap = SwapMethod::heap;

@@ -48,6 +48,11 @@ template <class Scalar>
 Problem<Scalar>::Problem(PointsView<Scalar> points, Index sites) : points_(points) {
   if (points.dimension < 1) throw InvalidInput("points: they have no dimension");
   if (points.count < 1) throw InvalidInput("points: there are none");
+  if (points.data == nullptr) throw InvalidInput("points: the view has no data");
+  if (points.dimension > 1 && points.stride < points.dimension) {
+    throw InvalidInput("points: the stride is " + std::to_string(points.stride) +
+                       ": it must be at least the dimension, " + std::to_string(points.dimension));
+  }
   capacities_ = equal_capacities(points.count, sites);
   require_finite("points", points);
 }

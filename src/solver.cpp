@@ -35,6 +35,8 @@ class Stopwatch {
 
 const char* name_of(Initialization initialization) {
   switch (initialization) {
+    case Initialization::automatic:
+      return "automatic";
     case Initialization::balanced:
       return "balanced";
     case Initialization::coherent:
@@ -103,7 +105,7 @@ Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Op
   const Stopwatch initialization(summary.seconds_initialization);
   box = problem.bounding_box();
   coordinate_bound = std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
-  if (options.automatic_initialization) {
+  if (options.initialization == Initialization::automatic) {
     options.initialization = problem.dimension() <= kBalancedDimensions ? Initialization::balanced
                                                                         : Initialization::coherent;
   }
@@ -177,6 +179,7 @@ void Solver<Scalar>::Implementation::take_owners() {
     const Index owner = problem.initial_owners()[static_cast<std::size_t>(p)];
     filling.add(rank[static_cast<std::size_t>(owner)], p);
   }
+  levels[0].joining = {};
   make_relaxer();
 }
 
@@ -193,6 +196,7 @@ void Solver<Scalar>::Implementation::enter_level(std::size_t next) {
   cells = {};
   const auto near = relaxer ? relaxer->listed() : std::vector<Pair>{};
   switch (options.initialization) {
+    case Initialization::automatic:  // decided by the constructor
     case Initialization::balanced:
       join_balanced(metric, sites, box, joining.joining, near, arena, filling);
       break;
@@ -246,12 +250,13 @@ void Solver<Scalar>::Implementation::finish(Termination termination) {
     enter_level(level + 1);
   }
   summary.termination = termination;
+  // By logarithms: a volume in high dimension is soon beyond the range of a double.
+  const Eigen::VectorXd extent = box.extent();
   const double n = problem.site_count();
-  const double volume = box.volume();
-  if (volume > 0) {
-    const double exponent = 2.0 / problem.dimension();
-    summary.normalized_energy =
-        summary.energy * std::pow(n / volume, exponent) / problem.point_count();
+  if (extent.minCoeff() > 0) {
+    const double cell_volume_log = extent.array().log().sum() - std::log(n);
+    summary.normalized_energy = summary.energy / problem.point_count() *
+                                std::exp(-2.0 / problem.dimension() * cell_volume_log);
   }
   double capacity_error_sum = 0;
   const double mean = problem.point_count() / n;
@@ -288,7 +293,8 @@ bool Solver<Scalar>::Implementation::step() {
       const Stopwatch initialization(summary.seconds_initialization);
       enter_level(level + 1);
     }
-  } else if (finest && energy_before - summary.energy < options.energy_tolerance * energy_before) {
+  } else if (finest && options.energy_tolerance > 0 &&
+             energy_before - summary.energy < options.energy_tolerance * energy_before) {
     finish(Termination::energy_tolerance);
   }
   return summary.termination == Termination::running;

@@ -69,6 +69,8 @@ class Start {
       case Initialization::random:
         ccvt::join_random(joining, seed, filling);
         break;
+      case Initialization::automatic:
+        FAIL("the solver chooses; nothing here joins automatically");
     }
     std::vector<Index> result(static_cast<std::size_t>(points.cols()), -1);
     for (Index s = 0; s < sites.count(); ++s) {

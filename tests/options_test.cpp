@@ -35,7 +35,6 @@ constexpr Initialization starts[] = {Initialization::balanced, Initialization::c
 std::vector<Options> variants() {
   std::vector<Options> all;
   Options o;
-  o.automatic_initialization = false;
   o.max_iterations = 5000;
   o.level_points = 2;
   o.level_factor = 2;
@@ -176,22 +175,18 @@ TEST_CASE("the start is chosen by the dimension, or as asked") {
   };
   CHECK(start(8, {}) == "balanced");
   CHECK(start(9, {}) == "coherent");
-  CHECK(start(9, {.initialization = Initialization::balanced, .automatic_initialization = false}) ==
-        "balanced");
-  CHECK(start(2, {.initialization = Initialization::coherent, .automatic_initialization = false}) ==
-        "coherent");
-  CHECK(start(2, {.initialization = Initialization::random, .automatic_initialization = false}) ==
-        "random");
+  CHECK(start(9, {.initialization = Initialization::balanced}) == "balanced");
+  CHECK(start(2, {.initialization = Initialization::coherent}) == "coherent");
+  CHECK(start(2, {.initialization = Initialization::random}) == "random");
 }
 
 TEST_CASE("cached passes are passes over the pairs that swapped, and no more than allowed") {
   const auto points = make_points<float>(Layout::random, Box::unit(2), 4000);
   const Problem<float> problem(points, 80);
   for (const int allowed : {0, 1, 5}) {
-    const auto result = ccvt::tessellate(problem, {.initialization = Initialization::random,
-                                                   .automatic_initialization = false,
-                                                   .multilevel = false,
-                                                   .cached_passes = allowed});
+    const auto result = ccvt::tessellate(
+        problem,
+        {.initialization = Initialization::random, .multilevel = false, .cached_passes = allowed});
     const auto& log = result.summary.iterations_log;
     REQUIRE(log.size() > 3);
     CHECK(log.front().full);

@@ -308,4 +308,11 @@ TEST_CASE("tessellations and capacity errors") {
   CHECK(ccvt::capacity_error(std::vector<Index>{0, 1, 0, 0}, 2) == 0.25);
 }
 
+TEST_CASE("points whose coordinates are not contiguous are refused") {
+  Eigen::MatrixXf storage = Eigen::MatrixXf::Random(4, 40);
+  using Gaps = Eigen::Map<Eigen::MatrixXf, 0, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>;
+  const Gaps points(storage.data(), 2, 40, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>(4, 2));
+  CHECK_THROWS_AS(ccvt::Problem<float>(points, 3), ccvt::InvalidInput);
+}
+
 TEST_SUITE_END();

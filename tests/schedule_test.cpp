@@ -243,4 +243,33 @@ TEST_CASE("every point is as likely as any to be on the coarsest level") {
   for (const int count : chosen) CHECK(std::abs(count - trials / 4) < 5 * 27);
 }
 
+TEST_CASE("rounds hold every pair once, and no site twice") {
+  Random random(9);
+  for (const Index sites : {2, 3, 10, 61}) {
+    const auto most = static_cast<std::size_t>(sites) * static_cast<std::size_t>(sites - 1) / 2;
+    for (const std::size_t count : {std::size_t{0}, std::size_t{1}, most / 2, most}) {
+      auto pairs = random_pairs(random, sites, count);
+      const Schedule schedule = ccvt::schedule_rounds(pairs, sites);
+      CHECK(schedule.batch_count() <= static_cast<std::size_t>(sites));
+      std::size_t tasks = 0;
+      for (std::size_t b = 0; b < schedule.batch_count(); ++b) {
+        std::set<Index> seen;
+        REQUIRE(!schedule.batch(b).empty());
+        for (const auto& task : schedule.batch(b)) {
+          REQUIRE(task.end == task.begin + 1);
+          const Pair& pair = schedule.pairs[static_cast<std::size_t>(task.begin)];
+          CHECK(seen.insert(pair.first).second);
+          CHECK(seen.insert(pair.second).second);
+          ++tasks;
+        }
+      }
+      CHECK(tasks == pairs.size());
+      auto scheduled = schedule.pairs;
+      std::sort(scheduled.begin(), scheduled.end());
+      std::sort(pairs.begin(), pairs.end());
+      CHECK(scheduled == pairs);
+    }
+  }
+}
+
 TEST_SUITE_END();

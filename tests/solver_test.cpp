@@ -265,6 +265,16 @@ TEST_CASE_TEMPLATE("far from the origin", Scalar, float, double) {
   }
 }
 
+TEST_CASE("a torus far from the origin, where float sites are rounded more than points are apart") {
+  Box box = Box::unit(2);
+  box.lower.array() += 8192;
+  box.upper.array() += 8192;
+  const auto points = make_points<float>(Layout::random, box, 1024 * 64);
+  Problem<float> problem(points, 1024);
+  problem.set_domain(Domain::periodic(box));
+  check_stable(problem);
+}
+
 TEST_CASE_TEMPLATE("huge and tiny coordinates", Scalar, float, double) {
   for (const double scale :
        sizeof(Scalar) == 4 ? std::vector{1e16, 1e-15} : std::vector{1e149, 1e-140}) {

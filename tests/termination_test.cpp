@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -75,7 +76,7 @@ TEST_CASE_TEMPLATE("ties do not keep a run going", Scalar, float, double) {
             const auto points = make_points<Scalar>(layout, box, 729);
             Problem<Scalar> problem(points, sites);
             if (periodic) problem.set_domain(Domain::periodic(box));
-            check_ends(problem, {.initialization = start, .automatic_initialization = false});
+            check_ends(problem, {.initialization = start});
           }
         }
       }
@@ -109,9 +110,7 @@ TEST_CASE_TEMPLATE("two values a coordinate", Scalar, float, double) {
       CAPTURE(sites);
       const Problem<Scalar> problem(points, sites);
       check_ends(problem, {});
-      check_ends(problem, {.initialization = Initialization::random,
-                           .automatic_initialization = false,
-                           .multilevel = false});
+      check_ends(problem, {.initialization = Initialization::random, .multilevel = false});
     }
   }
 }
@@ -190,9 +189,8 @@ TEST_CASE("the iteration limit holds, and leaves every point with an owner") {
       if (periodic) problem.set_domain(Domain::periodic(Box::unit(2)));
       for (const int limit : {0, 1, 5}) {
         CAPTURE(limit);
-        const auto result = ccvt::tessellate(
-            problem,
-            {.max_iterations = limit, .initialization = start, .automatic_initialization = false});
+        const auto result =
+            ccvt::tessellate(problem, {.max_iterations = limit, .initialization = start});
         CHECK(result.summary.termination == Termination::iteration_limit);
         CHECK(result.summary.iterations == limit);
         CHECK(result.summary.iterations_log.size() == static_cast<std::size_t>(limit));
@@ -207,10 +205,8 @@ TEST_CASE("the energy tolerance ends a run as soon as an iteration gains less") 
   const auto points = make_points<double>(Layout::random, Box::unit(2), 8000);
   const Problem<double> problem(points, 100);
   const double tolerance = 1e-3;
-  Options options{.energy_tolerance = tolerance,
-                  .initialization = Initialization::random,
-                  .automatic_initialization = false,
-                  .multilevel = false};
+  Options options{
+      .energy_tolerance = tolerance, .initialization = Initialization::random, .multilevel = false};
   const auto result = ccvt::tessellate(problem, options);
   CHECK(result.summary.termination == Termination::energy_tolerance);
   CHECK(faults(problem, result) == "");
@@ -318,6 +314,20 @@ TEST_CASE("a solver can be moved in mid-run") {
   solver = std::move(moved);
   solver.run();
   CHECK(differences(result_of(solver), ccvt::tessellate(problem)) == "");
+}
+
+TEST_CASE("a callback that throws leaves a solver that goes on to a stable end") {
+  const auto points = make_points<double>(Layout::random, Box::unit(2), 3000);
+  const Problem<double> problem(points, 50);
+  int calls = 0;
+  ccvt::Solver<double> solver(problem, {.tile_sites = 1, .cancelled = [&]() -> bool {
+                                          if (++calls == 5) throw std::runtime_error("enough");
+                                          return false;
+                                        }});
+  CHECK_THROWS_WITH_AS(solver.run(), "enough", std::runtime_error);
+  solver.run();
+  CHECK(solver.summary().termination == Termination::stable);
+  CHECK(faults(problem, result_of(solver)) == "");
 }
 
 TEST_SUITE_END();

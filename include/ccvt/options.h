@@ -10,8 +10,10 @@ namespace ccvt {
 
 /// How points get their first owners. All keep the capacities exactly.
 enum class Initialization {
+  /// Balanced up to 8 dimensions, coherent beyond.
+  automatic,
   /// Every point takes its nearest site; the excess then flows between neighbouring sites until
-  /// capacities are exact. Leaves no strays; the fastest start, and the default up to 8 dimensions.
+  /// capacities are exact. Leaves no strays; the fastest start in few dimensions.
   balanced,
   /// Every point, in a seeded random order, takes the nearest site that still has room [Program 6].
   coherent,
@@ -64,10 +66,8 @@ struct CCVT_EXPORT Options {
   /// In [0, 1); 0: run until stable.
   double energy_tolerance = 0;
 
-  /// The start; `automatic_initialization` lets the dimension decide.
-  Initialization initialization = Initialization::balanced;
-  /// Ignores `initialization` and takes balanced up to 8 dimensions, coherent beyond.
-  bool automatic_initialization = true;
+  /// How points get their first owners, on each level.
+  Initialization initialization = Initialization::automatic;
 
   /// Multi-level optimisation [5.2]: relax a random subset of `level_points` points per site
   /// first, then `level_factor` times as many, and so on. Ends lower and more even than one level.
@@ -77,7 +77,8 @@ struct CCVT_EXPORT Options {
 
   SwapMethod swap = SwapMethod::median;
   PointPruning point_pruning = PointPruning::extremes;
-  /// Leave a pair alone when its cells are already separated [5.2].
+  /// Leave a pair alone when its cells are already separated [5.2]. PointPruning::extremes contains
+  /// this test, so it matters with the other two only.
   bool median_cut_pruning = true;
 
   PairSelection pairs = PairSelection::meeting;

@@ -38,7 +38,7 @@ struct IterationRecord {
   std::int64_t swaps = 0;      ///< pairs that exchanged points
   std::int64_t exchanged = 0;  ///< points that changed owner
   Index active_sites = 0;      ///< sites whose cell changed
-  double energy = 0;           ///< after the centroid update; falls within a level
+  double energy = 0;           ///< after the centroid update; falls within a level, up to rounding
   double seconds = 0;          ///< since the start of the run
 };
 

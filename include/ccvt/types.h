@@ -43,6 +43,14 @@ PointsView<typename Derived::Scalar> view_points(const Eigen::DenseBase<Derived>
                 "ccvt: evaluate the expression into a matrix first: points are used in place");
   static_assert(!Derived::IsRowMajor || Derived::RowsAtCompileTime == 1,
                 "ccvt: points are columns: pass a column-major #dimensions x #points matrix");
+  static_assert(Derived::InnerStrideAtCompileTime == 1 || Derived::RowsAtCompileTime == 1 ||
+                    Derived::InnerStrideAtCompileTime == Eigen::Dynamic,
+                "ccvt: the coordinates of a point must be contiguous");
+  if (points.rows() > 1 && points.derived().innerStride() != 1) {
+    throw InvalidInput("points: the inner stride is " +
+                       std::to_string(points.derived().innerStride()) +
+                       ": the coordinates of a point must be contiguous");
+  }
   if (points.cols() > INT32_MAX) {
     throw InvalidInput("points: there are " + std::to_string(points.cols()) +
                        " of them, but at most 2147483647 are supported");

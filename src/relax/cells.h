@@ -14,7 +14,7 @@ namespace ccvt {
 
 /// The working tessellation: a permutation of the points grouped by site, with a copy of their
 /// coordinates in that order. Cell sizes never change, so capacities hold by construction and
-/// nothing is allocated while relaxing.
+/// a swap allocates nothing.
 ///
 /// The coordinates of cell s are one block of size(s) * dimension scalars, one contiguous stream
 /// per dimension, so that a pair of cells is examined by streaming two blocks.

@@ -81,7 +81,13 @@ void NearestSites<Scalar>::sites_near(const std::vector<std::size_t>& first,
     rest /= count;
     diagonal += width_[d] * width_[d];
   }
-  diagonal = std::sqrt(diagonal) * (1 + 1e-12);
+  // Rounding may put a point into the cell next to its own.
+  double farthest = 0;
+  for (std::size_t d = 0; d < dimension; ++d) {
+    farthest =
+        std::max({farthest, std::abs(lower_[d]), std::abs(lower_[d] + width_[d] * resolution_[d])});
+  }
+  diagonal = std::sqrt(diagonal) * (1 + 1e-12) + 1e-15 * farthest;
   const double width = *std::min_element(width_.begin(), width_.end());
 
   struct Found {

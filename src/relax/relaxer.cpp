@@ -13,10 +13,13 @@ constexpr std::size_t kPairsPerGrain = 64;
 /// Sites updated at once by a worker.
 constexpr std::size_t kSitesPerGrain = 64;
 
+/// Full passes over all pairs before the list of meeting ones is tried again.
+constexpr int kDensePasses = 4;
+
 /// A list of meeting pairs longer than this is not worth having.
 std::size_t list_limit(Index sites) {
   const auto n = static_cast<std::size_t>(sites);
-  return std::min(n * (n - 1) / 4, 256 * n);
+  return std::min({n * (n - 1) / 4, 256 * n, static_cast<std::size_t>(INT32_MAX)});
 }
 
 }  // namespace
@@ -96,7 +99,7 @@ void Relaxer<Scalar>::all_pairs_pass() {
   const auto last = [&](Index t) { return n - t * tile > tile ? (t + 1) * tile : n; };
   const auto grain = std::max<std::size_t>(
       1, kPairsPerGrain / (static_cast<std::size_t>(tile) * static_cast<std::size_t>(tile)));
-  if (tile > 1) {
+  if (tile > 1 && !cancelled()) {
     arena_.for_ranges(static_cast<std::size_t>(tiles), 1,
                       [&](std::size_t begin, std::size_t end, int w) {
                         for (auto t = static_cast<Index>(begin); t < static_cast<Index>(end); ++t) {
@@ -128,7 +131,11 @@ void Relaxer<Scalar>::all_pairs_pass() {
 template <class Scalar>
 void Relaxer<Scalar>::screened_pass() {
   const auto pairs = gaining_pairs(metric_, cells_, sites_, touched_, arena_);
-  if (!pairs.empty()) run(schedule_pairs(pairs, sites_.count(), 1), false);
+  if (pairs.empty()) return;
+  // The greedy rule packs few pairs well, but takes too long for many.
+  const bool many = pairs.size() > 8 * static_cast<std::size_t>(sites_.count());
+  run(many ? schedule_rounds(pairs, sites_.count()) : schedule_pairs(pairs, sites_.count(), 1),
+      false);
 }
 
 /// Brings the list of pairs and its schedules up to date.
@@ -144,6 +151,7 @@ void Relaxer<Scalar>::list_pairs() {
       added_schedule_ = schedule(meeting_.added());
       break;
     case MeetingPairs::Refreshed::rebuilt:
+      dense_ = false;
       schedule_ = schedule(meeting_.pairs());
       added_schedule_ = {};
       break;
@@ -156,7 +164,9 @@ void Relaxer<Scalar>::list_pairs() {
 template <class Scalar>
 void Relaxer<Scalar>::full_pass() {
   if (options_.pairs == PairSelection::all) return all_pairs_pass();
-  if (!dense_) list_pairs();
+  // Spheres shrink as the relaxation goes on: a list may pay by now.
+  const bool retry = dense_ && !screening_pays(metric_) && ++dense_passes_ % kDensePasses == 0;
+  if (!dense_ || retry) list_pairs();
   if (!dense_) {
     touched_tile_.assign(static_cast<std::size_t>(sites_.count() / options_.tile_sites + 1), 0);
     for (std::size_t s = 0; s < touched_.size(); ++s) {
@@ -195,12 +205,20 @@ PassCount Relaxer<Scalar>::step() {
     worker.swapped.clear();
   }
   std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
-  if (full) {
-    full_pass();
-    cached_passes_ = 0;
-  } else {
-    cached_pass();
-    ++cached_passes_;
+  try {
+    if (full) {
+      full_pass();
+      cached_passes_ = 0;
+    } else {
+      cached_pass();
+      ++cached_passes_;
+    }
+  } catch (...) {
+    // Swaps have been made: whoever goes on must find the sites where their cells are.
+    cache_.clear();
+    std::fill(touched_.begin(), touched_.end(), std::uint8_t{1});
+    update_all();
+    throw;
   }
   PassCount pass;
   pass.full = full;

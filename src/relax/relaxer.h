@@ -80,6 +80,8 @@ class Relaxer {
   Schedule added_schedule_;  ///< of the pairs added to the list since schedule_ was made
   bool dense_ = false;       ///< (nearly) all spheres meet: a list would not pay
 
+  int dense_passes_ = 0;
+
   std::vector<std::uint8_t> changed_;  ///< in this pass
   std::vector<std::uint8_t> touched_;  ///< since the last full pass began
   std::vector<std::uint8_t> touched_tile_;

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "kernels/kernels.h"
+#include "relax/update.h"
 
 namespace ccvt {
 namespace {
@@ -65,13 +66,12 @@ void PairSwapper<Scalar>::place_cut(const SiteState& sites, Index i, Index j) {
   }
   length_ = std::sqrt(squared_length);
   const auto terms = static_cast<double>(normal_.size() + 4);
-  double size = 0;
-  if (one_frame_) {
-    size = length_ * (length_ + radius + (shifted_ ? metric_.largest_extent() : 0));
-  } else {
-    reach_ = length_ + radius;
-    size = reach_ * (reach_ + metric_.largest_extent());
-  }
+  // On a torus the two cells see the cut from places that are rounded apart from each other, by as
+  // much as coordinates are; else both see the same one, and its rounding does not matter.
+  const double placement = metric_.largest_extent() + coordinate_bound_;
+  const double reach = length_ + radius;
+  const double size =
+      one_frame_ ? length_ * (reach + (shifted_ ? placement : 0)) : reach * (reach + placement);
   rounding_ = 4 * terms * kHalfUlp * size;
   tolerance_ = 2 * terms * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * size +
                terms * static_cast<double>(std::numeric_limits<Scalar>::min());
@@ -219,7 +219,7 @@ void PairSwapper<Scalar>::exchange(Cells<Scalar>& cells, SiteState& sites, Index
     cells.get(cell, place, x.data());
     double& radius = sites.radius[static_cast<std::size_t>(cell)];
     const double squared = metric_.squared_distance(x.data(), sites.at(cell));
-    if (squared > radius * radius) radius = std::sqrt(squared) * (1 + 8 * kHalfUlp);
+    if (squared > radius * radius) radius = upper_radius(squared, metric_.dimension());
   };
   for (std::size_t k = 0; k < moves_.from_i.size(); ++k) {
     cells.exchange(i, moves_.from_i[k].place, j, moves_.from_j[k].place);
@@ -241,10 +241,14 @@ Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, SiteState& sites, In
   find_candidates(cells, sites, i, j);
   if (moves_.from_i.empty() || moves_.from_j.empty()) return 0;
 
+  // How far a site may be from the exact centroid: see update_site().
   const auto centroid_error = [&](Index cell) {
-    const double size = cells.size(cell);
-    const double error = (size / 8 + 16) * kHalfUlp * coordinate_bound_;
-    return size * error * error * metric_.dimension();
+    const double count = cells.size(cell);
+    const double summed = metric_.periodic()
+                              ? (count + 16) * metric_.largest_extent()
+                              : (count / 8 + 16) * 2 * sites.radius[static_cast<std::size_t>(cell)];
+    const double error = kHalfUlp * (coordinate_bound_ + summed);
+    return count * error * error * metric_.dimension();
   };
   const double margin = 2 * rounding_ + (centroid_error(i) + centroid_error(j)) / 2;
   select_exchange(method_, margin, moves_);

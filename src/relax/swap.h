@@ -44,7 +44,8 @@ void select_exchange(SwapMethod method, double margin, Exchange& candidates);
 /// centroid that it was rounded from. By (a) every exchange lowers the energy for the sites of the
 /// pass. By (b) a pass that made an exchange lowers it by more than sum size * e^2 over all changed
 /// cells, which is what rounding can have put between that energy and F: so F falls from each pass
-/// that exchanges points to the next, no assignment ever returns, and there are finitely many.
+/// that exchanges points to the next; no assignment (on a torus: with its choice of images) ever
+/// returns, and there are finitely many.
 /// Ties and duplicate points gain nothing and never move.
 template <class Scalar>
 class PairSwapper {
@@ -80,7 +81,6 @@ class PairSwapper {
   // The cut between the current pair: a line where both cells fit in one frame, else wrapped.
   bool one_frame_ = true;
   bool shifted_ = false;
-  double reach_ = 0;
   double length_ = 0;
   double tolerance_ = 0;  ///< bounds the error of keys in Scalar
   double rounding_ = 0;   ///< bounds the error of keys in double

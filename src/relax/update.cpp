@@ -8,11 +8,6 @@
 namespace ccvt {
 namespace {
 
-/// Rounding must not leave a point outside its cell's bounding sphere.
-double upper_radius(double squared, int dimension) {
-  return std::sqrt(squared) * (1 + (dimension + 8) * 0x1p-52);
-}
-
 /// Whether no point of the cell is nearer to another image of `site`.
 template <class Scalar>
 bool is_compact(const Metric& metric, const Cells<Scalar>& cells, const double* position,
@@ -91,6 +86,10 @@ void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& si
   }
   sites.energy[s] = spread.energy;
   sites.radius[s] = upper_radius(spread.squared_radius, dimension);
+}
+
+double upper_radius(double squared, int dimension) {
+  return std::sqrt(squared) * (1 + (dimension + 8) * 0x1p-52);
 }
 
 double total_energy(const SiteState& sites) {

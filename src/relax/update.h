@@ -14,6 +14,9 @@ namespace ccvt {
 template <class Scalar>
 void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& sites, Index site);
 
+/// A radius that rounding has not made smaller than the root of `squared`, itself rounded.
+double upper_radius(double squared, int dimension);
+
 /// The sum of the sites' energies, in a fixed order and with an error that does not grow with n.
 double total_energy(const SiteState& sites);
 

@@ -1,6 +1,8 @@
 #include "schedule/schedule.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -72,6 +74,29 @@ Schedule schedule_pairs(std::span<const Pair> pairs, Index sites, Index tile_sit
       schedule.tasks.push_back({begin, static_cast<std::int64_t>(schedule.pairs.size())});
     }
     schedule.batch_begin.push_back(static_cast<std::int64_t>(schedule.tasks.size()));
+  }
+  return schedule;
+}
+
+Schedule schedule_rounds(std::span<const Pair> pairs, Index sites) {
+  const auto round_of = [=](const Pair& pair) {
+    return static_cast<std::size_t>((std::int64_t{pair.first} + pair.second) % sites);
+  };
+  std::vector<std::int64_t> begin(static_cast<std::size_t>(sites) + 1, 0);
+  for (const Pair& pair : pairs) ++begin[round_of(pair) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+
+  Schedule schedule;
+  for (std::size_t round = 0; round + 1 < begin.size(); ++round) {
+    if (begin[round + 1] > begin[round]) schedule.batch_begin.push_back(begin[round + 1]);
+  }
+  schedule.pairs.resize(pairs.size());
+  for (const Pair& pair : pairs) {
+    schedule.pairs[static_cast<std::size_t>(begin[round_of(pair)]++)] = pair;
+  }
+  schedule.tasks.reserve(pairs.size());
+  for (std::int64_t p = 0; p < static_cast<std::int64_t>(pairs.size()); ++p) {
+    schedule.tasks.push_back({p, p + 1});
   }
   return schedule;
 }

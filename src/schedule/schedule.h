@@ -54,4 +54,8 @@ struct Schedule {
 /// every pair is a task, which is the paper's schedule.
 Schedule schedule_pairs(std::span<const Pair> pairs, Index sites, Index tile_sites);
 
+/// One batch for each round of round_robin() in which there are pairs, every pair a task: at most
+/// `sites` batches. O(pairs + sites).
+Schedule schedule_rounds(std::span<const Pair> pairs, Index sites);
+
 }  // namespace ccvt
