@@ -8,21 +8,41 @@
 namespace ccvt {
 namespace {
 
-/// Whether no point of the cell is nearer to another image of `site`.
-template <class Scalar>
-bool is_compact(const Metric& metric, const Cells<Scalar>& cells, const double* position,
-                Index site) {
+/// Whether `holds(d, low, high)` for the range of the cell's coordinates along each dimension d.
+template <class Scalar, class Predicate>
+bool ranges_satisfy(const Cells<Scalar>& cells, Index site, int dimension, Predicate holds) {
+  const Scalar zero = 0;
+  const Scalar one = 1;
   const Index count = cells.size(site);
   const Scalar* stream = cells.block(site);
-  for (int d = 0; d < metric.dimension(); ++d, stream += count) {
-    const auto [low, high] = std::minmax_element(stream, stream + count);
-    const double half = metric.extent()[d] / 2;
-    if (static_cast<double>(*high) - position[d] > half ||
-        position[d] - static_cast<double>(*low) > half) {
+  for (int d = 0; d < dimension; ++d, stream += count) {
+    const auto range = kernels::key_extremes(stream, count, 1, kernels::Cut<Scalar>{&zero, &one});
+    if (!holds(d, static_cast<double>(range.lowest), static_cast<double>(range.highest))) {
       return false;
     }
   }
   return true;
+}
+
+/// Whether no point of the cell is nearer to another image of `site`.
+template <class Scalar>
+bool is_compact(const Metric& metric, const Cells<Scalar>& cells, const double* position,
+                Index site) {
+  return ranges_satisfy(cells, site, metric.dimension(), [&](int d, double low, double high) {
+    const double half = metric.extent()[d] / 2;
+    return high - position[d] <= half && position[d] - low <= half;
+  });
+}
+
+/// Whether the cell is so small, and so far inside the box, that no difference of its points needs
+/// wrapping. Then its centroid is the mean of its coordinates as they stand: the energy around a
+/// mean is half the mean squared distance of all pairs of points, and no choice of images makes any
+/// of these shorter. The bound leaves room for rounding.
+template <class Scalar>
+bool is_small(const Metric& metric, const Cells<Scalar>& cells, Index site) {
+  return ranges_satisfy(cells, site, metric.dimension(), [&](int d, double low, double high) {
+    return high - low < metric.extent()[d] * 0.49;
+  });
 }
 
 /// One move of a site to the centroid of its points' nearest images. Returns whether that made
@@ -65,7 +85,8 @@ void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& si
   const auto s = static_cast<std::size_t>(site);
   double* position = sites.at(site);
   kernels::Spread spread{0, 0};
-  const bool plain = !metric.periodic() || is_compact(metric, cells, position, site);
+  const bool small = !metric.periodic() || is_small(metric, cells, site);
+  const bool plain = small || is_compact(metric, cells, position, site);
   if (plain) {
     const Scalar* stream = cells.block(site);
     for (int d = 0; d < dimension; ++d, stream += count) {
@@ -74,7 +95,7 @@ void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& si
       position[d] = origin + kernels::sum_from(stream, count, origin) / count;
     }
   }
-  if (plain && (!metric.periodic() || is_compact(metric, cells, position, site))) {
+  if (small || (plain && is_compact(metric, cells, position, site))) {
     sites.compact[s] = 1;
     spread = kernels::spread_around(cells.block(site), count, dimension, position);
   } else {
