@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;
 /// No PNG or JPEG stores more pixels in a byte: a PNG of one bit a pixel reaches 8 * 1032.
-constexpr std::uint64_t kMostPixelsPerByte = 8 * 1032;
+constexpr std::uint64_t kMostPixelsPerByte = std::uint64_t{8} * 1032;
 
 /// Grey on white. In whole numbers, so that white becomes 1 exactly.
 template <class Sample>

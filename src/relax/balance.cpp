@@ -151,14 +151,15 @@ void flow_along_tree(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scala
   const SiteGraph::SpanningTree tree = graph.spanning_tree();
   std::vector<Index> subtree = surpluses(filling);
   const auto parent = [&](Index s) { return tree.parent[static_cast<std::size_t>(s)]; };
-  for (auto s = tree.order.rbegin(); s != tree.order.rend(); ++s) {
-    const Index surplus = subtree[static_cast<std::size_t>(*s)];
-    if (parent(*s) < 0) {
+  for (std::size_t k = tree.order.size(); k-- > 0;) {
+    const Index s = tree.order[k];
+    const Index surplus = subtree[static_cast<std::size_t>(s)];
+    if (parent(s) < 0) {
       if (surplus != 0) throw std::logic_error("balance: surpluses do not sum to zero");
       continue;
     }
-    subtree[static_cast<std::size_t>(parent(*s))] += surplus;
-    if (surplus > 0) mover.move(*s, parent(*s), surplus);
+    subtree[static_cast<std::size_t>(parent(s))] += surplus;
+    if (surplus > 0) mover.move(s, parent(s), surplus);
   }
   for (const Index s : tree.order) {
     if (parent(s) < 0) continue;

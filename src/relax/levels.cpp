@@ -26,7 +26,7 @@ std::vector<Level> make_levels(std::span<const Index> capacities, Index points,
     while (total(levels[0].capacities) / options.level_factor >= coarsest) {
       Level coarse;
       for (const Index c : levels[0].capacities) {
-        coarse.capacities.push_back(c / options.level_factor + (c % options.level_factor != 0));
+        coarse.capacities.push_back((c - 1) / options.level_factor + 1);
       }
       levels.insert(levels.begin(), std::move(coarse));
     }

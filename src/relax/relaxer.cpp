@@ -168,7 +168,8 @@ void Relaxer<Scalar>::full_pass() {
   const bool retry = dense_ && !screening_pays(metric_) && ++dense_passes_ % kDensePasses == 0;
   if (!dense_ || retry) list_pairs();
   if (!dense_) {
-    touched_tile_.assign(static_cast<std::size_t>(sites_.count() / options_.tile_sites + 1), 0);
+    const Index tiles = sites_.count() / options_.tile_sites + 1;
+    touched_tile_.assign(static_cast<std::size_t>(tiles), 0);
     for (std::size_t s = 0; s < touched_.size(); ++s) {
       touched_tile_[s / static_cast<std::size_t>(options_.tile_sites)] |= touched_[s];
     }

@@ -129,7 +129,7 @@ std::vector<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells
   std::vector<Scratch> scratch(static_cast<std::size_t>(arena.threads()));
   arena.for_ranges(work.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
     Scratch& own = scratch[static_cast<std::size_t>(worker)];
-    own.largest.resize(static_cast<std::size_t>(2 * kBlockSites * kBlockSites));
+    own.largest.resize(std::size_t{2} * kBlockSites * kBlockSites);
     // largest[k][l]: over the points of cell k of `from`, the largest point . (site l of `to`),
     // less the same with the point's own site.
     const auto fill = [&](const auto& from, const auto& to, Scalar* largest) {
