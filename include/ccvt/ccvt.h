@@ -5,6 +5,7 @@
 #include "ccvt/density.h"       // IWYU pragma: export
 #include "ccvt/domain.h"        // IWYU pragma: export
 #include "ccvt/io.h"            // IWYU pragma: export
+#include "ccvt/metrics.h"       // IWYU pragma: export
 #include "ccvt/options.h"       // IWYU pragma: export
 #include "ccvt/problem.h"       // IWYU pragma: export
 #include "ccvt/sampling.h"      // IWYU pragma: export

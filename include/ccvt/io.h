@@ -20,6 +20,8 @@
 ///               one comma or one semicolon. '#' starts a comment, blank lines count for nothing,
 ///               and a first line in which no field is a number is a header. Numbers are written
 ///               with as many digits as it takes to read the same bits back.
+///   .ply        Read only: the vertices of a PLY file, ascii or binary of either byte order: x and
+///               y, and z if there is one. Other properties and elements are skipped.
 ///   .png, .jpg  Pictures.
 ///
 /// Readers throw InvalidInput with one line that names the file, the place (rows of .npy and

@@ -20,6 +20,7 @@ constexpr const char* kExamples =
     "  ccvt stipple photo.png --sites 20000 -o dots.svg\n"
     "  ccvt sample --dim 2 --sites 1024 --periodic -o sites.npy\n"
     "  ccvt tessellate points.csv --sites 100 -o sites.csv --owners-out owners.csv\n"
+    "  ccvt analyze sites.npy --periodic -o report\n"
     "\n"
     "Exit status: 0 done, 1 failure, 2 bad input or an output that cannot be written, 130 stopped\n"
     "by Ctrl-C; the tessellation reached so far is then written. A second Ctrl-C quits at once.";
@@ -67,15 +68,19 @@ void add_points_per_site(CLI::App& app, Index& target) {
                     {.least = 1});
 }
 
+void add_seed_and_threads(CLI::App& app, std::uint64_t& seed, int& threads) {
+  add_number<std::uint64_t>(app, "--seed", seed, "Fixes every random choice [0]", "S",
+                            {.least = 0});
+  add_number<int>(app, "--threads", threads,
+                  "Threads; 0: one per processor [0]. The result is the same for any number", "T",
+                  {.least = 0, .most = 4096});
+}
+
 void add_common(CLI::App& app, CommonArguments& common, const std::string& formats,
                 const std::string& default_scalar) {
   common.command = app.get_name();
   add_file(app, "-o,--output", common.output, "Where the sites go: " + formats)->required();
-  add_number<std::uint64_t>(app, "--seed", common.seed, "Fixes every random choice [0]", "S",
-                            {.least = 0});
-  add_number<int>(app, "--threads", common.threads,
-                  "Threads; 0: one per processor [0]. The result is the same for any number", "T",
-                  {.least = 0, .most = 4096});
+  add_seed_and_threads(app, common.seed, common.threads);
   add_number<int>(app, "--max-iterations", common.max_iterations,
                   "Stop after this many iterations [until stable]", "K", {.least = 0});
   add_number<double>(app, "--energy-tolerance", common.energy_tolerance,
@@ -102,6 +107,19 @@ std::string parse_box(const std::string& text, std::vector<double>& box) {
     wrong = parse_number(field, Range<double>{}, box.emplace_back());
   }
   return box.empty() ? "has no numbers" : wrong;
+}
+
+void add_box(CLI::App& app, std::vector<double>& box, const std::string& description) {
+  app.add_option_function<std::string>(
+         "--box", [&box](const std::string& text) { parse_box(text, box); },
+         description + ": all lower bounds, then all upper bounds")
+      ->type_name("LO.. HI..")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            std::vector<double> numbers;
+            return parse_box(text, numbers);
+          },
+          ""));
 }
 
 /// The arguments, last one first, with all numbers that follow --box made its one value: CLI11
@@ -162,17 +180,7 @@ CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
   add_file(*command, "--capacities", arguments.capacities,
            "How many points each site owns, summing to the number of points [equal]");
   command->add_flag("--periodic", arguments.periodic, "Opposite faces of --box are one");
-  command
-      ->add_option_function<std::string>(
-          "--box", [&arguments](const std::string& text) { parse_box(text, arguments.box); },
-          "The box that holds the points: all lower bounds, then all upper bounds")
-      ->type_name("LO.. HI..")
-      ->check(CLI::Validator(
-          [](std::string& text) {
-            std::vector<double> box;
-            return parse_box(text, box);
-          },
-          ""));
+  add_box(*command, arguments.box, "The box that holds the points");
   add_common(*command, arguments, ".npy, .csv, .txt", "as the points are stored; text: float64");
   add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too");
   command->footer(
@@ -198,6 +206,71 @@ CLI::App* add_stipple(CLI::App& app, StippleArguments& arguments) {
   return command;
 }
 
+/// Words that start with NAME= start a set; words without go to the set before.
+void add_compared(const std::vector<std::string>& words, std::vector<PointFiles>& sets) {
+  std::vector<PointFiles> compared;
+  for (const std::string& word : words) {
+    const auto equals = word.find('=');
+    if (equals == std::string::npos && !compared.empty()) {
+      compared.back().files.emplace_back(word);
+      continue;
+    }
+    if (equals == std::string::npos || equals == 0 || equals + 1 == word.size()) {
+      throw CLI::ValidationError("--compare: '" + word + "' is not NAME=FILE");
+    }
+    const std::string name = word.substr(0, equals);
+    if (width_of(name) > 40) {
+      throw CLI::ValidationError("--compare: the name '" + name + "' is longer than 40 letters");
+    }
+    compared.push_back({name, {word.substr(equals + 1)}});
+  }
+  for (PointFiles& set : compared) {
+    for (const PointFiles& other : sets) {
+      if (other.name != set.name) continue;
+      throw CLI::ValidationError("--compare: there are two sets named '" + set.name + "'");
+    }
+    sets.push_back(std::move(set));
+  }
+}
+
+CLI::App* add_analyze(CLI::App& app, AnalyzeArguments& arguments) {
+  auto* const command =
+      app.add_subcommand("analyze", "How good point sets are: figures, spectra and a report page");
+  // Callbacks are called in the order of the options: POINTS are the first set.
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "POINTS",
+          [&arguments](const std::vector<std::string>& files) {
+            arguments.sets.push_back({"points", {files.begin(), files.end()}});
+          },
+          "Points: .npy, .csv, .txt, .ply. Several files are runs of one kind, and averaged")
+      ->type_name("FILE");
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--compare",
+          [&arguments](const std::vector<std::string>& words) {
+            add_compared(words, arguments.sets);
+          },
+          "Further sets, side by side with the first. Files after it without a name are runs of "
+          "it")
+      ->type_name("NAME=FILE");
+  command->add_flag("--periodic", arguments.periodic, "Opposite faces of the box are one");
+  add_box(*command, arguments.box, "The box that the points fill [the unit box]");
+  add_number<double>(*command, "--max-frequency", arguments.max_frequency,
+                     "Up to which frequency, in units of n^(1/D) in the unit box [2]", "F",
+                     {.least = 0, .most = 1000, .open_below = true});
+  add_file(*command, "-o,--output", arguments.output,
+           "The directory for metrics.json, report.html and the rest; made if need be")
+      ->type_name("DIR")
+      ->required();
+  add_seed_and_threads(*command, arguments.seed, arguments.threads);
+  command->add_flag("-q,--quiet", arguments.quiet, "Print nothing but errors");
+  command->footer(
+      "Examples: ccvt analyze run1.npy run2.npy --periodic -o report\n"
+      "          ccvt analyze ours.npy --compare theirs=a.csv white=b.csv --periodic -o report");
+  return command;
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
@@ -209,8 +282,10 @@ int run_command_line(int argc, const char* const* argv) {
   SampleArguments sample;
   TessellateArguments tessellate;
   StippleArguments stipple;
+  AnalyzeArguments analyze;
   const CLI::App* const sample_command = add_sample(app, sample);
   const CLI::App* const tessellate_command = add_tessellate(app, tessellate);
+  const CLI::App* const analyze_command = add_analyze(app, analyze);
   add_stipple(app, stipple);
   try {
     app.parse(reversed_arguments(argc, argv));
@@ -224,6 +299,7 @@ int run_command_line(int argc, const char* const* argv) {
   }
   if (sample_command->parsed()) return run_sample(sample);
   if (tessellate_command->parsed()) return run_tessellate(tessellate);
+  if (analyze_command->parsed()) return run_analyze(analyze);
   return run_stipple(stipple);
 }
 

@@ -54,11 +54,29 @@ struct StippleArguments : CommonArguments {
   double dot_radius = 0;  ///< 0: automatic
 };
 
+/// Files of one kind of point set, each a run.
+struct PointFiles {
+  std::string name;
+  std::vector<std::filesystem::path> files;
+};
+
+struct AnalyzeArguments {
+  std::vector<PointFiles> sets;
+  bool periodic = false;
+  std::vector<double> box;  ///< all lower bounds, then all upper bounds; empty: the unit box
+  double max_frequency = 2;
+  std::uint64_t seed = 0;
+  int threads = 0;
+  bool quiet = false;
+  std::filesystem::path output;  ///< a directory
+};
+
 /// Each runs one command and returns the exit status. They throw InvalidInput, IoError and
 /// std::bad_alloc.
 int run_sample(const SampleArguments& arguments);
 int run_tessellate(const TessellateArguments& arguments);
 int run_stipple(const StippleArguments& arguments);
+int run_analyze(const AnalyzeArguments& arguments);
 
 /// Parses the command line and runs the command that it names. Prints help and version. Throws
 /// InvalidInput for whatever is wrong with the line.

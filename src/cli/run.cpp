@@ -56,6 +56,24 @@ Options make_options(const CommonArguments& common, Index sites, Progress& progr
   return options;
 }
 
+Box make_box(const std::vector<double>& numbers, int dimension, const std::string& file) {
+  const auto given = static_cast<Eigen::Index>(numbers.size());
+  if (given != 2 * Eigen::Index{dimension}) {
+    throw InvalidInput("--box: has " + std::to_string(given) + " numbers, but the points in " +
+                       file + " have " + std::to_string(dimension) + " dimensions; " +
+                       std::to_string(2 * Eigen::Index{dimension}) + " are needed");
+  }
+  const Eigen::Map<const Eigen::VectorXd> bounds(numbers.data(), given);
+  Box box{bounds.head(dimension), bounds.tail(dimension)};
+  for (int i = 0; i < dimension; ++i) {
+    if (box.lower[i] < box.upper[i]) continue;
+    throw InvalidInput("--box: dimension " + std::to_string(i) + " goes from " +
+                       std::to_string(box.lower[i]) + " to " + std::to_string(box.upper[i]) +
+                       "; the upper bound must be above the lower one");
+  }
+  return box;
+}
+
 void stop_if_interrupted() {
   if (interrupted()) throw Interrupted();
 }

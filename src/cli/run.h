@@ -3,7 +3,9 @@
 #include <filesystem>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "ccvt/domain.h"
 #include "ccvt/options.h"
 #include "ccvt/summary.h"
 #include "ccvt/types.h"
@@ -15,6 +17,10 @@ namespace ccvt::cli {
 /// Options for a tessellation of `sites` sites that draws on `progress`, which must outlive them,
 /// and ends when the user interrupts it.
 Options make_options(const CommonArguments& common, Index sites, Progress& progress);
+
+/// The box that --box gives: all lower bounds, then all upper bounds. Throws InvalidInput unless it
+/// has `dimension` dimensions, those of the points in `file`, of positive extent.
+Box make_box(const std::vector<double>& numbers, int dimension, const std::string& file);
 
 /// Throws Interrupted when there was a Ctrl-C. For use before there is anything to write.
 void stop_if_interrupted();

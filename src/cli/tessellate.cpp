@@ -14,21 +14,7 @@ namespace {
 
 Domain make_domain(const TessellateArguments& arguments, int dimension) {
   if (arguments.box.empty()) return Domain();
-  const auto given = static_cast<Eigen::Index>(arguments.box.size());
-  if (given != 2 * Eigen::Index{dimension}) {
-    throw InvalidInput("--box: has " + std::to_string(given) + " numbers, but the points in " +
-                       arguments.points.string() + " have " + std::to_string(dimension) +
-                       " dimensions; " + std::to_string(2 * Eigen::Index{dimension}) +
-                       " are needed");
-  }
-  const Eigen::Map<const Eigen::VectorXd> bounds(arguments.box.data(), given);
-  Box box{bounds.head(dimension), bounds.tail(dimension)};
-  for (int i = 0; i < dimension; ++i) {
-    if (box.lower[i] < box.upper[i]) continue;
-    throw InvalidInput("--box: dimension " + std::to_string(i) + " goes from " +
-                       std::to_string(box.lower[i]) + " to " + std::to_string(box.upper[i]) +
-                       "; the upper bound must be above the lower one");
-  }
+  Box box = make_box(arguments.box, dimension, arguments.points.string());
   return arguments.periodic ? Domain::periodic(std::move(box)) : Domain::euclidean(std::move(box));
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -53,6 +55,13 @@ std::string parse_number(std::string_view text, const Range<Number>& range, Numb
   if (good) return {};
   const bool too_large = error == std::errc::result_out_of_range && text.front() != '-';
   return "'" + std::string(text) + "' is not " + describe(range, too_large);
+}
+
+/// The letters of UTF-8 text, not its bytes.
+inline std::size_t width_of(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+  }));
 }
 
 }  // namespace ccvt::cli

@@ -10,6 +10,7 @@
 #include "io/input_file.h"
 #include "io/npy.h"
 #include "io/output_file.h"
+#include "io/ply.h"
 #include "io/text.h"
 
 namespace ccvt {
@@ -34,6 +35,9 @@ Format format_of(const std::filesystem::path& path) {
   throw InvalidInput(path.string() + ": unknown extension " + io::quoted(extension) +
                      "; points and owners go into .npy, .csv or .txt");
 }
+
+/// PLY is read, not written.
+bool is_ply(const std::filesystem::path& path) { return io::extension_of(path) == ".ply"; }
 
 /// Checks all that the header says; the data behind it is then as long as it has to be.
 PointsHeader check_npy_points(const InputFile& file, const NpyHeader& header) {
@@ -168,6 +172,7 @@ void write_npy_points(const std::filesystem::path& path, PointsView<Scalar> poin
 }  // namespace
 
 PointsHeader inspect_points(const std::filesystem::path& path) {
+  if (is_ply(path)) return io::inspect_ply_points(path);
   if (format_of(path) == Format::npy) {
     InputFile file(path);
     return check_npy_points(file, io::read_npy_header(file));
@@ -183,6 +188,7 @@ PointsHeader inspect_points(const std::filesystem::path& path) {
 
 template <class Scalar>
 Points<Scalar> read_points(const std::filesystem::path& path) {
+  if (is_ply(path)) return io::read_ply_points<Scalar>(path);
   return format_of(path) == Format::npy ? read_npy_points<Scalar>(path)
                                         : read_text_points<Scalar>(path);
 }

@@ -1,0 +1,179 @@
+// The pictures of one set: its spectrum and its points.
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "cli/analysis_files.h"
+#include "cli/chart.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+constexpr Index kMostDots = 20000;
+constexpr int kPanelPixels = 400;  ///< a panel of fewer frequencies gets larger ones
+
+/// Power over a plane of frequencies, the first axis fastest.
+struct Panel {
+  int width = 0;
+  int height = 0;
+  std::vector<double> power;
+};
+
+/// The central plane of axes a and b of a grid.
+Panel plane_of(const Spectrum& spectrum, std::size_t a, std::size_t b) {
+  std::vector<std::size_t> stride(spectrum.half.size() + 1, 1);
+  std::size_t centre = 0;
+  for (std::size_t d = 0; d < spectrum.half.size(); ++d) {
+    const auto half = static_cast<std::size_t>(spectrum.half[d]);
+    centre += half * stride[d];
+    stride[d + 1] = stride[d] * (2 * half + 1);
+  }
+  const int half_a = spectrum.half[a];
+  const int half_b = spectrum.half[b];
+  Panel panel{2 * half_a + 1, 2 * half_b + 1, {}};
+  const auto offset = [](int k, std::size_t step) {
+    return static_cast<std::ptrdiff_t>(k) * static_cast<std::ptrdiff_t>(step);
+  };
+  for (int y = -half_b; y <= half_b; ++y) {
+    for (int x = -half_a; x <= half_a; ++x) {
+      const auto at =
+          static_cast<std::ptrdiff_t>(centre) + offset(x, stride[a]) + offset(y, stride[b]);
+      panel.power.push_back(spectrum.power[static_cast<std::size_t>(at)]);
+    }
+  }
+  return panel;
+}
+
+/// The spectrum on the plane of the first two axes is that of the points' first two coordinates.
+Panel projected_plane(const AnalyzedSet& set, int threads) {
+  const PointSet& first = set.runs.front();
+  const Box& box = first.domain().box();
+  const Box face{box.lower.head(2), box.upper.head(2)};
+  std::vector<PointSet> runs;
+  for (const PointSet& run : set.runs) {
+    const Points<double> points = run.points().topRows(2);
+    // All on one place: the same power everywhere, nothing to see.
+    if ((points.colwise() - points.col(0)).isZero(0)) continue;
+    runs.emplace_back(
+        points, first.domain().is_periodic() ? Domain::periodic(face) : Domain::euclidean(face));
+  }
+  if (runs.empty()) return {1, 1, {static_cast<double>(first.count())}};
+  SpectrumOptions options;
+  options.threads = threads;
+  // As many frequencies as an image shows and as are visited in seconds.
+  const double spacing = runs.front().mean_spacing();
+  const double half = std::min(256.0, std::sqrt(0x1p35 / first.count()) / 2);
+  options.max_frequency =
+      std::min(set.analysis.spectrum.max_frequency * spacing / first.mean_spacing(),
+               std::max(1.0, half) * spacing / face.extent().maxCoeff());
+  return plane_of(power_spectrum(runs, options), 0, 1);
+}
+
+std::vector<Panel> panels_of(const AnalyzedSet& set, int threads) {
+  const Spectrum& spectrum = set.analysis.spectrum;
+  if (spectrum.dimension == 1 && !spectrum.power.empty()) {
+    const int width = 2 * spectrum.half[0] + 1;
+    Panel strip{width, std::max(1, width / 8), {}};
+    for (int y = 0; y < strip.height; ++y) {
+      strip.power.insert(strip.power.end(), spectrum.power.begin(), spectrum.power.end());
+    }
+    return {strip};
+  }
+  if (spectrum.dimension == 1) return {{1, 1, {1.0}}};
+  if (spectrum.dimension == 2 && !spectrum.power.empty()) return {plane_of(spectrum, 0, 1)};
+  if (spectrum.dimension == 3 && !spectrum.power.empty()) {
+    return {plane_of(spectrum, 0, 1), plane_of(spectrum, 0, 2), plane_of(spectrum, 1, 2)};
+  }
+  return {projected_plane(set, threads)};
+}
+
+}  // namespace
+
+Image spectrum_image(const AnalyzedSet& set, int threads) {
+  const std::vector<Panel> panels = panels_of(set, threads);
+  int height = 0;
+  for (const Panel& panel : panels) height = std::max(height, panel.height);
+  const int scale = std::max(1, kPanelPixels / std::max(panels.front().width, height));
+  constexpr int gap = 8;
+  Image image;
+  image.height = height * scale;
+  for (const Panel& panel : panels) image.width += panel.width * scale + gap;
+  image.width -= gap;
+  image.values.assign(
+      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height), 1.0F);
+  int left = 0;
+  for (const Panel& panel : panels) {
+    for (int y = 0; y < panel.height * scale; ++y) {
+      // Rows of an image go down, frequencies up.
+      const int row = panel.height - 1 - y / scale;
+      for (int x = 0; x < panel.width * scale; ++x) {
+        const double p =
+            panel.power[static_cast<std::size_t>(row) * static_cast<std::size_t>(panel.width) +
+                        static_cast<std::size_t>(x / scale)];
+        image.values[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                     static_cast<std::size_t>(left + x)] = static_cast<float>(p / (1 + p));
+      }
+    }
+    left += panel.width * scale + gap;
+  }
+  return image;
+}
+
+std::string spectrum_caption(const AnalyzedSet& set) {
+  const std::string grey = "black is no power, mid-grey is white noise";
+  const Spectrum& spectrum = set.analysis.spectrum;
+  if (spectrum.dimension == 1) return "Power spectrum: " + grey;
+  if (spectrum.dimension == 2) return "Power spectrum, frequency 0 in the middle: " + grey;
+  if (spectrum.dimension == 3 && !spectrum.power.empty()) {
+    return "Power spectrum, central planes xy, xz, yz: " + grey;
+  }
+  return "Power spectrum, central plane of the first two axes: " + grey;
+}
+
+std::string points_svg(const AnalyzedSet& set) {
+  const PointSet& run = set.runs.front();
+  const Box& box = run.domain().box();
+  const Eigen::VectorXd extent = box.extent();
+  const int dimension = run.dimension();
+  const double height = dimension > 1 ? extent[1] : extent[0] / 10;
+  // A window in the corner when there are too many points, a slab in the middle in 3D.
+  const double shown = dimension == 3 ? run.count() * run.mean_spacing() / extent[2] : run.count();
+  const double share = std::min(1.0, std::sqrt(kMostDots / shown));
+  const double scale = 460 / (share * std::max(extent[0], height));
+  const double width_drawn = share * extent[0] * scale;
+  const double height_drawn = share * height * scale;
+  const double radius = std::clamp(0.2 * run.mean_spacing() * scale, 0.6, 4.0);
+  const auto number = [](double value) { return short_number(value, 2); };
+  std::string svg = "<svg class=\"ccvt\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " +
+                    number(width_drawn + 20) + " " + number(height_drawn + 20) +
+                    "\" role=\"img\"><title>" + escaped("Points of " + set.name) +
+                    "</title>\n<rect class=\"box\" x=\"10\" y=\"10\" width=\"" +
+                    number(width_drawn) + "\" height=\"" + number(height_drawn) +
+                    "\"/>\n<g class=\"dots\">\n";
+  for (Eigen::Index p = 0; p < run.points().cols(); ++p) {
+    const auto point = run.points().col(p);
+    const double x = point[0] - box.lower[0];
+    const double y = dimension > 1 ? point[1] - box.lower[1] : height * share / 2;
+    if (x > share * extent[0] || y > share * height) continue;
+    if (dimension == 3) {
+      const double middle = (box.lower[2] + box.upper[2]) / 2;
+      if (std::abs(point[2] - middle) > run.mean_spacing() / 2) continue;
+    }
+    svg += "<circle cx=\"" + number(10 + x * scale) + "\" cy=\"" +
+           number(10 + height_drawn - y * scale) + "\" r=\"" + number(radius) + "\"/>\n";
+  }
+  return svg + "</g>\n</svg>\n";
+}
+
+std::string points_caption(const AnalyzedSet& set) {
+  std::string caption = set.runs.size() > 1 ? "Points of the first run" : std::string("The points");
+  const int dimension = set.analysis.dimension;
+  if (dimension == 3) caption += ": a slab one mean spacing thick, half way up";
+  if (dimension > 3) caption += ": the first two of " + std::to_string(dimension) + " coordinates";
+  if (set.analysis.points > kMostDots && dimension != 3) caption += "; the lower left corner";
+  return caption;
+}
+
+}  // namespace ccvt::cli

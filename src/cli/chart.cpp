@@ -1,0 +1,193 @@
+#include "cli/chart.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace ccvt::cli {
+
+namespace {
+
+constexpr double kWidth = 480;
+constexpr double kLeft = 58;
+constexpr double kRight = 14;
+constexpr double kTop = 14;
+constexpr double kPlotHeight = 240;
+constexpr double kLegendLine = 20;
+constexpr std::size_t kColours = 8;
+
+/// 1, 2 or 5 times a power of ten, so that `span` has 4 to 10 of them.
+double tick_step(double span) {
+  const double power = std::pow(10, std::floor(std::log10(span / 4)));
+  const double share = span / 4 / power;
+  return power * (share >= 5 ? 5 : share >= 2 ? 2 : 1);
+}
+
+class Drawing {
+ public:
+  explicit Drawing(const Chart& chart) : chart_(chart) {
+    const auto legend = static_cast<double>(chart.curves.size() + chart.guides.size());
+    height_ = kTop + kPlotHeight + 48 + kLegendLine * legend;
+  }
+
+  std::string draw() {
+    svg_ = "<svg class=\"ccvt\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " +
+           number(kWidth) + " " + number(height_) + "\" role=\"img\"><title>" +
+           escaped(chart_.title) + "</title>\n";
+    axes();
+    double y = kTop + kPlotHeight + 62;
+    for (const Guide& guide : chart_.guides) {
+      if (guide.y >= chart_.y_least && guide.y <= chart_.y_most) {
+        line("guide", kLeft, at_y(guide.y), kWidth - kRight, at_y(guide.y));
+      }
+    }
+    for (std::size_t c = 0; c < chart_.curves.size(); ++c) {
+      const std::string style = "curve c" + std::to_string(c % kColours);
+      curve(chart_.curves[c], style);
+      legend(style, chart_.curves[c].name, y);
+    }
+    for (const Guide& guide : chart_.guides) legend("guide", guide.name, y);
+    return svg_ + "</svg>\n";
+  }
+
+ private:
+  static std::string number(double value) { return short_number(value, 2); }
+  [[nodiscard]] double at_x(double x) const {
+    return kLeft + (kWidth - kLeft - kRight) * x / chart_.x_most;
+  }
+  [[nodiscard]] double at_y(double y) const {
+    const double share = (y - chart_.y_least) / (chart_.y_most - chart_.y_least);
+    return kTop + kPlotHeight * (1 - share);
+  }
+
+  void line(const std::string& style, double x0, double y0, double x1, double y1) {
+    svg_ += "<line class=\"" + style + "\" x1=\"" + number(x0) + "\" y1=\"" + number(y0) +
+            "\" x2=\"" + number(x1) + "\" y2=\"" + number(y1) + "\"/>\n";
+  }
+  void text(double x, double y, const std::string& anchor, const std::string& words,
+            const std::string& more = "") {
+    svg_ += "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" + anchor + "\"" +
+            more + ">" + escaped(words) + "</text>\n";
+  }
+
+  void axes() {
+    const double bottom = kTop + kPlotHeight;
+    const double x_step = tick_step(chart_.x_most);
+    for (int i = 0; i * x_step <= chart_.x_most * (1 + 1e-9); ++i) {
+      line("grid", at_x(i * x_step), kTop, at_x(i * x_step), bottom);
+      text(at_x(i * x_step), bottom + 18, "middle", short_number(i * x_step, 3));
+    }
+    const double y_step = tick_step(chart_.y_most - chart_.y_least);
+    const double first = std::ceil(chart_.y_least / y_step - 1e-9);
+    for (int i = 0; (first + i) * y_step <= chart_.y_most + 1e-9 * y_step; ++i) {
+      const double y = (first + i) * y_step;
+      line("grid", kLeft, at_y(y), kWidth - kRight, at_y(y));
+      text(kLeft - 6, at_y(y) + 5, "end", short_number(y, 3));
+    }
+    text((kLeft + kWidth - kRight) / 2, bottom + 40, "middle", chart_.x_label);
+    const std::string middle = number(kTop + kPlotHeight / 2);
+    text(14, kTop + kPlotHeight / 2, "middle", chart_.y_label,
+         " transform=\"rotate(-90 14 " + middle + ")\"");
+  }
+
+  void curve(const Curve& curve, const std::string& style) {
+    std::string path;
+    bool pen_down = false;
+    for (std::size_t i = 0; i < curve.x.size(); ++i) {
+      if (!std::isfinite(curve.y[i])) {
+        pen_down = false;
+        continue;
+      }
+      const double y = std::clamp(curve.y[i], chart_.y_least, chart_.y_most);
+      path += (pen_down ? "L" : "M") + number(at_x(curve.x[i])) + " " + number(at_y(y));
+      // A lone point is drawn as a dot, by the round ends of its line.
+      if (!pen_down) path += "h0";
+      pen_down = true;
+    }
+    if (!path.empty()) svg_ += "<path class=\"" + style + "\" d=\"" + path + "\"/>\n";
+  }
+
+  void legend(const std::string& style, const std::string& name, double& y) {
+    line(style, kLeft, y - 5, kLeft + 28, y - 5);
+    text(kLeft + 36, y, "start", name);
+    y += kLegendLine;
+  }
+
+  const Chart& chart_;
+  double height_ = 0;
+  std::string svg_;
+};
+
+}  // namespace
+
+std::string short_number(double value, int decimals) {
+  char buffer[352];  // the largest double, written out
+  const auto [end, error] =
+      std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals);
+  std::string text(buffer, end);
+  if (text.find('.') != std::string::npos) {
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+  }
+  return text == "-0" ? "0" : text;
+}
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '&') {
+      result += "&amp;";
+    } else if (c == '<') {
+      result += "&lt;";
+    } else if (c == '>') {
+      result += "&gt;";
+    } else if (c == '"') {
+      result += "&quot;";
+    } else {
+      result += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+    }
+  }
+  return result;
+}
+
+std::string draw(const Chart& chart) { return Drawing(chart).draw(); }
+
+std::string svg_style() {
+  std::string light;
+  std::string dark;
+  const char* const light_colours[kColours] = {"#0b62a8", "#c2410c", "#15803d", "#7e22ce",
+                                               "#a16207", "#be185d", "#0e7490", "#52525b"};
+  const char* const dark_colours[kColours] = {"#60a5fa", "#fb923c", "#4ade80", "#c084fc",
+                                              "#facc15", "#f472b6", "#22d3ee", "#a1a1aa"};
+  for (std::size_t c = 0; c < kColours; ++c) {
+    const std::string selector = ".ccvt .c" + std::to_string(c);
+    light += selector + "{stroke:" + light_colours[c] + "}\n";
+    dark += selector + "{stroke:" + dark_colours[c] + "}\n";
+  }
+  return ".ccvt text{font:14px system-ui,sans-serif;fill:#27272a}\n"
+         ".ccvt .paper{fill:#fff}\n"
+         ".ccvt .grid{stroke:#e4e4e7}\n"
+         ".ccvt .guide{stroke:#71717a;stroke-width:1.5;stroke-dasharray:5 4}\n"
+         ".ccvt .curve{fill:none;stroke-width:2;stroke-linejoin:round;stroke-linecap:round}\n"
+         ".ccvt .box{fill:none;stroke:#a1a1aa}\n"
+         ".ccvt .dots{fill:#18181b}\n" +
+         light +
+         "@media (prefers-color-scheme:dark){\n"
+         ".ccvt text{fill:#e4e4e7}\n"
+         ".ccvt .paper{fill:#18181b}\n"
+         ".ccvt .grid{stroke:#3f3f46}\n"
+         ".ccvt .guide{stroke:#a1a1aa}\n"
+         ".ccvt .box{stroke:#71717a}\n"
+         ".ccvt .dots{fill:#f4f4f5}\n" +
+         dark + "}\n";
+}
+
+std::string svg_file(const std::string& element) {
+  std::string file = element;
+  const auto start = file.find('>') + 1;
+  file.insert(start, "\n<style>\n" + svg_style() +
+                         "</style>\n<rect class=\"paper\" width=\"100%\" height=\"100%\"/>");
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + file;
+}
+
+}  // namespace ccvt::cli

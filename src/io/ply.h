@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+
+#include "ccvt/io.h"
+
+namespace ccvt::io {
+
+/// The vertices of a PLY file, ascii or binary of either byte order, as points: x and y, and z
+/// where there is one. Other properties and elements are skipped. Messages count vertices from 0.
+PointsHeader inspect_ply_points(const std::filesystem::path& path);
+template <class Scalar>
+Points<Scalar> read_ply_points(const std::filesystem::path& path);
+
+}  // namespace ccvt::io

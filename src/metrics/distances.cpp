@@ -1,0 +1,143 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "ccvt/metrics.h"
+#include "geometry/metric.h"
+#include "metrics/sets.h"
+#include "parallel/arena.h"
+#include "spatial/site_tree.h"
+
+namespace ccvt {
+
+namespace {
+
+std::span<const double> values_of(const Points<double>& points) {
+  return {points.data(), static_cast<std::size_t>(points.size())};
+}
+
+/// The volume of the ball of radius r in D dimensions.
+double ball_volume(int dimension, double r) {
+  const double half = dimension / 2.0;
+  return r <= 0 ? 0
+                : std::exp(half * std::log(std::acos(-1.0)) - std::lgamma(half + 1) +
+                           dimension * std::log(r));
+}
+
+constexpr std::size_t kChunk = 256;  ///< points a task; fixed, as sums are made by chunk
+
+/// Adds to bins the pairs (p, q), p in [begin, end), p != q.
+void count_pairs(const PointSet& set, const Metric& metric, const SiteTree& tree, double bin,
+                 std::size_t begin, std::size_t end, std::vector<double>& bins) {
+  const auto& points = set.points();
+  const Eigen::VectorXd extent = set.domain().box().extent();
+  const double radius = bin * static_cast<double>(bins.size());
+  std::vector<Index> found;
+  for (std::size_t p = begin; p < end; ++p) {
+    const auto column = static_cast<Eigen::Index>(p);
+    const double* const at = points.col(column).data();
+    found.clear();
+    tree.within(at, radius, found);
+    for (const Index q : found) {
+      if (q == static_cast<Index>(p)) continue;
+      const double distance = std::sqrt(metric.squared_distance(at, points.col(q).data()));
+      const auto k = static_cast<std::size_t>(distance / bin);
+      if (k >= bins.size()) continue;
+      double weight = 1;
+      if (!metric.periodic()) {
+        for (int d = 0; d < set.dimension(); ++d) {
+          weight /= 1 - std::abs(at[d] - points(d, q)) / extent[d];
+        }
+      }
+      bins[k] += weight;
+    }
+  }
+}
+
+}  // namespace
+
+double packing_distance(int dimension) {
+  if (dimension < 1) {
+    throw InvalidInput("dimension: " + std::to_string(dimension) + " is not positive");
+  }
+  static const std::array<double, 8> center_density = {
+      1.0 / 2,                   // Z
+      1 / (2 * std::sqrt(3.0)),  // hexagonal
+      1 / (4 * std::sqrt(2.0)),  // face-centred cubic
+      1.0 / 8,                   // D4
+      1 / (8 * std::sqrt(2.0)),  // D5
+      1 / (8 * std::sqrt(3.0)),  // E6
+      1.0 / 16,                  // E7
+      1.0 / 16};                 // E8
+  if (dimension > 8) return std::sqrt(2.0);
+  return 2 * std::pow(center_density[static_cast<std::size_t>(dimension - 1)], 1.0 / dimension);
+}
+
+NearestDistances nearest_distances(const PointSet& set, int threads) {
+  const Metric metric(set.dimension(), set.domain());
+  const SiteTree tree(metric, values_of(set.points()));
+  std::vector<double> distance(static_cast<std::size_t>(set.count()));
+  Arena(threads).for_ranges(distance.size(), kChunk, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<Index> found;
+    for (std::size_t p = begin; p < end; ++p) {
+      const double* const at = set.points().col(static_cast<Eigen::Index>(p)).data();
+      found.clear();
+      tree.nearest(at, 2, found);
+      double squared = std::numeric_limits<double>::infinity();
+      for (const Index q : found) {
+        if (q == static_cast<Index>(p)) continue;
+        squared = std::min(squared, metric.squared_distance(at, set.points().col(q).data()));
+      }
+      distance[p] = std::sqrt(squared);
+    }
+  });
+  NearestDistances result{std::numeric_limits<double>::infinity(), 0};
+  for (const double d : distance) {
+    result.smallest = std::min(result.smallest, d);
+    result.mean += d;
+  }
+  const double unit = packing_distance(set.dimension()) * set.mean_spacing();
+  result.smallest /= unit;
+  result.mean /= unit * static_cast<double>(distance.size());
+  return result;
+}
+
+PairCorrelation pair_correlation(std::span<const PointSet> sets, int threads) {
+  check_alike(sets);
+  const PointSet& first = sets.front();
+  const double reach = first.domain().box().extent().minCoeff() / 2 / first.mean_spacing();
+  PairCorrelation result;
+  result.bin_width = 1.0 / 16;
+  result.value.assign(static_cast<std::size_t>(std::min(4.0, reach) / result.bin_width), 0.0);
+  if (result.value.empty()) return result;
+  const Metric metric(first.dimension(), first.domain());
+  const Arena arena(threads);
+  for (const PointSet& set : sets) {
+    const SiteTree tree(metric, values_of(set.points()));
+    const auto count = static_cast<std::size_t>(set.count());
+    std::vector<std::vector<double>> bins((count + kChunk - 1) / kChunk,
+                                          std::vector<double>(result.value.size(), 0.0));
+    const double bin = result.bin_width * set.mean_spacing();
+    arena.for_each(bins.size(), 1, [&](std::size_t chunk) {
+      const std::size_t begin = chunk * kChunk;
+      count_pairs(set, metric, tree, bin, begin, std::min(count, begin + kChunk), bins[chunk]);
+    });
+    for (const auto& part : bins) {
+      for (std::size_t k = 0; k < part.size(); ++k) result.value[k] += part[k];
+    }
+  }
+  // Independent points have n (n - 1) |shell| / |box| ordered pairs in a shell; |box| is n in mean
+  // spacings.
+  const double pairs = static_cast<double>(sets.size()) * (first.count() - 1.0);
+  for (std::size_t k = 0; k < result.value.size(); ++k) {
+    const double inner = static_cast<double>(k) * result.bin_width;
+    result.value[k] /= pairs * (ball_volume(first.dimension(), inner + result.bin_width) -
+                                ball_volume(first.dimension(), inner));
+  }
+  return result;
+}
+
+}  // namespace ccvt

@@ -1,0 +1,143 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "ccvt/metrics.h"
+#include "parallel/arena.h"
+#include "random.h"
+
+namespace ccvt {
+
+namespace {
+
+constexpr std::uint64_t kPlaceStream = 0x696e7467'00000000ULL;
+constexpr int kPlaces = 256;
+
+/// The points in the unit cube.
+Points<double> in_unit_cube(const PointSet& set) {
+  const Box& box = set.domain().box();
+  const Eigen::ArrayXd extent = box.extent();
+  return (set.points().colwise() - box.lower).array().colwise() / extent;
+}
+
+/// The integral over a unit interval of exp(-(x - c)^2 / (2 s^2)).
+double gaussian_integral(double c, double s) {
+  const double scale = 1 / (s * std::numbers::sqrt2);
+  return s * std::sqrt(std::numbers::pi / 2) * (std::erf((1 - c) * scale) + std::erf(c * scale));
+}
+
+/// What one function at one place gives.
+struct Trial {
+  double squared_error = 0;
+  double variance = 0;  ///< of the function
+};
+
+/// The three functions at one place. `c` is uniform in the unit cube.
+class Functions {
+ public:
+  Functions(bool periodic, Eigen::VectorXd c, int axis)
+      : periodic_(periodic), c_(std::move(c)), axis_(axis), disk_(c_) {
+    if (!periodic_) disk_ = (kRadius + (1 - 2 * kRadius) * c_.array()).matrix();
+  }
+
+  std::array<Trial, 3> evaluate(const Points<double>& points) const {
+    std::array<double, 3> sum{};
+    for (Eigen::Index p = 0; p < points.cols(); ++p) {
+      double to_centre = 0;
+      double to_disk = 0;
+      for (Eigen::Index d = 0; d < points.rows(); ++d) {
+        to_centre += squared(points(d, p) - c_[d]);
+        to_disk += squared(points(d, p) - disk_[d]);
+      }
+      sum[0] += std::exp(-to_centre / (2 * kDeviation * kDeviation));
+      sum[1] += to_disk < kRadius * kRadius ? 1 : 0;
+      sum[2] += in_step(points(axis_, p)) ? 1 : 0;
+    }
+    const std::array<double, 3> integral = {gaussian(kDeviation), disk_volume(),
+                                            periodic_ ? 0.5 : c_[axis_]};
+    const std::array<double, 3> integral_of_square = {gaussian(kDeviation / std::numbers::sqrt2),
+                                                      integral[1], integral[2]};
+    std::array<Trial, 3> trials;
+    for (std::size_t f = 0; f < 3; ++f) {
+      const double error = sum[f] / static_cast<double>(points.cols()) - integral[f];
+      trials[f] = {error * error, integral_of_square[f] - integral[f] * integral[f]};
+    }
+    return trials;
+  }
+
+ private:
+  static constexpr double kDeviation = 1.0 / 8;
+  static constexpr double kRadius = 1.0 / 4;
+
+  [[nodiscard]] double squared(double difference) const {
+    if (periodic_) difference -= std::round(difference);
+    return difference * difference;
+  }
+  [[nodiscard]] bool in_step(double x) const {
+    const double behind = x - c_[axis_];
+    return periodic_ ? behind - std::floor(behind) < 0.5 : behind < 0;
+  }
+  [[nodiscard]] double gaussian(double s) const {
+    double product = 1;
+    for (const double c : c_) product *= gaussian_integral(periodic_ ? 0.5 : c, s);
+    return product;
+  }
+  [[nodiscard]] double disk_volume() const {
+    const double half = static_cast<double>(c_.size()) / 2;
+    return std::exp(half * std::log(std::numbers::pi) - std::lgamma(half + 1) +
+                    2 * half * std::log(kRadius));
+  }
+
+  bool periodic_;
+  Eigen::VectorXd c_;
+  int axis_;
+  Eigen::VectorXd disk_;
+};
+
+}  // namespace
+
+double star_discrepancy(const PointSet& set, int threads) {
+  const Points<double> x = in_unit_cube(set);
+  const auto n = static_cast<double>(x.cols());
+  const int dimension = set.dimension();
+  std::vector<double> rows(static_cast<std::size_t>(x.cols()));
+  Arena(threads).for_each(rows.size(), 16, [&](std::size_t row) {
+    const auto i = static_cast<Eigen::Index>(row);
+    // Each pair once: the sum is symmetric.
+    double pairs = (1 - x.col(i).array()).prod();
+    for (Eigen::Index j = 0; j < i; ++j) {
+      double product = 2;
+      for (int d = 0; d < dimension; ++d) product *= 1 - std::max(x(d, i), x(d, j));
+      pairs += product;
+    }
+    rows[row] = pairs / n - 2 * ((1 - x.col(i).array().square()) / 2).prod();
+  });
+  double sum = 0;
+  for (const double row : rows) sum += row;
+  return std::sqrt(std::max(0.0, std::pow(3.0, -dimension) + sum / n));
+}
+
+IntegrationVariance integration_variance(const PointSet& set, std::uint64_t seed, int threads) {
+  const Points<double> points = in_unit_cube(set);
+  std::vector<std::array<Trial, 3>> trials(kPlaces);
+  Arena(threads).for_each(trials.size(), 1, [&](std::size_t place) {
+    Random random(seed, kPlaceStream + place);
+    Eigen::VectorXd c(set.dimension());
+    for (double& x : c) x = random.uniform();
+    const auto axis = static_cast<int>(random.below(static_cast<std::uint64_t>(set.dimension())));
+    trials[place] = Functions(set.domain().is_periodic(), std::move(c), axis).evaluate(points);
+  });
+  std::array<Trial, 3> sum{};
+  for (const auto& place : trials) {
+    for (std::size_t f = 0; f < 3; ++f) {
+      sum[f].squared_error += place[f].squared_error;
+      sum[f].variance += place[f].variance;
+    }
+  }
+  const auto ratio = [&](const Trial& t) { return t.squared_error / t.variance * set.count(); };
+  return {ratio(sum[0]), ratio(sum[1]), ratio(sum[2])};
+}
+
+}  // namespace ccvt

@@ -1,0 +1,271 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ccvt/metrics.h"
+#include "format.h"
+#include "metrics/periodogram.h"
+#include "metrics/sets.h"
+#include "metrics/shells.h"
+#include "parallel/arena.h"
+#include "random.h"
+
+namespace ccvt {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kLowFrequency = 0.25;
+constexpr double kMostProducts = 0x1p37;  ///< for the whole periodogram of a set
+constexpr int kRingDraws = 128;
+constexpr int kLowDraws = 512;
+constexpr std::uint64_t kDrawStream = 0x73706563'00000000ULL;
+
+void check_options(const SpectrumOptions& options) {
+  if (!(options.max_frequency > 0) || !std::isfinite(options.max_frequency)) {
+    throw InvalidInput("max_frequency: " + text(options.max_frequency) +
+                       " is not positive and finite");
+  }
+  if (!(options.ring_width >= 0) || !std::isfinite(options.ring_width)) {
+    throw InvalidInput("ring_width: " + text(options.ring_width) +
+                       " is neither 0 nor positive and finite");
+  }
+  if (options.ring_width > 0 && options.max_frequency / options.ring_width > 1e6) {
+    throw InvalidInput("ring_width: " + text(options.ring_width) +
+                       " makes more than a million rings up to max_frequency " +
+                       text(options.max_frequency));
+  }
+  if (options.threads < 0) {
+    throw InvalidInput("threads: " + std::to_string(options.threads) + " is negative");
+  }
+}
+
+/// Mean and variance of the power of the frequencies in a ring.
+struct Sums {
+  double count = 0;
+  double power = 0;
+  double squares = 0;
+
+  void add(double p) {
+    ++count;
+    power += p;
+    squares += p * p;
+  }
+};
+
+class RingSums {
+ public:
+  RingSums(double width, double highest)
+      : width_(width), sums_(static_cast<std::size_t>(std::ceil(highest / width * (1 - 1e-12)))) {}
+
+  [[nodiscard]] std::size_t size() const { return sums_.size(); }
+  [[nodiscard]] double lower(std::size_t ring) const { return static_cast<double>(ring) * width_; }
+  /// The ring of a frequency; one on a border belongs to the outer ring, whatever rounding says.
+  [[nodiscard]] std::size_t ring_of(double frequency) const {
+    const auto ring = static_cast<std::size_t>(frequency / width_ * (1 + 1e-12));
+    return std::min(ring, sums_.size() - 1);
+  }
+  [[nodiscard]] Sums& operator[](std::size_t ring) { return sums_[ring]; }
+
+  /// `frequencies`: how many each ring has; those that were added, if empty.
+  [[nodiscard]] std::vector<SpectrumRing> rings(const std::vector<double>& frequencies,
+                                                double highest) const {
+    std::vector<SpectrumRing> rings;
+    for (std::size_t r = 0; r < sums_.size(); ++r) {
+      const Sums& s = sums_[r];
+      if (s.count == 0) continue;
+      SpectrumRing ring;
+      ring.lower = lower(r);
+      ring.upper = std::min(lower(r + 1), highest);
+      ring.frequencies = frequencies.empty() ? s.count : frequencies[r];
+      ring.power = s.power / s.count;
+      const double variance =
+          s.count > 1 ? (s.squares - s.power * ring.power) / (s.count - 1) : kNaN;
+      ring.anisotropy_db = ring.power == 0 ? kNaN
+                           : variance <= 0 ? -std::numeric_limits<double>::infinity()
+                                           : 10 * std::log10(variance / (ring.power * ring.power));
+      rings.push_back(ring);
+    }
+    return rings;
+  }
+
+ private:
+  double width_;
+  std::vector<Sums> sums_;
+};
+
+/// What one step of the whole numbers k_d is in 1 / mean spacing.
+Eigen::VectorXd steps_of(const PointSet& set) {
+  return set.mean_spacing() / set.domain().box().extent().array();
+}
+
+/// The power of a drawn frequency, |sum|^2 / n, averaged over the sets.
+double power_at(std::span<const PointSet> sets, const Eigen::VectorXi& k) {
+  double power = 0;
+  for (const PointSet& set : sets) {
+    const Box& box = set.domain().box();
+    const Eigen::VectorXd wave = k.cast<double>().array() / box.extent().array();
+    double re = 0;
+    double im = 0;
+    for (Eigen::Index p = 0; p < set.points().cols(); ++p) {
+      double turns = 0;
+      for (Eigen::Index d = 0; d < k.size(); ++d) {
+        if (k[d] != 0) turns += wave[d] * (set.points()(d, p) - box.lower[d]);
+      }
+      const double phase = 2 * std::acos(-1.0) * (turns - std::floor(turns));
+      re += std::cos(phase);
+      im -= std::sin(phase);
+    }
+    power += (re * re + im * im) / set.count();
+  }
+  return power / static_cast<double>(sets.size());
+}
+
+void fill_from_grid(std::span<const PointSet> sets, const SpectrumOptions& options,
+                    const Arena& arena, RingSums& rings, Spectrum& spectrum) {
+  const FrequencyGrid grid(spectrum.half);
+  spectrum.power.assign(grid.size(), 0.0);
+  for (const PointSet& set : sets) grid.add_power(set, arena, options.cancelled, spectrum.power);
+  const double scale = static_cast<double>(sets.size()) * spectrum.points;
+  for (double& p : spectrum.power) p /= scale;
+
+  const Eigen::VectorXd steps = steps_of(sets.front());
+  Sums low;
+  Eigen::VectorXi k(spectrum.dimension);
+  // Those behind f = 0 are one of each pair f, -f.
+  for (std::size_t at = grid.size() / 2 + 1; at < grid.size(); ++at) {
+    std::size_t rest = at;
+    double squared = 0;
+    for (std::size_t d = 0; d < spectrum.half.size(); ++d) {
+      const auto width = static_cast<std::size_t>(grid.width(d));
+      const double f = (static_cast<double>(rest % width) - spectrum.half[d]) *
+                       steps[static_cast<Eigen::Index>(d)];
+      squared += f * f;
+      rest /= width;
+    }
+    const double frequency = std::sqrt(squared);
+    if (frequency < kLowFrequency * (1 - 1e-12)) low.add(spectrum.power[at]);
+    if (frequency > options.max_frequency * (1 + 1e-12)) continue;
+    rings[rings.ring_of(frequency)].add(spectrum.power[at]);
+  }
+  spectrum.rings = rings.rings({}, options.max_frequency);
+  spectrum.low_frequency_power = low.count > 0 ? low.power / low.count : kNaN;
+}
+
+void fill_from_draws(std::span<const PointSet> sets, const SpectrumOptions& options,
+                     const Arena& arena, RingSums& rings, Spectrum& spectrum) {
+  const FrequencyShells shells(steps_of(sets.front()), options.max_frequency);
+  std::vector<double> counts;
+  std::vector<std::size_t> ring_of;
+  std::vector<Eigen::VectorXi> drawn;
+  const auto draw = [&](double lower, double upper, int draws, std::size_t ring) {
+    Random random(options.seed, kDrawStream + ring);
+    for (int i = 0; i < draws; ++i) {
+      drawn.push_back(shells.draw(lower, upper, random));
+      ring_of.push_back(ring);
+    }
+  };
+  // The last ring includes max_frequency itself.
+  const double highest = 2 * options.max_frequency;
+  for (std::size_t r = 0; r < rings.size(); ++r) {
+    const double upper = r + 1 < rings.size() ? rings.lower(r + 1) : highest;
+    counts.push_back(shells.count(rings.lower(r), upper));
+    if (counts.back() > 0) draw(rings.lower(r), upper, kRingDraws, r);
+  }
+  const double below = std::min(kLowFrequency, highest);
+  if (shells.count(0, below) > 0) draw(0, below, kLowDraws, rings.size());
+
+  std::vector<double> power(drawn.size());
+  constexpr std::size_t kBetweenQuestions = 64;
+  for (std::size_t begin = 0; begin < drawn.size(); begin += kBetweenQuestions) {
+    if (options.cancelled && options.cancelled()) throw Cancelled();
+    const std::size_t count = std::min(kBetweenQuestions, drawn.size() - begin);
+    arena.for_each(count, 1,
+                   [&](std::size_t i) { power[begin + i] = power_at(sets, drawn[begin + i]); });
+  }
+  Sums low;
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    (ring_of[i] < rings.size() ? rings[ring_of[i]] : low).add(power[i]);
+  }
+  spectrum.rings = rings.rings(counts, options.max_frequency);
+  spectrum.low_frequency_power = low.count > 0 ? low.power / low.count : kNaN;
+}
+
+/// The mean power below a frequency, as a function of it, last falls through 0.1 here.
+double effective_nyquist(const Spectrum& spectrum) {
+  constexpr double threshold = 0.1;
+  const auto volume = [&](double f) { return std::pow(f, spectrum.dimension); };
+  double result = 0;
+  double power = 0;
+  double count = 0;
+  for (const SpectrumRing& ring : spectrum.rings) {
+    // Where (power + x * ring.power) / (count + x) crosses the threshold, x frequencies into it.
+    const double start = power - threshold * count;
+    const double slope = ring.power - threshold;
+    const double end = start + slope * ring.frequencies;
+    if (end <= 0) {
+      result = ring.upper;
+    } else if (start < 0) {
+      const double share = -start / (end - start);
+      result = std::pow(volume(ring.lower) + share * (volume(ring.upper) - volume(ring.lower)),
+                        1.0 / spectrum.dimension);
+    }
+    power += ring.power * ring.frequencies;
+    count += ring.frequencies;
+  }
+  return result;
+}
+
+double oscillation(const std::vector<SpectrumRing>& rings) {
+  const auto first = std::find_if(rings.begin(), rings.end(),
+                                  [](const SpectrumRing& ring) { return ring.power >= 0.98; });
+  double sum = 0;
+  double count = 0;
+  for (auto ring = first; ring != rings.end(); ++ring) {
+    sum += ring->frequencies * (ring->power - 1) * (ring->power - 1);
+    count += ring->frequencies;
+  }
+  return count > 0 ? 10 * std::sqrt(sum / count) : kNaN;
+}
+
+}  // namespace
+
+Spectrum power_spectrum(std::span<const PointSet> sets, const SpectrumOptions& options) {
+  check_options(options);
+  check_alike(sets);
+  const PointSet& first = sets.front();
+  const Eigen::VectorXd steps = steps_of(first);
+  Spectrum spectrum;
+  spectrum.dimension = first.dimension();
+  spectrum.points = first.count();
+  spectrum.sets = static_cast<int>(sets.size());
+  spectrum.max_frequency = options.max_frequency;
+
+  const double width =
+      options.ring_width > 0 ? options.ring_width : std::max(1.0 / 32, steps.maxCoeff());
+  RingSums rings(width, options.max_frequency);
+  const Eigen::ArrayXd half = (options.max_frequency / steps.array() * (1 + 1e-12)).floor();
+  const double products = (2 * half + 1).prod() * first.count();
+  const Arena arena(options.threads);
+  if (spectrum.dimension <= 3 && products <= kMostProducts) {
+    for (const double h : half) spectrum.half.push_back(static_cast<int>(h));
+    fill_from_grid(sets, options, arena, rings, spectrum);
+  } else {
+    fill_from_draws(sets, options, arena, rings, spectrum);
+  }
+
+  const auto peak = std::max_element(
+      spectrum.rings.begin(), spectrum.rings.end(),
+      [](const SpectrumRing& a, const SpectrumRing& b) { return a.power < b.power; });
+  const bool any = peak != spectrum.rings.end();
+  spectrum.peak = any ? peak->power : kNaN;
+  spectrum.peak_frequency = any ? peak->middle() : kNaN;
+  spectrum.effective_nyquist = effective_nyquist(spectrum);
+  spectrum.oscillation = oscillation(spectrum.rings);
+  return spectrum;
+}
+
+}  // namespace ccvt
