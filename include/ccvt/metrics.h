@@ -127,7 +127,7 @@ struct SpectrumOptions {
   std::uint64_t seed = 0;
   int threads = 0;
   /// Asked now and then; true makes power_spectrum() and analyze() throw Cancelled.
-  std::function<bool()> cancelled;
+  std::function<bool()> cancelled = {};
 };
 
 /// What SpectrumOptions::cancelled leads to.

@@ -26,7 +26,7 @@ h2{font-size:1.15rem;margin:0 0 .5rem}
 p,figcaption,footer{color:var(--soft);font-size:.9rem;margin:.4rem 0}
 section,.card{background:var(--card);border:1px solid var(--edge);border-radius:8px;
 padding:14px;margin:0 0 16px}
-.grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,420px),1fr));gap:16px}
+.grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,390px),1fr));gap:16px}
 .grid .card{margin:0}
 .grid{margin-bottom:16px}
 figure{margin:0}
@@ -179,12 +179,13 @@ std::string report_page(const std::vector<AnalyzedSet>& sets,
   html += "</div>\n";
   for (std::size_t s = 0; s < sets.size(); ++s) {
     const AnalyzedSet& set = sets[s];
+    const std::string whose = sets.size() > 1 ? " (" + set.name + ")" : "";
     html += "<div class=\"grid\">\n";
-    html += figure_card(set.name + ": spectrum",
+    html += figure_card("Spectrum" + whose,
                         "<img alt=\"" + escaped("Spectrum of " + set.name) +
                             "\" src=\"data:image/png;base64," + base64(spectra[s]) + "\">\n",
                         spectrum_caption(set));
-    html += figure_card(set.name + ": points", points_svg(set), points_caption(set));
+    html += figure_card("Points" + whose, points_svg(set), points_caption(set));
     html += "</div>\n";
   }
   html += meanings(sets);

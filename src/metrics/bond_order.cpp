@@ -42,12 +42,14 @@ class Cell {
               {{left, up}, {-sides[0], 0}, border}};
   }
 
-  /// Keeps the part that is nearer to the origin than to `other`.
+  /// Keeps the part that is nearer to the origin than to `other`. Corners on the bisector, but for
+  /// rounding, stay as they are: else an edge along it, cut once more, would fall in two.
   void cut(const Vector2d& other) {
+    const double rounding = 1e-12 * other.norm() * (other.norm() + std::sqrt(squared_radius()));
     const double limit = other.squaredNorm() / 2;
     const auto beyond = [&](const Edge& edge) { return edge.start.dot(other) - limit; };
     if (std::none_of(edges_.begin(), edges_.end(),
-                     [&](const Edge& edge) { return beyond(edge) > 0; })) {
+                     [&](const Edge& edge) { return beyond(edge) > rounding; })) {
       return;
     }
     next_.clear();
@@ -56,10 +58,10 @@ class Cell {
       const Edge& after = edges_[(e + 1) % edges_.size()];
       const double here = beyond(edge);
       const double there = beyond(after);
-      if (here <= 0) next_.push_back(edge);
-      if ((here <= 0) == (there <= 0)) continue;
+      if (here <= rounding) next_.push_back(edge);
+      if ((here <= rounding) == (there <= rounding)) continue;
       const Vector2d crossing = edge.start + here / (here - there) * (after.start - edge.start);
-      if (here <= 0) {  // leaves: the bisector starts here
+      if (here <= rounding) {  // leaves: the bisector starts here
         next_.push_back({crossing, other, false});
       } else {
         next_.push_back({crossing, edge.neighbour, edge.border});
