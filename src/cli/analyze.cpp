@@ -29,21 +29,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Throws unless the directory is there and can be written, or can be made.
+/// Throws unless the directory is there and can be written, or can be made: which is tried.
 void check_directory(const fs::path& path) {
   const auto fail = [&](const std::string& reason) {
     throw IoError(path.string() + ": cannot be written: " + reason);
   };
   std::error_code error;
-  const bool there = fs::exists(path, error);
-  if (there && !fs::is_directory(path, error)) fail("is no directory");
-  fs::path parent = fs::absolute(path, error).lexically_normal();
-  if (!parent.has_filename()) parent = parent.parent_path();
-  if (!there) parent = parent.parent_path();
-  if (!fs::is_directory(parent, error)) {
-    fail("there is no directory '" + parent.string() + "'");
+  if (fs::exists(path, error)) {
+    if (!fs::is_directory(path, error)) fail("is no directory");
+    if (::access(path.c_str(), W_OK | X_OK) != 0) fail(std::generic_category().message(errno));
+    return;
   }
-  if (::access(parent.c_str(), W_OK | X_OK) != 0) fail(std::generic_category().message(errno));
+  if (!fs::create_directory(path, error)) fail(error.message());
+  fs::remove(path, error);
 }
 
 /// Says what to do when points are outside the unit box, and nobody asked for it.
