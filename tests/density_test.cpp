@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "parallel/arena.h"
 #include "random.h"
 #include "sampling/hilbert.h"
 #include "sampling/mass.h"
@@ -152,20 +153,54 @@ TEST_CASE("the Hilbert curve steps from face to face in grids of equal powers of
   }
 }
 
+TEST_CASE("parts of the Hilbert curve, strung together, are the curve") {
+  for (const Shape& shape : std::vector<Shape>{
+           {1}, {70}, {5, 3}, {1, 9, 1}, {32, 32}, {3, 40, 2}, {9, 10, 11}, {4, 4, 4, 4}}) {
+    ccvt::HilbertCurve curve(shape);
+    std::vector<std::int64_t> whole;
+    curve.visit([&](std::int64_t cell) { whole.push_back(cell); });
+    for (int level = 0; level < 8; ++level) {
+      std::vector<std::int64_t> cells;
+      bool same_cells = true;
+      for (const auto& part : curve.parts(level)) {
+        std::vector<std::int64_t> along;
+        std::vector<std::int64_t> in_rows;
+        curve.visit(part, level, [&](std::int64_t cell) { along.push_back(cell); });
+        curve.visit_rows(part, level, [&](std::int64_t first, std::int64_t count) {
+          for (std::int64_t i = 0; i < count; ++i) in_rows.push_back(first + i);
+        });
+        cells.insert(cells.end(), along.begin(), along.end());
+        CHECK(std::is_sorted(in_rows.begin(), in_rows.end()));
+        std::sort(along.begin(), along.end());
+        same_cells = same_cells && along == in_rows;
+      }
+      CHECK(cells == whole);
+      CHECK(same_cells);
+    }
+  }
+}
+
 TEST_CASE("sorted draws are ascending, independent and even up to both ends") {
+  const ccvt::Arena arena(2);
   for (const Index count : {1, 15, 16, 1000}) {
     std::vector<double> counts(100);
     for (std::uint64_t seed = 0; seed < 200000 / static_cast<std::uint64_t>(count); ++seed) {
-      ccvt::SortedDraws draws(ccvt::Random(seed), count);
+      const ccvt::SortedDraws draws(seed, count, arena);
       double before = 0;
       bool ascending = true;
-      for (Index k = 0; k < count; ++k) {
-        const double draw = draws.next();
-        ascending = ascending && draw >= before && draw < 1;
-        before = draw;
-        ++counts.at(static_cast<std::size_t>(draw * 100));
+      Index total = 0;
+      std::vector<double> bin;
+      for (std::size_t b = 0; b < draws.bins(); ++b) {
+        CHECK_MESSAGE(draws.before(b) == total, "bin " << b);
+        draws.open(b, bin);
+        total += static_cast<Index>(bin.size());
+        for (const double draw : bin) {
+          ascending = ascending && draw >= before && draw < 1;
+          before = draw;
+          ++counts.at(static_cast<std::size_t>(draw * 100));
+        }
       }
-      if (!ascending) FAIL_CHECK("not ascending in [0, 1)");
+      if (!ascending || total != count) FAIL_CHECK("not ascending in [0, 1), or not all");
     }
     const double statistic = relative_chi_square(counts, std::vector<double>(100, 1.0));
     CHECK(statistic > 0.5);
@@ -173,27 +208,41 @@ TEST_CASE("sorted draws are ascending, independent and even up to both ends") {
   }
 }
 
-TEST_CASE("draws at the ends of cells go to cells with mass") {
-  struct Fixed {
+TEST_CASE("draws at the ends of groups and cells go to those with mass") {
+  struct Fixed {  // one draw a bin
     std::vector<double> values;
-    std::size_t k = 0;
-    double next() { return values[k++]; }
+    [[nodiscard]] std::size_t bins() const { return values.size(); }
+    [[nodiscard]] static Index before(std::size_t bin) { return static_cast<Index>(bin); }
+    void open(std::size_t bin, std::vector<double>& draws) const { draws = {values[bin]}; }
   };
   const std::vector<double> masses{0, 1, 0, 0, 1, 2, 0};
-  const auto visit_cells = [&](const auto& f) {
-    for (std::size_t i = 0; i < masses.size(); ++i) f(static_cast<std::int64_t>(i), masses[i]);
-  };
-  const auto hits = [&](double total, const std::vector<double>& draws) {
-    std::vector<Index> found(masses.size());
-    ccvt::deal(total, static_cast<Index>(draws.size()), visit_cells, Fixed{draws},
-               [&](std::int64_t cell, Index n) { found[static_cast<std::size_t>(cell)] += n; });
+  using Hits = std::vector<Index>;
+  // Bin b of B must hold draws from b/B up to (b+1)/B.
+  const auto groups = [&](const std::vector<double>& draws) {
+    Hits found(masses.size());
+    ccvt::deal(masses, Fixed{draws}, ccvt::Arena(1),
+               [&](std::size_t g, int, Index, std::span<const double> targets) {
+                 for (const double target : targets) CHECK(target >= 0);
+                 found[g] += static_cast<Index>(targets.size());
+               });
     return found;
   };
-  CHECK(hits(4, {0, 0.25, 0.5, 0.75}) == std::vector<Index>{0, 1, 0, 0, 1, 2, 0});
-  CHECK(hits(4, {0, 0, 0.2, 0.499}) == std::vector<Index>{0, 3, 0, 0, 1, 0, 0});
-  // A total, or a draw, rounded up beyond the sum of the masses.
-  CHECK(hits(4.5, {0.99}) == std::vector<Index>{0, 0, 0, 0, 0, 1, 0});
-  CHECK(hits(4, {0.6, 1, 1}) == std::vector<Index>{0, 0, 0, 0, 0, 3, 0});
+  CHECK(groups({0, 0.25, 0.5, 0.75}) == Hits{0, 1, 0, 0, 1, 2, 0});
+  CHECK(groups({0.249, 0.499, 0.5, 0.999}) == Hits{0, 1, 0, 0, 1, 2, 0});
+  CHECK(groups({1}) == Hits{0, 0, 0, 0, 0, 1, 0});  // rounded up
+  const auto cells = [&](const std::vector<double>& targets) {
+    Hits found(masses.size());
+    ccvt::deal_to_cells(
+        targets,
+        [&](const auto& f) {
+          for (std::size_t i = 0; i < masses.size(); ++i) f(static_cast<std::int64_t>(i), masses[i]);
+        },
+        [&](std::int64_t cell, Index n) { found[static_cast<std::size_t>(cell)] += n; });
+    return found;
+  };
+  CHECK(cells({0, 1, 2, 3}) == Hits{0, 1, 0, 0, 1, 2, 0});
+  CHECK(cells({0, 0, 0.8, 1.999}) == Hits{0, 3, 0, 0, 1, 0, 0});
+  CHECK(cells({2.4, 4, 4.5}) == Hits{0, 0, 0, 0, 0, 3, 0});  // rounded up beyond the masses
 }
 
 TEST_CASE_TEMPLATE("points follow the grid in any dimension", Value, float, double) {
