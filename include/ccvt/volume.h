@@ -188,17 +188,12 @@ template <class Scalar>
 CCVT_EXPORT void write_samples(const std::filesystem::path& path,
                                const VolumeSamples<Scalar>& samples);
 
-/// Three pictures side by side: the density of a 3D grid summed along each of its axes, in grey,
-/// with the samples over it. Pixels are square in the world. `size`: of the longest side of a
-/// picture, in pixels, from 16 to 4096.
-struct ColourImage {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> rgb;  ///< width * height * 3 of them, row by row from the top
-};
+/// Three pictures side by side: the density of a 3D grid summed along its third, second and first
+/// axis, in grey, with the samples over it in orange. Pixels are square in the world. `size`: of
+/// the longest side of a picture, in pixels, from 16 to 4096. Throws InvalidInput for other sizes
+/// and dimensions.
 template <class Scalar>
 CCVT_EXPORT ColourImage preview(const DensityGrid& density, const Points<Scalar>& sites,
                                 int size = 480);
-CCVT_EXPORT void write_png(const std::filesystem::path& path, const ColourImage& image);
 
 }  // namespace ccvt

@@ -10,6 +10,7 @@
 #include "parallel/arena.h"
 #include "random.h"
 #include "sampling/cell_densities.h"
+#include "sampling/density_mass.h"
 #include "sampling/hilbert.h"
 #include "sampling/mass.h"
 #include "sampling/scalar_box.h"
@@ -69,8 +70,8 @@ void check_affine(const DensityGrid& grid) {
   }
   const double volume = map.matrix.determinant();
   if (!map.offset.allFinite() || !std::isfinite(volume) || volume == 0) {
-    throw InvalidInput(concat("grid: to_world must be finite and not singular; its determinant is ",
-                              volume));
+    throw InvalidInput(
+        concat("grid: to_world must be finite and not singular; its determinant is ", volume));
   }
 }
 
@@ -83,9 +84,7 @@ void cell_position(std::int64_t cell, std::span<const std::int64_t> shape,
   }
 }
 
-bool is_density(double value) {
-  return value >= 0 && value <= std::numeric_limits<double>::max();
-}
+bool is_density(double value) { return value >= 0 && value <= std::numeric_limits<double>::max(); }
 
 [[noreturn]] void refuse_density(const DensityGrid& grid, const CellDensities& densities,
                                  std::int64_t cell) {
@@ -106,8 +105,8 @@ struct Parts {
 
   // Parts of up to 4096 cells, and fewer where there would be less than a thousand parts.
   explicit Parts(const DensityGrid& grid, std::int64_t cells) : curve(grid.shape), level(0) {
-    const auto axes = std::count_if(grid.shape.begin(), grid.shape.end(),
-                                    [](std::int64_t n) { return n > 1; });
+    const auto axes =
+        std::count_if(grid.shape.begin(), grid.shape.end(), [](std::int64_t n) { return n > 1; });
     const std::int64_t most = std::clamp<std::int64_t>(cells / 1024, 1, 4096);
     while (axes > 0 && (level + 1) * axes < 62 &&
            (std::int64_t{1} << ((level + 1) * axes)) <= most) {
@@ -280,6 +279,17 @@ void fill(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
 }
 
 }  // namespace
+
+double density_mass(const DensityGrid& grid, const Arena& arena) {
+  const std::int64_t cells =
+      std::visit([](const auto& values) { return std::ssize(values); }, grid.values);
+  GroupedSum sum;
+  for (const double mass : masses_of(grid, CellDensities(grid), Parts(grid, cells), arena)) {
+    sum.add(mass);
+  }
+  const double stretch = grid.to_world ? std::abs(grid.to_world->matrix.determinant()) : 1;
+  return sum.value() * (grid.box.volume() / static_cast<double>(cells) * stretch);
+}
 
 namespace detail {
 
