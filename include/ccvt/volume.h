@@ -109,14 +109,14 @@ struct CCVT_EXPORT Volume : VolumeHeader {
 /// What a file does not say itself.
 struct VolumeLayout {
   /// Cells along x, y and z, x fastest. Needed for raw files, and for these only.
-  std::vector<std::int64_t> shape;
+  std::vector<std::int64_t> shape = {};
   /// Of a raw file.
-  std::optional<VoxelType> type;
+  std::optional<VoxelType> type = {};
   bool big_endian = false;
   /// One for each axis; 1 where empty. For raw and .npy files only.
-  std::vector<double> spacing;
+  std::vector<double> spacing = {};
   /// The centre of the first cell; 0 where empty. For raw and .npy files only.
-  std::vector<double> origin;
+  std::vector<double> origin = {};
 };
 
 /// Reads a volume, told by the extension:
