@@ -76,14 +76,16 @@ class Header {
   /// Bytes up to the data.
   [[nodiscard]] std::uint64_t size() const { return size_; }
 
-  /// The value of a field by either of its names; empty if it is not there.
-  [[nodiscard]] std::string value(const std::string& field, const std::string& other = "") const {
+  /// The value of a field by either of its names; empty if it is not there. Lives as long as this.
+  [[nodiscard]] const std::string& value(const std::string& field,
+                                         const std::string& other = "") const {
+    static const std::string none;
     auto found = fields_.find(field);
     if (found == fields_.end()) found = fields_.find(other);
-    return found == fields_.end() ? std::string() : found->second;
+    return found == fields_.end() ? none : found->second;
   }
-  [[nodiscard]] std::string required(const std::string& field) const {
-    std::string result = value(field);
+  [[nodiscard]] const std::string& required(const std::string& field) const {
+    const std::string& result = value(field);
     if (result.empty()) file_.fail("has no field " + io::quoted(field) + " in its header");
     return result;
   }
@@ -260,7 +262,7 @@ void check_dimension(const InputFile& file, const Header& header) {
 }
 
 void check_kinds(const InputFile& file, const Header& header) {
-  const std::string kinds = header.value("kinds");
+  const std::string& kinds = header.value("kinds");
   if (kinds.empty()) return;
   for (const std::string_view kind : header.three("kinds", kinds)) {
     const std::string name = lower(kind);
@@ -273,8 +275,8 @@ void check_kinds(const InputFile& file, const Header& header) {
 void place(const InputFile& file, const Header& header, Grid& grid) {
   grid.axes = Eigen::Matrix3d::Identity();
   grid.origin = Eigen::Vector3d::Zero();
-  const std::string directions = header.value("space directions");
-  const std::string spacings = header.value("spacings");
+  const std::string& directions = header.value("space directions");
+  const std::string& spacings = header.value("spacings");
   if (!directions.empty()) {
     const auto columns = header.three("space directions", directions);
     for (std::size_t d = 0; d < 3; ++d) {
@@ -294,7 +296,7 @@ void place(const InputFile& file, const Header& header, Grid& grid) {
         "places its axes by 'axis mins' and 'axis maxs'; give 'spacings' or "
         "'space directions' instead");
   }
-  const std::string origin = header.value("space origin");
+  const std::string& origin = header.value("space origin");
   if (!origin.empty()) grid.origin = header.vector("space origin", origin);
 }
 
@@ -325,11 +327,11 @@ VolumeFile open_nrrd(const std::filesystem::path& path) {
   }
   result.big_endian = endian == "big";
 
-  const std::string lines = header.value("line skip", "lineskip");
+  const std::string& lines = header.value("line skip", "lineskip");
   if (!lines.empty() && header.whole("line skip", lines) != 0) {
     file.fail("has a 'line skip', which is not supported; give a 'byte skip' instead");
   }
-  const std::string bytes = header.value("byte skip", "byteskip");
+  const std::string& bytes = header.value("byte skip", "byteskip");
   const std::int64_t skip = bytes.empty() ? 0 : header.whole("byte skip", bytes);
   result.at_end = skip == -1;
   if (skip < -1 || (skip == -1 && result.gzip)) {
@@ -338,7 +340,7 @@ VolumeFile open_nrrd(const std::filesystem::path& path) {
   }
   result.skip = static_cast<std::uint64_t>(std::max<std::int64_t>(skip, 0));
 
-  const std::string data = header.value("data file", "datafile");
+  const std::string& data = header.value("data file", "datafile");
   if (data.empty()) {
     if (!header.ended()) file.fail("has no data: its header names no data file, and ends the file");
     result.data = path;

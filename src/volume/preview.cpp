@@ -16,7 +16,8 @@ namespace {
 
 constexpr int kGap = 8;  // pixels between the pictures
 constexpr std::array<double, 3> kDot = {255, 140, 0};
-constexpr double kOpacity = 0.65;
+constexpr double kOpacity = 0.75;
+constexpr double kBrightest = 150;  // of the field, so that dots stand out
 
 /// A projection along one axis: `across` runs to the right, `up` upwards.
 struct Projection {
@@ -72,6 +73,14 @@ struct Line {
   }
 };
 
+/// The first byte of a pixel of a picture that starts at column `left` and is `height` high; it is
+/// centred in the image.
+std::size_t address(const ColourImage& image, int left, int height, int column, int row) {
+  const int y = (image.height - height) / 2 + row;
+  return 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+              static_cast<std::size_t>(left + column));
+}
+
 void draw_field(const Projection& projection, const Line& across, const Line& up, int left,
                 ColourImage& image) {
   const double most =
@@ -85,11 +94,9 @@ void draw_field(const Projection& projection, const Line& across, const Line& up
       const auto [i, i1, u] = across.at(column);
       const double grey = (1 - v) * ((1 - u) * value(i, j) + u * value(i1, j)) +
                           v * ((1 - u) * value(i, j1) + u * value(i1, j1));
-      const std::size_t pixel = 3 * (static_cast<std::size_t>(row + image.height - up.pixels) *
-                                         static_cast<std::size_t>(image.width) +
-                                     static_cast<std::size_t>(left + column));
+      const std::size_t pixel = address(image, left, up.pixels, column, row);
       std::fill_n(image.rgb.begin() + static_cast<std::ptrdiff_t>(pixel), 3,
-                  static_cast<std::uint8_t>(255 * std::clamp(grey, 0.0, 1.0)));
+                  static_cast<std::uint8_t>(kBrightest * std::clamp(grey, 0.0, 1.0)));
     }
   }
 }
@@ -145,9 +152,7 @@ ColourImage preview(const DensityGrid& density, const Points<Scalar>& sites, int
           static_cast<int>(place[static_cast<Eigen::Index>(p.across)] * across.pixels);
       const auto row = static_cast<int>((1 - place[static_cast<Eigen::Index>(p.up)]) * up.pixels);
       if (column < 0 || column >= across.pixels || row < 0 || row >= up.pixels) continue;
-      const std::size_t pixel = 3 * (static_cast<std::size_t>(row + image.height - up.pixels) *
-                                         static_cast<std::size_t>(image.width) +
-                                     static_cast<std::size_t>(left + column));
+      const std::size_t pixel = address(image, left, up.pixels, column, row);
       for (std::size_t c = 0; c < 3; ++c) {
         image.rgb[pixel + c] =
             static_cast<std::uint8_t>((1 - kOpacity) * image.rgb[pixel + c] + kOpacity * kDot[c]);
