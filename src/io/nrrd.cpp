@@ -179,7 +179,7 @@ class Header {
                                                 "space origin",
                                                 "space directions",
                                                 "measurement frame"};
-    if (known.count(field) == 0) fail("has the unknown field " + io::quoted(field));
+    if (!known.contains(field)) fail("has the unknown field " + io::quoted(field));
   }
 
   /// Without its end; false at the end of the file.

@@ -76,7 +76,7 @@ VolumeFile open_npy(const std::filesystem::path& path, const VolumeLayout& layou
   InputFile file(path);
   const io::NpyHeader npy = io::read_npy_header(file);
   VolumeFile result;
-  const auto found = std::find_if(descrs.begin(), descrs.end(), [&](const Descr& d) {
+  const auto* const found = std::find_if(descrs.begin(), descrs.end(), [&](const Descr& d) {
     return npy.descr.size() == 3 && npy.descr.substr(1) == d.code &&
            std::string("<>|=").find(npy.descr[0]) != std::string::npos;
   });

@@ -100,11 +100,11 @@ bool is_density(double value) { return value >= 0 && value <= std::numeric_limit
 // The curve through the cells, cut into parts that are worked on by themselves.
 struct Parts {
   HilbertCurve curve;
-  int level;
+  int level = 0;
   std::vector<HilbertCurve::Part> parts;
 
   // Parts of up to 4096 cells, and fewer where there would be less than a thousand parts.
-  explicit Parts(const DensityGrid& grid, std::int64_t cells) : curve(grid.shape), level(0) {
+  explicit Parts(const DensityGrid& grid, std::int64_t cells) : curve(grid.shape) {
     const auto axes =
         std::count_if(grid.shape.begin(), grid.shape.end(), [](std::int64_t n) { return n > 1; });
     const std::int64_t most = std::clamp<std::int64_t>(cells / 1024, 1, 4096);
@@ -203,7 +203,7 @@ class CellFill {
   void put(std::size_t d, double u) {
     const auto e = static_cast<Eigen::Index>(d);
     const auto cells = static_cast<double>(grid_.shape[d]);
-    double x = static_cast<double>(position_[d]);
+    auto x = static_cast<double>(position_[d]);
     if (grid_.interpolation == Interpolation::constant) {
       x += u;
     } else {

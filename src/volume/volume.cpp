@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -111,8 +112,8 @@ std::size_t bytes_of(VoxelType type) {
 }
 
 const char* to_string(VoxelType type) {
-  constexpr const char* names[] = {"int8",   "uint8", "int16",  "uint16",  "int32",
-                                   "uint32", "int64", "uint64", "float32", "float64"};
+  constexpr std::array<const char*, 10> names = {"int8",   "uint8", "int16",  "uint16",  "int32",
+                                                 "uint32", "int64", "uint64", "float32", "float64"};
   return names[static_cast<std::size_t>(type)];
 }
 
