@@ -9,6 +9,7 @@ elseif(CCVT_PARALLEL STREQUAL "threads")
 else()
   message(FATAL_ERROR "CCVT_PARALLEL is \"${CCVT_PARALLEL}\", but must be tbb or threads")
 endif()
+find_package(ZLIB 1.2 REQUIRED GLOBAL)
 include(cmake/flann.cmake)
 
 # stb: single-header image codecs. Debian ships no CMake package for them.

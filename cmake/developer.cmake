@@ -3,6 +3,7 @@
 
 option(CCVT_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
 option(CCVT_CLANG_TIDY "Run clang-tidy along with the compiler" OFF)
+option(CCVT_FUZZ "Build the fuzzer of the volume readers, with clang++ and libFuzzer" OFF)
 set(CCVT_SANITIZE "" CACHE STRING "Sanitizers: address;undefined, or thread")
 
 if(CCVT_SANITIZE MATCHES "thread" AND NOT CCVT_PARALLEL STREQUAL "threads")
@@ -46,6 +47,9 @@ function(ccvt_compile_settings target)
     target_compile_definitions(${target} PRIVATE
       "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3|HWY_AVX3_DL)")
     target_link_options(${target} PRIVATE -fsanitize=${sanitizers})
+  endif()
+  if(CCVT_FUZZ)
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
   endif()
   if(CCVT_CLANG_TIDY)
     set_target_properties(${target} PROPERTIES CXX_CLANG_TIDY "${CCVT_CLANG_TIDY_PROGRAM}")

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <string>
 #include <vector>
 
+#include "parallel/arena.h"
 #include "random.h"
 #include "sampling/hilbert.h"
 #include "sampling/mass.h"
@@ -152,20 +154,54 @@ TEST_CASE("the Hilbert curve steps from face to face in grids of equal powers of
   }
 }
 
+TEST_CASE("parts of the Hilbert curve, strung together, are the curve") {
+  for (const Shape& shape : std::vector<Shape>{
+           {1}, {70}, {5, 3}, {1, 9, 1}, {32, 32}, {3, 40, 2}, {9, 10, 11}, {4, 4, 4, 4}}) {
+    ccvt::HilbertCurve curve(shape);
+    std::vector<std::int64_t> whole;
+    curve.visit([&](std::int64_t cell) { whole.push_back(cell); });
+    for (int level = 0; level < 8; ++level) {
+      std::vector<std::int64_t> cells;
+      bool same_cells = true;
+      for (const auto& part : curve.parts(level)) {
+        std::vector<std::int64_t> along;
+        std::vector<std::int64_t> in_rows;
+        curve.visit(part, level, [&](std::int64_t cell) { along.push_back(cell); });
+        curve.visit_rows(part, level, [&](std::int64_t first, std::int64_t count) {
+          for (std::int64_t i = 0; i < count; ++i) in_rows.push_back(first + i);
+        });
+        cells.insert(cells.end(), along.begin(), along.end());
+        CHECK(std::is_sorted(in_rows.begin(), in_rows.end()));
+        std::sort(along.begin(), along.end());
+        same_cells = same_cells && along == in_rows;
+      }
+      CHECK(cells == whole);
+      CHECK(same_cells);
+    }
+  }
+}
+
 TEST_CASE("sorted draws are ascending, independent and even up to both ends") {
+  const ccvt::Arena arena(2);
   for (const Index count : {1, 15, 16, 1000}) {
     std::vector<double> counts(100);
     for (std::uint64_t seed = 0; seed < 200000 / static_cast<std::uint64_t>(count); ++seed) {
-      ccvt::SortedDraws draws(ccvt::Random(seed), count);
+      const ccvt::SortedDraws draws(seed, count, arena);
       double before = 0;
       bool ascending = true;
-      for (Index k = 0; k < count; ++k) {
-        const double draw = draws.next();
-        ascending = ascending && draw >= before && draw < 1;
-        before = draw;
-        ++counts.at(static_cast<std::size_t>(draw * 100));
+      Index total = 0;
+      std::vector<double> bin;
+      for (std::size_t b = 0; b < draws.bins(); ++b) {
+        CHECK_MESSAGE(draws.before(b) == total, "bin " << b);
+        draws.open(b, bin);
+        total += static_cast<Index>(bin.size());
+        for (const double draw : bin) {
+          ascending = ascending && draw >= before && draw < 1;
+          before = draw;
+          ++counts.at(static_cast<std::size_t>(draw * 100));
+        }
       }
-      if (!ascending) FAIL_CHECK("not ascending in [0, 1)");
+      if (!ascending || total != count) FAIL_CHECK("not ascending in [0, 1), or not all");
     }
     const double statistic = relative_chi_square(counts, std::vector<double>(100, 1.0));
     CHECK(statistic > 0.5);
@@ -173,27 +209,42 @@ TEST_CASE("sorted draws are ascending, independent and even up to both ends") {
   }
 }
 
-TEST_CASE("draws at the ends of cells go to cells with mass") {
-  struct Fixed {
+TEST_CASE("draws at the ends of groups and cells go to those with mass") {
+  struct Fixed {  // one draw a bin
     std::vector<double> values;
-    std::size_t k = 0;
-    double next() { return values[k++]; }
+    [[nodiscard]] std::size_t bins() const { return values.size(); }
+    [[nodiscard]] static Index before(std::size_t bin) { return static_cast<Index>(bin); }
+    void open(std::size_t bin, std::vector<double>& draws) const { draws = {values[bin]}; }
   };
   const std::vector<double> masses{0, 1, 0, 0, 1, 2, 0};
-  const auto visit_cells = [&](const auto& f) {
-    for (std::size_t i = 0; i < masses.size(); ++i) f(static_cast<std::int64_t>(i), masses[i]);
-  };
-  const auto hits = [&](double total, const std::vector<double>& draws) {
-    std::vector<Index> found(masses.size());
-    ccvt::deal(total, static_cast<Index>(draws.size()), visit_cells, Fixed{draws},
-               [&](std::int64_t cell, Index n) { found[static_cast<std::size_t>(cell)] += n; });
+  using Hits = std::vector<Index>;
+  // Bin b of B must hold draws from b/B up to (b+1)/B.
+  const auto groups = [&](const std::vector<double>& draws) {
+    Hits found(masses.size());
+    ccvt::deal(masses, Fixed{draws}, ccvt::Arena(1),
+               [&](std::size_t g, int, Index, std::span<const double> targets) {
+                 for (const double target : targets) CHECK(target >= 0);
+                 found[g] += static_cast<Index>(targets.size());
+               });
     return found;
   };
-  CHECK(hits(4, {0, 0.25, 0.5, 0.75}) == std::vector<Index>{0, 1, 0, 0, 1, 2, 0});
-  CHECK(hits(4, {0, 0, 0.2, 0.499}) == std::vector<Index>{0, 3, 0, 0, 1, 0, 0});
-  // A total, or a draw, rounded up beyond the sum of the masses.
-  CHECK(hits(4.5, {0.99}) == std::vector<Index>{0, 0, 0, 0, 0, 1, 0});
-  CHECK(hits(4, {0.6, 1, 1}) == std::vector<Index>{0, 0, 0, 0, 0, 3, 0});
+  CHECK(groups({0, 0.25, 0.5, 0.75}) == Hits{0, 1, 0, 0, 1, 2, 0});
+  CHECK(groups({0.249, 0.499, 0.5, 0.999}) == Hits{0, 1, 0, 0, 1, 2, 0});
+  CHECK(groups({1}) == Hits{0, 0, 0, 0, 0, 1, 0});  // rounded up
+  const auto cells = [&](const std::vector<double>& targets) {
+    Hits found(masses.size());
+    ccvt::deal_to_cells(
+        targets,
+        [&](const auto& f) {
+          for (std::size_t i = 0; i < masses.size(); ++i)
+            f(static_cast<std::int64_t>(i), masses[i]);
+        },
+        [&](std::int64_t cell, Index n) { found[static_cast<std::size_t>(cell)] += n; });
+    return found;
+  };
+  CHECK(cells({0, 1, 2, 3}) == Hits{0, 1, 0, 0, 1, 2, 0});
+  CHECK(cells({0, 0, 0.8, 1.999}) == Hits{0, 3, 0, 0, 1, 0, 0});
+  CHECK(cells({2.4, 4, 4.5}) == Hits{0, 0, 0, 0, 0, 3, 0});  // rounded up beyond the masses
 }
 
 TEST_CASE_TEMPLATE("points follow the grid in any dimension", Value, float, double) {
@@ -277,6 +328,195 @@ TEST_CASE("points fill a cell uniformly, and stratified ones jittered") {
     const auto coarse = histogram(points.cast<double>(), {5, 5}, cell);
     CHECK(relative_chi_square(coarse, std::vector<double>(25, 1.0)) < 2);
   }
+}
+
+namespace {
+
+// The multilinear interpolant, from its definition: the 2^D nearest centres, those outside taken
+// from the border. `x` in cells from the corner of the grid.
+double interpolated(const std::vector<double>& values, const Shape& shape, const double* x) {
+  double sum = 0;
+  for (std::size_t corner = 0; corner < std::size_t{1} << shape.size(); ++corner) {
+    double weight = 1;
+    std::size_t index = 0;
+    std::size_t stride = 1;
+    for (std::size_t d = 0; d < shape.size(); ++d) {
+      const double low = std::floor(x[d] - 0.5);
+      const double share = x[d] - 0.5 - low;
+      const bool high = (corner >> d & 1) != 0;
+      weight *= high ? share : 1 - share;
+      const auto last = static_cast<double>(shape[d] - 1);
+      index += stride * static_cast<std::size_t>(std::clamp(low + (high ? 1 : 0), 0.0, last));
+      stride *= static_cast<std::size_t>(shape[d]);
+    }
+    sum += weight * values[index];
+  }
+  return sum;
+}
+
+// The mean of that over each cell of a grid `fine` times as fine. Exact: midpoints of cells in
+// which the interpolant is linear along each axis, for even `fine`.
+std::vector<double> refined(const std::vector<double>& values, const Shape& shape,
+                            std::int64_t fine) {
+  Shape all = shape;
+  for (auto& n : all) n *= fine;
+  std::vector<double> result(static_cast<std::size_t>(cells_of(all)));
+  std::vector<double> x(shape.size());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    auto rest = static_cast<std::int64_t>(i);
+    for (std::size_t d = 0; d < all.size(); ++d) {
+      x[d] = (static_cast<double>(rest % all[d]) + 0.5) / static_cast<double>(fine);
+      rest /= all[d];
+    }
+    result[i] = interpolated(values, shape, x.data());
+  }
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("points follow the multilinear interpolant in any dimension") {
+  for (const Shape& shape :
+       std::vector<Shape>{{1}, {2}, {20}, {7, 5}, {1, 6}, {5, 4, 6}, {3, 2, 1, 3}, {2, 2, 2, 2}}) {
+    const std::vector<double> values = rough_values<double>(shape, 15);
+    if (std::accumulate(values.begin(), values.end(), 0.0) == 0) continue;
+    DensityGrid grid{values, shape, box_of(shape)};
+    grid.interpolation = ccvt::Interpolation::linear;
+    const std::int64_t fine = shape.size() > 2 ? 2 : 4;
+    const std::vector<double> expected = refined(values, shape, fine);
+    Shape cells = shape;
+    for (auto& n : cells) n *= fine;
+    const double spread = std::sqrt(2.0 / static_cast<double>(expected.size()));
+    CAPTURE(shape.size());
+    const auto white = sample_density<double>(grid, 200000, 4, DensitySampling::white);
+    const double w = relative_chi_square(histogram(white, cells, grid.box), expected);
+    CHECK(w > 1 - 4.5 * spread);
+    CHECK(w < 1 + 4.5 * spread);
+    const auto stratified = sample_density<double>(grid, 200000, 4);
+    CHECK(relative_chi_square(histogram(stratified, cells, grid.box), expected) < 0.5);
+    // The oracle can tell: a piecewise constant density is another distribution.
+    if (shape.size() < 3 && values.size() > 2) {
+      grid.interpolation = ccvt::Interpolation::constant;
+      const auto constant = sample_density<double>(grid, 200000, 4, DensitySampling::white);
+      CHECK(relative_chi_square(histogram(constant, cells, grid.box), expected) > 10);
+    }
+  }
+}
+
+TEST_CASE("one axis of a multilinear density passes the test of Kolmogorov and Smirnov") {
+  // Values 1 and 3 in two cells: the density over [0, 2] is 1, then rises to 3, then stays.
+  const std::vector<double> values{1, 3};
+  DensityGrid grid{values, {2}, Box{Eigen::VectorXd::Zero(1), Eigen::VectorXd::Constant(1, 2)}};
+  grid.interpolation = ccvt::Interpolation::linear;
+  const auto distribution = [](double x) {
+    if (x < 0.5) return x / 4;
+    if (x < 1.5) return (0.5 + (x - 0.5) + (x - 0.5) * (x - 0.5)) / 4;
+    return (2.5 + 3 * (x - 1.5)) / 4;
+  };
+  constexpr Index count = 100000;
+  auto points = sample_density<double>(grid, count, 3, DensitySampling::white);
+  std::sort(points.data(), points.data() + count);
+  double distance = 0;
+  for (Index k = 0; k < count; ++k) {
+    const double f = distribution(points(0, k));
+    distance = std::max({distance, f - k / double{count}, (k + 1) / double{count} - f});
+  }
+  CHECK(distance < 1.63 / std::sqrt(count));  // at the level of 1 %
+}
+
+TEST_CASE("values of any type, mapped and masked, are the densities that they stand for") {
+  const Shape shape{9, 8, 5};
+  const std::size_t cells = 360;
+  std::vector<std::uint8_t> mask(cells, 1);
+  for (std::size_t i = 0; i < cells; i += 3) mask[i] = 0;
+  const std::function<double(double)> map = [](double v) { return 0.5 * v + 70; };
+  const auto check = [&](auto zero) {
+    using Value = decltype(zero);
+    ccvt::Random random(3);
+    std::vector<Value> values(cells);
+    std::vector<double> densities(cells);
+    for (std::size_t i = 0; i < cells; ++i) {
+      const double least = std::is_signed_v<Value> ? -100 : 0;
+      values[i] = static_cast<Value>(least + 200 * random.uniform());
+      densities[i] = mask[i] == 0 ? 0 : 0.5 * static_cast<double>(values[i]) + 70;
+    }
+    DensityGrid given{values, shape, box_of(shape)};
+    given.map = map;
+    given.mask = mask;
+    const DensityGrid plain{densities, shape, box_of(shape)};
+    for (const DensitySampling sampling : both) {
+      const auto a = sample_density<float>(given, 3000, 5, sampling);
+      const auto b = sample_density<float>(plain, 3000, 5, sampling);
+      CHECK((a.array() == b.array()).all());
+    }
+  };
+  check(std::int8_t{});
+  check(std::uint8_t{});
+  check(std::int16_t{});
+  check(std::uint16_t{});
+  check(std::int32_t{});
+  check(std::uint32_t{});
+  check(std::int64_t{});
+  check(std::uint64_t{});
+  check(float{});
+  check(double{});
+}
+
+TEST_CASE("an affine map takes points to the world") {
+  const Shape shape{6, 5, 4};
+  const std::vector<double> values = rough_values<double>(shape, 9);
+  DensityGrid grid{values, shape, box_of(shape)};
+  grid.interpolation = ccvt::Interpolation::linear;
+  ccvt::Affine affine{Eigen::MatrixXd(3, 3), Eigen::Vector3d(100, -20, 3)};
+  affine.matrix << 0, -2, 0.3, 1, 0, 0, 0.1, 0, 3;
+  // Independent draws do not depend on the shape of the cells.
+  const auto box = sample_density<double>(grid, 5000, 1, DensitySampling::white);
+  grid.to_world = affine;
+  const auto world = sample_density<double>(grid, 5000, 1, DensitySampling::white);
+  CHECK(((affine.matrix * box).colwise() + affine.offset - world).cwiseAbs().maxCoeff() < 1e-12);
+  affine.matrix.row(2) = affine.matrix.row(0);
+  grid.to_world = affine;
+  CHECK(mentions(refusal([&] { sample_density<double>(grid, 5); }), "singular"));
+  grid.to_world = ccvt::Affine{Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(0, 0)};
+  CHECK(mentions(refusal([&] { sample_density<double>(grid, 5); }), "matrix of 2 x 2"));
+}
+
+TEST_CASE("any number of threads gives the same points") {
+  const Shape shape{40, 30, 20};
+  const std::vector<float> values = rough_values<float>(shape, 10);
+  DensityGrid grid{values, shape, box_of(shape)};
+  grid.interpolation = ccvt::Interpolation::linear;
+  const auto f = [](std::span<const double> x) { return bump(x); };
+  for (const DensitySampling sampling : both) {
+    const auto one = sample_density<float>(grid, 30000, 6, sampling, 1);
+    const auto function = sample_function<float>(f, 1, Box::unit(3), 20000, 6, sampling, 1);
+    for (const int threads : {2, 3}) {
+      CHECK(
+          (sample_density<float>(grid, 30000, 6, sampling, threads).array() == one.array()).all());
+      CHECK((sample_function<float>(f, 1, Box::unit(3), 20000, 6, sampling, threads).array() ==
+             function.array())
+                .all());
+    }
+  }
+}
+
+TEST_CASE("refused densities are named by the value, the density and the first cell") {
+  std::vector<std::int16_t> values(60000, 1);
+  values[40000] = -7;
+  values[50000] = -9;
+  DensityGrid grid{values, {200, 300}, Box::unit(2)};
+  for (const int threads : {1, 2}) {
+    const auto message =
+        refusal([&] { sample_density<float>(grid, 5, 0, DensitySampling::white, threads); });
+    CHECK(mentions(message, "values[40000], cell (0, 200), is -7, but"));
+  }
+  grid.map = [](double v) { return v - 1; };
+  CHECK(mentions(refusal([&] { sample_density<float>(grid, 5); }), "is -7, and its density -8"));
+  grid.map = [](double) { return 0.0; };
+  CHECK(mentions(refusal([&] { sample_density<float>(grid, 5); }), "all 60000 densities are 0"));
+  const std::vector<std::uint8_t> mask(7, 1);
+  grid.mask = mask;
+  CHECK(mentions(refusal([&] { sample_density<float>(grid, 5); }), "mask has 7 entries"));
 }
 
 TEST_CASE("one seed gives the same bytes, another does not, and the dimension may be fixed") {

@@ -14,3 +14,4 @@
 #include "ccvt/summary.h"       // IWYU pragma: export
 #include "ccvt/tessellation.h"  // IWYU pragma: export
 #include "ccvt/types.h"         // IWYU pragma: export
+#include "ccvt/volume.h"        // IWYU pragma: export

@@ -97,6 +97,16 @@ CCVT_EXPORT Image read_image(const std::filesystem::path& path);
 /// many values; values outside [0, 1] are clamped.
 CCVT_EXPORT void write_png(const std::filesystem::path& path, const Image& image);
 
+/// A picture in colour, row by row from the top.
+struct ColourImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;  ///< 3 * width * height of them
+};
+
+/// The same in 8-bit colour.
+CCVT_EXPORT void write_png(const std::filesystem::path& path, const ColourImage& image);
+
 /// The file beside `target` that writers of this process fill before they rename it to `target`;
 /// they remove it when they fail. A program that is killed by a signal may remove it likewise.
 CCVT_EXPORT std::filesystem::path temporary_path(const std::filesystem::path& target);

@@ -10,6 +10,7 @@
 
 #include "ccvt/version.h"
 #include "cli/values.h"
+#include "cli/volume_values.h"
 
 namespace ccvt::cli {
 
@@ -18,6 +19,7 @@ namespace {
 constexpr const char* kExamples =
     "Examples:\n"
     "  ccvt stipple photo.png --sites 20000 -o dots.svg\n"
+    "  ccvt volume head.nii.gz --sites 20000 -o samples.ply --preview samples.png\n"
     "  ccvt sample --dim 2 --sites 1024 --periodic -o sites.npy\n"
     "  ccvt tessellate points.csv --sites 100 -o sites.csv --owners-out owners.csv\n"
     "  ccvt analyze sites.npy --periodic -o report\n"
@@ -271,6 +273,59 @@ CLI::App* add_analyze(CLI::App& app, AnalyzeArguments& arguments) {
   return command;
 }
 
+/// An option whose value `parse(text, target)` understands, or says what is wrong with.
+template <class Target, class Parse>
+void add_parsed(CLI::App& app, const std::string& name, Target& target, const Parse& parse,
+                const std::string& description, const char* placeholder) {
+  app.add_option_function<std::string>(
+         name, [&target, parse](const std::string& text) { parse(text, target); }, description)
+      ->type_name(placeholder)
+      ->check(CLI::Validator(
+          [parse](std::string& text) {
+            Target scratch;
+            return parse(text, scratch);
+          },
+          ""));
+}
+
+CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
+  auto* const command = app.add_subcommand("volume", "Samples that follow a scalar field in 3D");
+  add_file(*command, "FILE", arguments.volume, "The field: .nii, .nii.gz, .nrrd, .nhdr, .npy, .raw")
+      ->required();
+  add_sites(*command, arguments.sites, "Number of samples", true);
+  add_points_per_site(*command, arguments.points_per_site);
+  add_parsed(*command, "--map", arguments.map, parse_map,
+             "How values become densities: linear, window:LO,HI, threshold:T, gamma:G [linear]",
+             "MAP");
+  command->add_flag("--invert", arguments.map.invert, "Dense where values are low");
+  add_file(*command, "--mask", arguments.mask, "A volume that is not 0 where samples may be");
+  const auto three = [](const Range<double>& range) {
+    return [range](const std::string& text, std::vector<double>& values) {
+      return parse_list(text, 3, range, values);
+    };
+  };
+  constexpr double infinity = std::numeric_limits<double>::max();
+  add_parsed(*command, "--spacing", arguments.layout.spacing,
+             three({.least = 0, .most = infinity, .open_below = true}),
+             "Of .raw and .npy: distance of the cells along each axis [1,1,1]", "X,Y,Z");
+  add_parsed(*command, "--origin", arguments.layout.origin, three({}),
+             "Of .raw and .npy: centre of the first cell [0,0,0]", "X,Y,Z");
+  add_parsed(
+      *command, "--shape", arguments.layout.shape,
+      [](const std::string& text, std::vector<std::int64_t>& values) {
+        return parse_list(text, 3, Range<std::int64_t>{.least = 1}, values);
+      },
+      "Of .raw: cells along each axis, the first one fastest", "X,Y,Z");
+  add_parsed(*command, "--type", arguments.layout, parse_voxel_type,
+             "Of .raw: uint8, int16, float32, …; int16be: big endian", "TYPE");
+  add_common(*command, arguments, ".ply, .vtp, .vtk, .csv, .txt, .npy", "float32");
+  add_file(*command, "--preview", arguments.preview,
+           "Draw the field along its three axes, with the samples over it: .png");
+  command->footer(
+      "Example: ccvt volume head.nii.gz --sites 20000 -o samples.ply --preview samples.png");
+  return command;
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
@@ -286,7 +341,9 @@ int run_command_line(int argc, const char* const* argv) {
   const CLI::App* const sample_command = add_sample(app, sample);
   const CLI::App* const tessellate_command = add_tessellate(app, tessellate);
   const CLI::App* const analyze_command = add_analyze(app, analyze);
-  add_stipple(app, stipple);
+  VolumeArguments volume;
+  const CLI::App* const stipple_command = add_stipple(app, stipple);
+  add_volume(app, volume);
   try {
     app.parse(reversed_arguments(argc, argv));
   } catch (const CLI::Success& success) {  // help, version
@@ -300,7 +357,8 @@ int run_command_line(int argc, const char* const* argv) {
   if (sample_command->parsed()) return run_sample(sample);
   if (tessellate_command->parsed()) return run_tessellate(tessellate);
   if (analyze_command->parsed()) return run_analyze(analyze);
-  return run_stipple(stipple);
+  if (stipple_command->parsed()) return run_stipple(stipple);
+  return run_volume(volume);
 }
 
 }  // namespace ccvt::cli

@@ -9,6 +9,7 @@
 #include "ccvt/io.h"
 #include "ccvt/sampling.h"
 #include "ccvt/types.h"
+#include "ccvt/volume.h"
 
 namespace ccvt::cli {
 
@@ -71,12 +72,23 @@ struct AnalyzeArguments {
   std::filesystem::path output;  ///< a directory
 };
 
+struct VolumeArguments : CommonArguments {
+  std::filesystem::path volume;
+  Index sites = 0;
+  Index points_per_site = 256;
+  ValueMap map;
+  std::filesystem::path mask;     ///< empty: none
+  std::filesystem::path preview;  ///< empty: none
+  VolumeLayout layout;
+};
+
 /// Each runs one command and returns the exit status. They throw InvalidInput, IoError and
 /// std::bad_alloc.
 int run_sample(const SampleArguments& arguments);
 int run_tessellate(const TessellateArguments& arguments);
 int run_stipple(const StippleArguments& arguments);
 int run_analyze(const AnalyzeArguments& arguments);
+int run_volume(const VolumeArguments& arguments);
 
 /// Parses the command line and runs the command that it names. Prints help and version. Throws
 /// InvalidInput for whatever is wrong with the line.

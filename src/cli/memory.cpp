@@ -26,12 +26,12 @@ std::string bytes_text(double bytes) {
 
 }  // namespace
 
-void check_memory(const std::string& what, std::uint64_t points, std::uint64_t dimension,
-                  std::size_t scalar_bytes) {
+std::string check_memory(const std::string& what, std::uint64_t points, std::uint64_t dimension,
+                         std::size_t scalar_bytes, std::uint64_t other_bytes) {
   // In double, which no product of three such numbers overflows.
   const double needed = 4.0 * static_cast<double>(points) * static_cast<double>(dimension) *
                             static_cast<double>(scalar_bytes) +
-                        100e6;
+                        100e6 + static_cast<double>(other_bytes);
   const std::string would_need = what + ": " + std::to_string(points) + " points in " +
                                  std::to_string(dimension) + " dimensions would need about " +
                                  bytes_text(needed) + " of memory";
@@ -43,6 +43,7 @@ void check_memory(const std::string& what, std::uint64_t points, std::uint64_t d
   if (pages > 0 && page > 0 && needed > pages * page) {
     throw InvalidInput(would_need + ", but this machine has " + bytes_text(pages * page));
   }
+  return bytes_text(needed);
 }
 
 std::uint64_t peak_memory_bytes() {

@@ -6,11 +6,12 @@
 
 namespace ccvt::cli {
 
-/// Throws InvalidInput when `points` points are too many to be numbered, or when tessellating them
-/// would need more memory than the machine has: four times their coordinates and 100 MB. Either
-/// message starts with `what` and says how much memory it is.
-void check_memory(const std::string& what, std::uint64_t points, std::uint64_t dimension,
-                  std::size_t scalar_bytes);
+/// How much memory tessellating `points` points takes, such as "1.2 GiB": four times their
+/// coordinates, 100 MB, and `other_bytes`. Throws InvalidInput when that is more than the machine
+/// has, or the points are too many to be numbered. Either message starts with `what` and says how
+/// much memory it is.
+std::string check_memory(const std::string& what, std::uint64_t points, std::uint64_t dimension,
+                         std::size_t scalar_bytes, std::uint64_t other_bytes = 0);
 
 /// The most memory that this process has held so far.
 [[nodiscard]] std::uint64_t peak_memory_bytes();

@@ -70,29 +70,13 @@ Image read_image(const std::filesystem::path& path) {
   return image;
 }
 
-void write_png(const std::filesystem::path& path, const Image& image) {
-  if (io::extension_of(path) != ".png") {
-    throw InvalidInput(path.string() + ": unknown extension " + io::quoted(io::extension_of(path)) +
-                       "; pictures go into .png");
-  }
-  const auto pixels =
-      image.width < 1 || image.height < 1
-          ? std::uint64_t{0}
-          : static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height);
-  if (pixels == 0 || pixels > kMostPixels || image.values.size() != pixels) {
-    throw InvalidInput("image: has " + std::to_string(image.values.size()) + " values for " +
-                       std::to_string(image.width) + " x " + std::to_string(image.height) +
-                       " pixels; from 1 to " + std::to_string(kMostPixels) +
-                       " pixels with one value each can be written");
-  }
-  std::vector<std::uint8_t> grey(image.values.size());
-  std::transform(image.values.begin(), image.values.end(), grey.begin(), [](float value) {
-    return value > 0 ? static_cast<std::uint8_t>(std::min(value, 1.0F) * 255.0F + 0.5F)
-                     : std::uint8_t{0};
-  });
+namespace {
+
+void write_png(const std::filesystem::path& path, int width, int height, int channels,
+               const std::vector<std::uint8_t>& samples) {
   std::vector<char> encoded;
   const bool done =
-      io::encode_png(image.width, image.height, grey.data(), [&](const void* data, std::size_t n) {
+      io::encode_png(width, height, channels, samples.data(), [&](const void* data, std::size_t n) {
         const char* const first = static_cast<const char*>(data);
         encoded.insert(encoded.end(), first, first + n);
       });
@@ -100,6 +84,41 @@ void write_png(const std::filesystem::path& path, const Image& image) {
   io::OutputFile file(path);
   file.write(encoded.data(), encoded.size());
   file.commit();
+}
+
+void check_png(const std::filesystem::path& path, int width, int height, std::size_t values,
+               std::uint64_t channels) {
+  if (io::extension_of(path) != ".png") {
+    throw InvalidInput(path.string() + ": unknown extension " + io::quoted(io::extension_of(path)) +
+                       "; pictures go into .png");
+  }
+  const auto pixels = width < 1 || height < 1
+                          ? std::uint64_t{0}
+                          : static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+  if (pixels == 0 || pixels > kMostPixels || values != channels * pixels) {
+    throw InvalidInput("image: has " + std::to_string(values) + " values for " +
+                       std::to_string(width) + " x " + std::to_string(height) +
+                       " pixels; from 1 to " + std::to_string(kMostPixels) + " pixels with " +
+                       (channels == 1 ? "one value" : std::to_string(channels) + " values") +
+                       " each can be written");
+  }
+}
+
+}  // namespace
+
+void write_png(const std::filesystem::path& path, const Image& image) {
+  check_png(path, image.width, image.height, image.values.size(), 1);
+  std::vector<std::uint8_t> grey(image.values.size());
+  std::transform(image.values.begin(), image.values.end(), grey.begin(), [](float value) {
+    return value > 0 ? static_cast<std::uint8_t>(std::min(value, 1.0F) * 255.0F + 0.5F)
+                     : std::uint8_t{0};
+  });
+  write_png(path, image.width, image.height, 1, grey);
+}
+
+void write_png(const std::filesystem::path& path, const ColourImage& image) {
+  check_png(path, image.width, image.height, image.rgb.size(), 3);
+  write_png(path, image.width, image.height, 3, image.rgb);
 }
 
 }  // namespace ccvt

@@ -1,5 +1,7 @@
 #include "io/input_file.h"
 
+#include <sys/types.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <system_error>
@@ -44,6 +46,12 @@ std::size_t InputFile::read_some(void* data, std::size_t count) {
     throw IoError(name_ + ": cannot be read: " + std::generic_category().message(errno));
   }
   return got;
+}
+
+void InputFile::skip(std::uint64_t count) {
+  if (::fseeko(file_.get(), static_cast<off_t>(count), SEEK_CUR) != 0) {
+    throw IoError(name_ + ": cannot be read: " + std::generic_category().message(errno));
+  }
 }
 
 void InputFile::read(void* data, std::size_t count) {

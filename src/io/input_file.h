@@ -26,6 +26,8 @@ class InputFile {
   [[nodiscard]] std::uint64_t size() const { return size_; }
   /// The next bytes, at most `count`; fewer only at the end. Throws IoError.
   std::size_t read_some(void* data, std::size_t count);
+  /// Moves on by `count` bytes, past the end too. Throws IoError.
+  void skip(std::uint64_t count);
   /// Exactly `count` bytes; throws InvalidInput when the file ends before.
   void read(void* data, std::size_t count);
 

@@ -49,7 +49,7 @@ Pixels decode_image(std::span<const unsigned char> bytes, std::string& error) {
   return pixels;
 }
 
-bool encode_png(int width, int height, const std::uint8_t* grey,
+bool encode_png(int width, int height, int channels, const std::uint8_t* samples,
                 const std::function<void(const void*, std::size_t)>& write) {
   const auto forward = [](void* context, void* data, int size) {
     const auto& target =
@@ -57,7 +57,8 @@ bool encode_png(int width, int height, const std::uint8_t* grey,
     target(data, static_cast<std::size_t>(size));
   };
   auto context = write;
-  return stbi_write_png_to_func(forward, &context, width, height, 1, grey, width) != 0;
+  return stbi_write_png_to_func(forward, &context, width, height, channels, samples,
+                                width * channels) != 0;
 }
 
 }  // namespace ccvt::io

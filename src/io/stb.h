@@ -25,9 +25,9 @@ struct Pixels {
 /// Decodes PNG or JPEG; without pixels when it cannot, and then `error` says why.
 Pixels decode_image(std::span<const unsigned char> bytes, std::string& error);
 
-/// Encodes 8-bit grey as PNG and hands the bytes to `write`, which must not throw. False when out
-/// of memory.
-bool encode_png(int width, int height, const std::uint8_t* grey,
+/// Encodes 8 bits a channel (1: grey, 3: colour, interleaved) as PNG and hands the bytes to
+/// `write`, which must not throw. False when out of memory.
+bool encode_png(int width, int height, int channels, const std::uint8_t* samples,
                 const std::function<void(const void*, std::size_t)>& write);
 
 }  // namespace ccvt::io

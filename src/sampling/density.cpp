@@ -1,11 +1,16 @@
 #include "ccvt/density.h"
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
 
+#include "parallel/arena.h"
 #include "random.h"
+#include "sampling/cell_densities.h"
+#include "sampling/density_mass.h"
 #include "sampling/hilbert.h"
 #include "sampling/mass.h"
 #include "sampling/scalar_box.h"
@@ -16,7 +21,7 @@
 namespace ccvt {
 namespace {
 
-void check_shape(const DensityGrid& grid, std::size_t values) {
+void check_shape(const DensityGrid& grid) {
   if (grid.shape.size() != static_cast<std::size_t>(grid.box.dimension())) {
     throw InvalidInput(concat("grid: shape has ", grid.shape.size(),
                               " dimensions, but the box has ", grid.box.dimension()));
@@ -32,9 +37,41 @@ void check_shape(const DensityGrid& grid, std::size_t values) {
     }
     cells *= grid.shape[d];
   }
+  const std::size_t values = std::visit([](const auto& v) { return v.size(); }, grid.values);
   if (static_cast<std::size_t>(cells) != values) {
     throw InvalidInput(concat("grid: shape ", std::span(grid.shape), " has ", cells,
                               " cells, but there are ", values, " values"));
+  }
+  if (!grid.mask.empty() && grid.mask.size() != values) {
+    throw InvalidInput(concat("grid: shape ", std::span(grid.shape), " has ", cells,
+                              " cells, but the mask has ", grid.mask.size(), " entries"));
+  }
+}
+
+// What holds all points: the box, or a box around what becomes of it.
+Box world_box(const DensityGrid& grid) {
+  if (!grid.to_world) return grid.box;
+  const Affine& map = *grid.to_world;
+  const Eigen::VectorXd centre =
+      map.matrix * (0.5 * (grid.box.lower + grid.box.upper)) + map.offset;
+  const Eigen::VectorXd reach = map.matrix.cwiseAbs() * (0.5 * grid.box.extent());
+  return {centre - reach, centre + reach};
+}
+
+void check_affine(const DensityGrid& grid) {
+  if (!grid.to_world) return;
+  const Affine& map = *grid.to_world;
+  const Eigen::Index dimension = grid.box.dimension();
+  if (map.matrix.rows() != dimension || map.matrix.cols() != dimension ||
+      map.offset.size() != dimension) {
+    throw InvalidInput(concat("grid: to_world has a matrix of ", map.matrix.rows(), " x ",
+                              map.matrix.cols(), " and an offset of ", map.offset.size(),
+                              ", but the box has ", dimension, " dimensions"));
+  }
+  const double volume = map.matrix.determinant();
+  if (!map.offset.allFinite() || !std::isfinite(volume) || volume == 0) {
+    throw InvalidInput(
+        concat("grid: to_world must be finite and not singular; its determinant is ", volume));
   }
 }
 
@@ -47,134 +84,231 @@ void cell_position(std::int64_t cell, std::span<const std::int64_t> shape,
   }
 }
 
-// The sum of the values.
-template <class Value>
-double check_values(const DensityGrid& grid, std::span<const Value> values) {
-  GroupedSum sum;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!(values[i] >= 0 && values[i] <= std::numeric_limits<Value>::max())) {
-      std::vector<std::int64_t> position(grid.shape.size());
-      cell_position(static_cast<std::int64_t>(i), grid.shape, position);
-      throw InvalidInput(concat("grid: values[", i, "], cell ", std::span(position), ", is ",
-                                values[i], ", but must be finite and not negative"));
-    }
-    sum.add(static_cast<double>(values[i]));
-  }
-  const double total = sum.value();
-  if (total == 0) throw InvalidInput(concat("grid: all ", values.size(), " values are 0"));
-  if (!std::isfinite(total)) throw InvalidInput("grid: the sum of the values overflows");
-  return total;
+bool is_density(double value) { return value >= 0 && value <= std::numeric_limits<double>::max(); }
+
+[[noreturn]] void refuse_density(const DensityGrid& grid, const CellDensities& densities,
+                                 std::int64_t cell) {
+  std::vector<std::int64_t> position(grid.shape.size());
+  cell_position(cell, grid.shape, position);
+  const std::string mapped =
+      grid.map ? concat(", and its density ", densities(cell)) : std::string();
+  throw InvalidInput(concat("grid: values[", cell, "], cell ", std::span(position), ", is ",
+                            densities.value(cell), mapped,
+                            ", but must be finite and not negative"));
 }
 
-// Puts points uniformly into cells of a grid, one behind the other in memory.
+// The curve through the cells, cut into parts that are worked on by themselves.
+struct Parts {
+  HilbertCurve curve;
+  int level = 0;
+  std::vector<HilbertCurve::Part> parts;
+
+  // Parts of up to 4096 cells, and fewer where there would be less than a thousand parts.
+  explicit Parts(const DensityGrid& grid, std::int64_t cells) : curve(grid.shape) {
+    const auto axes =
+        std::count_if(grid.shape.begin(), grid.shape.end(), [](std::int64_t n) { return n > 1; });
+    const std::int64_t most = std::clamp<std::int64_t>(cells / 1024, 1, 4096);
+    while (axes > 0 && (level + 1) * axes < 62 &&
+           (std::int64_t{1} << ((level + 1) * axes)) <= most) {
+      ++level;
+    }
+    if (level == 0 && cells > 65'536) level = 1;
+    parts = curve.parts(level);
+  }
+};
+
+// The mass of each part.
+std::vector<double> masses_of(const DensityGrid& grid, const CellDensities& densities,
+                              const Parts& parts, const Arena& arena) {
+  constexpr auto none = std::numeric_limits<std::int64_t>::max();
+  std::vector<double> masses(parts.parts.size());
+  std::vector<std::int64_t> refused(static_cast<std::size_t>(arena.threads()), none);
+  arena.for_ranges(masses.size(), 64, [&](std::size_t begin, std::size_t end, int worker) {
+    HilbertCurve curve = parts.curve;
+    for (std::size_t p = begin; p < end; ++p) {
+      double sum = 0;
+      curve.visit_rows(parts.parts[p], parts.level, [&](std::int64_t first, std::int64_t count) {
+        double row = 0;
+        densities.visit_row(first, count, [&](std::int64_t cell, double density) {
+          if (!is_density(density)) {
+            auto& least = refused[static_cast<std::size_t>(worker)];
+            least = std::min(least, cell);
+          }
+          row += density;
+        });
+        sum += row;
+      });
+      masses[p] = sum;
+    }
+  });
+  const std::int64_t first = *std::min_element(refused.begin(), refused.end());
+  if (first != none) refuse_density(grid, densities, first);
+  GroupedSum total;
+  for (const double mass : masses) total.add(mass);
+  if (total.value() == 0) {
+    const std::size_t values = std::visit([](const auto& v) { return v.size(); }, grid.values);
+    const char* const what = grid.map || !grid.mask.empty() ? " densities are 0" : " values are 0";
+    throw InvalidInput(concat("grid: all ", values, what));
+  }
+  if (!std::isfinite(total.value())) throw InvalidInput("grid: the sum of the values overflows");
+  return masses;
+}
+
+// Puts points into cells of a grid.
 template <class Scalar>
 class CellFill {
  public:
-  CellFill(const DensityGrid& grid, std::uint64_t seed, bool jittered, Scalar* out)
+  CellFill(const DensityGrid& grid, bool jittered)
       : grid_(grid),
-        bounds_(grid.box),
-        random_(seed, streams::density_place),
+        bounds_(world_box(grid)),
         jittered_(jittered),
-        out_(out),
+        cell_(grid.box.extent()),
+        edges_(grid.box.extent()),
         position_(grid.shape.size()),
-        corner_(grid.box.lower),
-        size_(grid.box.extent()) {
-    for (Eigen::Index d = 0; d < size_.size(); ++d) {
-      size_[d] /= static_cast<double>(grid.shape[static_cast<std::size_t>(d)]);
+        place_(grid.box.lower) {
+    for (Eigen::Index d = 0; d < cell_.size(); ++d) {
+      cell_[d] /= static_cast<double>(grid.shape[static_cast<std::size_t>(d)]);
+      edges_[d] = cell_[d];
+      if (grid.to_world) edges_[d] *= grid.to_world->matrix.col(d).norm();
     }
   }
 
-  void operator()(std::int64_t cell, Index hits) {
+  // Points of the density of one cell, one behind the other in memory; returns where they end.
+  Scalar* operator()(std::int64_t cell, Index hits, Random& random, Scalar* out) {
     cell_position(cell, grid_.shape, position_);
-    for (Eigen::Index d = 0; d < size_.size(); ++d) {
-      const auto i = static_cast<double>(position_[static_cast<std::size_t>(d)]);
-      corner_[d] = grid_.box.lower[d] + i * size_[d];
-    }
-    const auto dimension = static_cast<std::size_t>(size_.size());
+    const auto dimension = static_cast<std::size_t>(cell_.size());
     if (hits == 1 || !jittered_) {
       for (Index k = 0; k < hits; ++k) {
-        put(std::span<const double>(corner_.data(), dimension),
-            std::span<const double>(size_.data(), dimension));
+        for (std::size_t d = 0; d < dimension; ++d) put(d, random.uniform());
+        out = store(out);
       }
-      return;
+      return out;
     }
-    strata(hits).visit(corner_, 0, hits,
-                       [&](Index, std::span<const double> corner, std::span<const double> size) {
-                         put(corner, size);
-                       });
+    strata(hits).visit(
+        Eigen::VectorXd::Zero(cell_.size()), 0, hits,
+        [&](Index, std::span<const double> corner, std::span<const double> size) {
+          for (std::size_t d = 0; d < dimension; ++d) {
+            const double edge = edges_[static_cast<Eigen::Index>(d)];
+            put(d, std::min((corner[d] + random.uniform() * size[d]) / edge, below_one));
+          }
+          out = store(out);
+        });
+    return out;
   }
 
  private:
-  void put(std::span<const double> corner, std::span<const double> size) {
-    for (std::size_t d = 0; d < corner.size(); ++d) {
-      *out_++ = bounds_.round(d, corner[d] + random_.uniform() * size[d]);
+  static constexpr double below_one = 1 - 0x1p-53;
+
+  // The coordinate that has a share u of the density of the cell below it.
+  void put(std::size_t d, double u) {
+    const auto e = static_cast<Eigen::Index>(d);
+    const auto cells = static_cast<double>(grid_.shape[d]);
+    auto x = static_cast<double>(position_[d]);
+    if (grid_.interpolation == Interpolation::constant) {
+      x += u;
+    } else {
+      // Under a tent from -1 to 1 around the centre.
+      x += 0.5 + (u < 0.5 ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 * (1 - u)));
+      if (x < 0) x = -x;
+      if (x > cells) x = 2 * cells - x;
     }
+    place_[e] = grid_.box.lower[e] + x * cell_[e];
+  }
+
+  Scalar* store(Scalar* out) {
+    for (Eigen::Index d = 0; d < place_.size(); ++d) {
+      double x = place_[d];
+      if (grid_.to_world) {
+        x = grid_.to_world->offset[d];
+        for (Eigen::Index e = 0; e < place_.size(); ++e) {
+          x += grid_.to_world->matrix(d, e) * place_[e];
+        }
+      }
+      *out++ = bounds_.round(static_cast<std::size_t>(d), x);
+    }
+    return out;
   }
 
   // All cells have the same shape, and adjacent ones similar numbers of points.
   const Strata& strata(Index hits) {
     auto& strata = strata_[static_cast<std::size_t>(hits) % strata_.size()];
-    if (!strata || strata->count() != hits) strata.emplace(size_, hits);
+    if (!strata || strata->count() != hits) strata.emplace(edges_, hits);
     return *strata;
   }
 
   const DensityGrid& grid_;
   ScalarBox<Scalar> bounds_;
-  Random random_;
   bool jittered_;
-  Scalar* out_;
+  Eigen::VectorXd cell_;   // sides in the box
+  Eigen::VectorXd edges_;  // and in the world
   std::vector<std::int64_t> position_;
-  Eigen::VectorXd corner_;
-  Eigen::VectorXd size_;
+  Eigen::VectorXd place_;
   std::vector<std::optional<Strata>> strata_ = std::vector<std::optional<Strata>>(64);
 };
 
-template <class Scalar, class Value>
-void fill(const DensityGrid& grid, std::span<const Value> values, std::uint64_t seed,
-          DensitySampling sampling, std::span<Scalar> coordinates) {
-  check_shape(grid, values.size());
-  const double total = check_values(grid, values);
-  const auto count = static_cast<Index>(coordinates.size() / grid.shape.size());
-  const Random random(seed, streams::density_mass);
+template <class Scalar>
+void fill(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling, int threads,
+          std::span<Scalar> coordinates) {
+  const Arena arena(threads);
+  const CellDensities densities(grid);
+  const Parts parts(grid, std::visit([](const auto& v) { return std::ssize(v); }, grid.values));
+  const std::vector<double> masses = masses_of(grid, densities, parts, arena);
+
   const bool stratified = sampling == DensitySampling::stratified;
-  CellFill<Scalar> cells(grid, seed, stratified, coordinates.data());
-  const auto place = [&](std::int64_t cell, Index hits) { cells(cell, hits); };
-  const auto value = [&](std::int64_t cell) {
-    return static_cast<double>(values[static_cast<std::size_t>(cell)]);
+  const auto count = static_cast<Index>(coordinates.size() / grid.shape.size());
+  const auto workers = static_cast<std::size_t>(arena.threads());
+  std::vector<CellFill<Scalar>> fills(workers, CellFill<Scalar>(grid, stratified));
+  std::vector<HilbertCurve> curves(workers, parts.curve);
+  const auto place = [&](std::size_t part, int worker, Index first,
+                         std::span<const double> targets) {
+    Random random(seed, streams::density_place + part);
+    Scalar* out = coordinates.data() + static_cast<std::size_t>(first) * grid.shape.size();
+    const auto along_curve = [&](const auto& f) {
+      curves[static_cast<std::size_t>(worker)].visit(
+          parts.parts[part], parts.level, [&](std::int64_t cell) { f(cell, densities(cell)); });
+    };
+    deal_to_cells(targets, along_curve, [&](std::int64_t cell, Index hits) {
+      out = fills[static_cast<std::size_t>(worker)](cell, hits, random, out);
+    });
   };
   if (stratified) {
-    HilbertCurve curve(grid.shape);
-    const auto along_curve = [&](const auto& f) {
-      curve.visit([&](std::int64_t cell) { f(cell, value(cell)); });
-    };
-    deal(total, count, along_curve, StratifiedDraws(random, count), place);
+    deal(masses, StratifiedDraws(seed, count), arena, place);
   } else {
-    const auto in_memory_order = [&](const auto& f) {
-      for (std::int64_t cell = 0; cell < std::ssize(values); ++cell) f(cell, value(cell));
-    };
-    deal(total, count, in_memory_order, SortedDraws(random, count), place);
+    deal(masses, SortedDraws(seed, count, arena), arena, place);
   }
-}
-
-template <class Scalar>
-void fill(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
-          std::span<Scalar> coordinates) {
-  std::visit([&](const auto& values) { fill(grid, values, seed, sampling, coordinates); },
-             grid.values);
 }
 
 }  // namespace
 
+double density_mass(const DensityGrid& grid, const Arena& arena) {
+  const std::int64_t cells =
+      std::visit([](const auto& values) { return std::ssize(values); }, grid.values);
+  GroupedSum sum;
+  for (const double mass : masses_of(grid, CellDensities(grid), Parts(grid, cells), arena)) {
+    sum.add(mass);
+  }
+  const double stretch = grid.to_world ? std::abs(grid.to_world->matrix.determinant()) : 1;
+  return sum.value() * (grid.box.volume() / static_cast<double>(cells) * stretch);
+}
+
 namespace detail {
 
-void fill_density(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
-                  std::span<float> coordinates) {
-  fill(grid, seed, sampling, coordinates);
+void check_density(const DensityGrid& grid, Index count, int fixed_dimension,
+                   std::size_t scalar_bytes) {
+  check_sampling(grid.box, count, fixed_dimension, scalar_bytes);
+  check_affine(grid);
+  check_sampling(world_box(grid), count, fixed_dimension, scalar_bytes);
+  check_shape(grid);
 }
 
 void fill_density(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
-                  std::span<double> coordinates) {
-  fill(grid, seed, sampling, coordinates);
+                  int threads, std::span<float> coordinates) {
+  fill(grid, seed, sampling, threads, coordinates);
+}
+
+void fill_density(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
+                  int threads, std::span<double> coordinates) {
+  fill(grid, seed, sampling, threads, coordinates);
 }
 
 }  // namespace detail

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ccvt/density.h"
+#include "parallel/arena.h"
 #include "random.h"
 #include "sampling/hilbert.h"
 #include "sampling/mass.h"
@@ -117,70 +118,99 @@ class Grid {
   std::vector<std::int64_t> shape_;
 };
 
-// The density at one uniform draw from each cell of a grid: an unbiased estimate of its mean there.
-struct Table {
-  std::vector<double> values;
-  double total = 0;
+constexpr std::size_t chunk = 4096;  // cells or points that share a random stream
 
-  template <class Scalar>
-  Table(CheckedDensity<Scalar>& density, const Grid& grid, std::uint64_t seed)
-      : values(static_cast<std::size_t>(grid.cells())) {
-    Random random(seed, streams::function_tabulate);
-    Eigen::VectorXd corner(grid.size().size());
-    GroupedSum sum;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      grid.corner(static_cast<std::int64_t>(i), corner);
-      values[i] = density.draw(random, corner, grid.size());
-      sum.add(values[i]);
-    }
-    total = sum.value();
+// The density at one uniform draw from each cell of a grid: an unbiased estimate of its mean there.
+// With the sum of each chunk of cells along a Hilbert curve, which is their order.
+template <class Scalar>
+class Table {
+ public:
+  Table(const CheckedDensity<Scalar>& density, const Grid& grid, std::uint64_t seed,
+        const Arena& arena)
+      : cells(static_cast<std::size_t>(grid.cells())), values(cells.size()) {
+    std::size_t next = 0;
+    HilbertCurve(grid.shape()).visit([&](std::int64_t cell) { cells[next++] = cell; });
+    sums.resize((cells.size() + chunk - 1) / chunk);
+    arena.for_each(sums.size(), 1, [&](std::size_t c) {
+      CheckedDensity<Scalar> drawn = density;
+      Random random(seed, streams::function_tabulate + c);
+      Eigen::VectorXd corner(grid.size().size());
+      for (std::size_t k = c * chunk; k < std::min((c + 1) * chunk, cells.size()); ++k) {
+        grid.corner(cells[k], corner);
+        values[k] = drawn.draw(random, corner, grid.size());
+        sums[c] += values[k];
+      }
+    });
   }
+
+  [[nodiscard]] double total() const {
+    GroupedSum sum;
+    for (const double part : sums) sum.add(part);
+    return sum.value();
+  }
+
+  std::vector<std::int64_t> cells;
+  std::vector<double> values;
+  std::vector<double> sums;
 };
 
 template <class Scalar>
-void stratified(CheckedDensity<Scalar>& density, double maximum, const Box& box, Index count,
-                std::uint64_t seed, Scalar* out) {
+void stratified(const CheckedDensity<Scalar>& density, double maximum, const Box& box, Index count,
+                std::uint64_t seed, const Arena& arena, Scalar* points) {
   Grid grid(box, std::max(std::int64_t{4} * count, least_cells));
-  Table table(density, grid, seed);
+  Table<Scalar> table(density, grid, seed, arena);
   // More cells where the density is concentrated, so that few get several points.
-  const double mean = table.total / static_cast<double>(grid.cells());
+  const double mean = table.total() / static_cast<double>(grid.cells());
   const double wanted = static_cast<double>(count) * std::min(16.0, maximum / mean);
-  if (wanted > 1.5 * static_cast<double>(grid.cells()) || table.total == 0) {
+  if (wanted > 1.5 * static_cast<double>(grid.cells()) || table.total() == 0) {
     grid = Grid(box, std::max(std::int64_t{16} * count, 16 * least_cells));
-    table = Table(density, grid, seed);
+    table = Table<Scalar>(density, grid, seed, arena);
   }
-  if (table.total == 0) {
+  if (table.total() == 0) {
     throw InvalidInput(concat("density: is 0 at all of ", grid.cells(), " candidates"));
   }
-  if (!std::isfinite(table.total)) throw InvalidInput("density: the sum over candidates overflows");
+  if (!std::isfinite(table.total())) {
+    throw InvalidInput("density: the sum over candidates overflows");
+  }
 
-  HilbertCurve curve(grid.shape());
-  const auto along_curve = [&](const auto& f) {
-    curve.visit([&](std::int64_t cell) { f(cell, table.values[static_cast<std::size_t>(cell)]); });
-  };
-  Random random(seed, streams::density_place);
-  Eigen::VectorXd corner(grid.size().size());
-  deal(table.total, count, along_curve, StratifiedDraws(Random(seed, streams::density_mass), count),
-       [&](std::int64_t cell, Index hits) {
-         grid.corner(cell, corner);
-         for (Index k = 0; k < hits; ++k) out = density.accept(random, corner, grid.size(), out);
+  deal(table.sums, StratifiedDraws(seed, count), arena,
+       [&](std::size_t c, int, Index first, std::span<const double> targets) {
+         CheckedDensity<Scalar> drawn = density;
+         Random random(seed, streams::density_place + c);
+         Eigen::VectorXd corner(grid.size().size());
+         Scalar* out = points + static_cast<std::ptrdiff_t>(first) * box.dimension();
+         const auto in_order = [&](const auto& f) {
+           for (std::size_t k = c * chunk; k < std::min((c + 1) * chunk, table.cells.size()); ++k) {
+             f(table.cells[k], table.values[k]);
+           }
+         };
+         deal_to_cells(targets, in_order, [&](std::int64_t cell, Index hits) {
+           grid.corner(cell, corner);
+           for (Index k = 0; k < hits; ++k) out = drawn.accept(random, corner, grid.size(), out);
+         });
        });
 }
 
 template <class Scalar>
 void fill(const DensityFunction& f, double maximum, const Box& box, std::uint64_t seed,
-          DensitySampling sampling, std::span<Scalar> coordinates) {
-  CheckedDensity<Scalar> density(f, maximum, box);
-  const auto count =
-      static_cast<Index>(coordinates.size() / static_cast<std::size_t>(box.dimension()));
-  Scalar* out = coordinates.data();
+          DensitySampling sampling, int threads, std::span<Scalar> coordinates) {
+  const Arena arena(threads);
+  const CheckedDensity<Scalar> density(f, maximum, box);
+  const auto dimension = static_cast<std::size_t>(box.dimension());
+  const std::size_t count = coordinates.size() / dimension;
   if (sampling == DensitySampling::stratified) {
-    stratified(density, maximum, box, count, seed, out);
+    stratified(density, maximum, box, static_cast<Index>(count), seed, arena, coordinates.data());
     return;
   }
-  Random random(seed, streams::density_place);
   const Eigen::VectorXd extent = box.extent();
-  for (Index k = 0; k < count; ++k) out = density.accept(random, box.lower, extent, out);
+  arena.for_each((count + chunk - 1) / chunk, 1, [&](std::size_t c) {
+    CheckedDensity<Scalar> drawn = density;
+    Random random(seed, streams::density_place + c);
+    Scalar* out = coordinates.data() + c * chunk * dimension;
+    for (std::size_t k = c * chunk; k < std::min((c + 1) * chunk, count); ++k) {
+      out = drawn.accept(random, box.lower, extent, out);
+    }
+  });
 }
 
 }  // namespace
@@ -188,13 +218,15 @@ void fill(const DensityFunction& f, double maximum, const Box& box, std::uint64_
 namespace detail {
 
 void fill_function(const DensityFunction& density, double maximum, const Box& box,
-                   std::uint64_t seed, DensitySampling sampling, std::span<float> coordinates) {
-  fill(density, maximum, box, seed, sampling, coordinates);
+                   std::uint64_t seed, DensitySampling sampling, int threads,
+                   std::span<float> coordinates) {
+  fill(density, maximum, box, seed, sampling, threads, coordinates);
 }
 
 void fill_function(const DensityFunction& density, double maximum, const Box& box,
-                   std::uint64_t seed, DensitySampling sampling, std::span<double> coordinates) {
-  fill(density, maximum, box, seed, sampling, coordinates);
+                   std::uint64_t seed, DensitySampling sampling, int threads,
+                   std::span<double> coordinates) {
+  fill(density, maximum, box, seed, sampling, threads, coordinates);
 }
 
 }  // namespace detail

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace ccvt {
@@ -29,13 +30,49 @@ class HilbertCurve {
     position_.resize(axes_.size());
   }
 
+  /// A stretch of the curve: the cells in a cube of side 2^level, as far as they are in the grid.
+  struct Part {
+    std::int64_t index;  // of its lowest corner
+    std::uint64_t entry;
+    unsigned direction;
+  };
+
+  /// The parts of a level from 0 (single cells) up, in the order of the curve.
+  [[nodiscard]] std::vector<Part> parts(int level) {
+    if (level >= bits_) return {{0, 0, 0}};
+    std::vector<Part> result;
+    std::fill(position_.begin(), position_.end(), 0);
+    cube(bits_ - 1, level, 0, 0, 0,
+         [&](std::int64_t index, std::uint64_t prefix, std::uint64_t entry, unsigned direction) {
+           const auto [inner, turned] = subcube(prefix, entry, direction);
+           result.push_back({index, inner, turned});
+         });
+    return result;
+  }
+
   /// Calls visit(index) once for every cell, where the first dimension varies fastest in `index`.
   /// O(1) amortised a cell for shapes that are not very long and thin.
   template <class Visit>
   void visit(const Visit& visit) {
-    if (axes_.empty()) return visit(std::int64_t{0});
-    std::fill(position_.begin(), position_.end(), 0);
-    cube(bits_ - 1, 0, 0, 0, visit);
+    this->visit(Part{0, 0, 0}, bits_, visit);
+  }
+  /// The same for the cells of a part.
+  template <class Visit>
+  void visit(const Part& part, int level, const Visit& visit) {
+    level = std::min(level, bits_);
+    if (level == 0) return visit(part.index);
+    for (std::size_t a = 0; a < axes_.size(); ++a) {
+      position_[a] = part.index / axes_[a].stride % axes_[a].cells;
+    }
+    cube(level - 1, 0, part.entry, part.direction, part.index,
+         [&](std::int64_t index, std::uint64_t, std::uint64_t, unsigned) { visit(index); });
+  }
+
+  /// Calls visit(index, cells) for each row of adjacent cells of a part, in the order of memory.
+  template <class Visit>
+  void visit_rows(const Part& part, int level, const Visit& visit) {
+    if (axes_.empty()) return visit(part.index, std::int64_t{1});
+    rows(axes_.size() - 1, std::int64_t{1} << std::min(level, bits_), part.index, visit);
   }
 
  private:
@@ -44,31 +81,34 @@ class HilbertCurve {
     std::int64_t stride;
   };
 
+  template <class Visit>
+  void rows(std::size_t a, std::int64_t side, std::int64_t index, const Visit& visit) const {
+    const Axis& axis = axes_[a];
+    const std::int64_t count = std::min(side, axis.cells - index / axis.stride % axis.cells);
+    if (a == 0) return visit(index, count);
+    for (std::int64_t i = 0; i < count; ++i) rows(a - 1, side, index + i * axis.stride, visit);
+  }
+
   // A cube in the curve's orientation: `entry` is the corner where the curve enters, and
   // `direction` gives the axis along which it leaves. Its subcubes differ in `bit` of the position.
-  template <class Visit>
-  void cube(int bit, std::uint64_t entry, unsigned direction, std::int64_t index,
-            const Visit& visit) {
-    subcubes(bit, entry, direction, static_cast<unsigned>(axes_.size()), 0, index, visit);
+  // Those of bit `last` are the leaves: leaf(index, number along the curve, entry, direction).
+  template <class Leaf>
+  void cube(int bit, int last, std::uint64_t entry, unsigned direction, std::int64_t index,
+            const Leaf& leaf) {
+    subcubes(bit, last, entry, direction, static_cast<unsigned>(axes_.size()), 0, index, leaf);
   }
 
   // The subcubes whose number along the curve starts with the bits in `prefix`; `left` bits follow.
-  template <class Visit>
-  void subcubes(int bit, std::uint64_t entry, unsigned direction, unsigned left,
-                std::uint64_t prefix, std::int64_t index, const Visit& visit) {
-    const auto dimensions = static_cast<unsigned>(axes_.size());
+  template <class Leaf>
+  void subcubes(int bit, int last, std::uint64_t entry, unsigned direction, unsigned left,
+                std::uint64_t prefix, std::int64_t index, const Leaf& leaf) {
     if (left == 0) {
-      if (bit == 0) return visit(index);
-      const std::uint64_t corner = prefix == 0 ? 0 : gray((prefix - 1) & ~std::uint64_t{1});
-      const std::uint64_t odd = (prefix & 1) != 0 ? prefix : prefix - 1;
-      const unsigned turn =
-          prefix == 0 ? 0 : static_cast<unsigned>(std::countr_one(odd)) % dimensions;
-      cube(bit - 1, entry ^ rotate(corner, direction + 1), (direction + turn + 1) % dimensions,
-           index, visit);
-      return;
+      if (bit == last) return leaf(index, prefix, entry, direction);
+      const auto [inner, turned] = subcube(prefix, entry, direction);
+      return cube(bit - 1, last, inner, turned, index, leaf);
     }
     --left;
-    const unsigned axis = (left + direction + 1) % dimensions;
+    const unsigned axis = (left + direction + 1) % static_cast<unsigned>(axes_.size());
     const std::uint64_t above = prefix & 1;
     const std::int64_t before = position_[axis];
     for (std::uint64_t next = 0; next < 2; ++next) {
@@ -76,10 +116,21 @@ class HilbertCurve {
       const std::int64_t step = static_cast<std::int64_t>(side) << bit;
       if (before + step >= axes_[axis].cells) continue;
       position_[axis] = before + step;
-      subcubes(bit, entry, direction, left, 2 * prefix + next, index + step * axes_[axis].stride,
-               visit);
+      subcubes(bit, last, entry, direction, left, 2 * prefix + next,
+               index + step * axes_[axis].stride, leaf);
     }
     position_[axis] = before;
+  }
+
+  // The orientation of the subcube of that number along the curve.
+  [[nodiscard]] std::pair<std::uint64_t, unsigned> subcube(std::uint64_t number,
+                                                           std::uint64_t entry,
+                                                           unsigned direction) const {
+    const auto dimensions = static_cast<unsigned>(axes_.size());
+    const std::uint64_t corner = number == 0 ? 0 : gray((number - 1) & ~std::uint64_t{1});
+    const std::uint64_t odd = (number & 1) != 0 ? number : number - 1;
+    const unsigned turn = number == 0 ? 0 : static_cast<unsigned>(std::countr_one(odd)) % dimensions;
+    return {entry ^ rotate(corner, direction + 1), (direction + turn + 1) % dimensions};
   }
 
   static std::uint64_t gray(std::uint64_t x) { return x ^ (x >> 1); }

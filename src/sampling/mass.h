@@ -1,13 +1,17 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <span>
 #include <vector>
 
 #include "ccvt/types.h"
+#include "parallel/arena.h"
 #include "random.h"
+#include "sampling/streams.h"
 
 namespace ccvt {
 
@@ -30,75 +34,123 @@ class GroupedSum {
   int terms_ = 0;
 };
 
-/// Independent uniform draws from [0, 1) in ascending order, in O(1) each: the draws are first
-/// dealt to equal bins, then drawn and sorted within one bin after the other.
+/// Independent uniform draws from [0, 1) in ascending order, which may be entered anywhere: draws
+/// are first dealt to equal bins, then drawn and sorted within a bin. O(1) each.
 class SortedDraws {
  public:
-  SortedDraws(const Random& random, Index count)
-      : random_(random), bins_(static_cast<std::size_t>(count) / 16 + 1) {
-    for (Index k = 0; k < count; ++k) ++bins_[random_.below(bins_.size())];
+  SortedDraws(std::uint64_t seed, Index count, const Arena& arena)
+      : seed_(seed), before_(static_cast<std::size_t>(count) / 16 + 2) {
+    constexpr std::size_t chunk = 65'536;
+    const auto draws = static_cast<std::size_t>(count);
+    arena.for_each((draws + chunk - 1) / chunk, 1, [&](std::size_t c) {
+      Random random(seed, streams::density_deal + c);
+      for (std::size_t k = c * chunk; k < std::min((c + 1) * chunk, draws); ++k) {
+        // Counts are whole numbers: the order of threads does not show in them.
+        std::atomic_ref(before_[random.below(bins()) + 1]).fetch_add(1, std::memory_order_relaxed);
+      }
+    });
+    for (std::size_t b = 1; b < before_.size(); ++b) before_[b] += before_[b - 1];
   }
 
-  /// May be called `count` times.
-  double next() {
-    while (pending_.empty()) {
-      pending_.resize(bins_[bin_]);
-      for (double& draw : pending_) draw = random_.uniform();
-      std::sort(pending_.begin(), pending_.end(), std::greater<>());
-      ++bin_;
+  [[nodiscard]] std::size_t bins() const { return before_.size() - 1; }
+  /// The number of draws in the bins before this one.
+  [[nodiscard]] Index before(std::size_t bin) const { return before_[bin]; }
+  /// Puts the draws of a bin into `draws`.
+  void open(std::size_t bin, std::vector<double>& draws) const {
+    Random random(seed_, streams::density_mass + bin);
+    draws.resize(static_cast<std::size_t>(before_[bin + 1] - before_[bin]));
+    for (double& draw : draws) {
+      draw = (static_cast<double>(bin) + random.uniform()) / static_cast<double>(bins());
     }
-    const double within = pending_.back();
-    pending_.pop_back();
-    return (static_cast<double>(bin_ - 1) + within) / static_cast<double>(bins_.size());
+    std::sort(draws.begin(), draws.end());
   }
 
  private:
-  Random random_;
-  std::vector<std::uint32_t> bins_;  // draws in each
-  std::size_t bin_ = 0;              // the next one to open
-  std::vector<double> pending_;      // what is left of the open bin, descending
+  std::uint64_t seed_;
+  std::vector<Index> before_;
 };
 
-/// One uniform draw from each of `count` equal parts of [0, 1), in ascending order.
+/// One uniform draw from each of `count` equal parts of [0, 1): bins of one draw each.
 class StratifiedDraws {
  public:
-  StratifiedDraws(const Random& random, Index count) : random_(random), count_(count) {}
+  StratifiedDraws(std::uint64_t seed, Index count) : seed_(seed), count_(count) {}
 
-  double next() {
-    const double within = random_.uniform();
-    return (static_cast<double>(part_++) + within) / count_;
+  [[nodiscard]] std::size_t bins() const { return static_cast<std::size_t>(count_); }
+  [[nodiscard]] static Index before(std::size_t bin) { return static_cast<Index>(bin); }
+  void open(std::size_t bin, std::vector<double>& draws) const {
+    Random random(seed_, streams::density_mass + bin);
+    draws.assign(1, (static_cast<double>(bin) + random.uniform()) / count_);
   }
 
  private:
-  Random random_;
-  double count_;
-  Index part_ = 0;
+  std::uint64_t seed_;
+  Index count_;
 };
 
-/// Deals `count` draws to cells by mass: visit_cells(f) calls f(cell, mass) for each cell in order,
-/// `total` is the sum of the masses, and place(cell, hits) is called for cells that get any. Cells
-/// without mass get none, whatever the rounding.
-template <class VisitCells, class Draws, class Place>
-void deal(double total, Index count, const VisitCells& visit_cells, Draws draws,
+/// Deals draws from [0, 1) to groups that share that line in proportion to their masses, of which
+/// some is positive. Calls place(group, worker, first, targets) for every
+/// group that gets any, from several threads: the number of its first draw, and for each of its
+/// draws, ascending, the mass of the group that lies before it. Groups without mass get none,
+/// whatever the rounding.
+template <class Draws, class Place>
+void deal(std::span<const double> masses, const Draws& draws, const Arena& arena,
           const Place& place) {
+  std::vector<double> begin(masses.size() + 1);
+  std::size_t last = 0;  // the last group that can get any
+  GroupedSum sum;
+  for (std::size_t g = 0; g < masses.size(); ++g) {
+    sum.add(masses[g]);
+    begin[g + 1] = sum.value();
+    if (begin[g + 1] > begin[g]) last = g;
+  }
+  const double total = begin.back();
+  const auto bins = static_cast<double>(draws.bins());
+  arena.for_ranges(last + 1, 16, [&](std::size_t from, std::size_t to, int worker) {
+    std::vector<double> bin;
+    std::vector<double> targets;
+    for (std::size_t g = from; g < to; ++g) {
+      if (!(begin[g + 1] > begin[g])) continue;
+      // One bin earlier than computed, in case that was rounded up.
+      auto b = static_cast<std::size_t>(std::max(0.0, std::floor(begin[g] / total * bins) - 1));
+      Index first = draws.before(b);
+      targets.clear();
+      for (; b < draws.bins(); ++b) {
+        if (g < last && static_cast<double>(b) / bins * total >= begin[g + 1]) break;
+        draws.open(b, bin);
+        for (const double draw : bin) {
+          const double target = draw * total;
+          if (target < begin[g]) {
+            ++first;
+          } else if (g == last || target < begin[g + 1]) {
+            targets.push_back(target - begin[g]);
+          }
+        }
+      }
+      if (!targets.empty()) place(g, worker, first, std::span<const double>(targets));
+    }
+  });
+}
+
+/// Deals ascending targets to the cells of a group: visit_cells(f) calls f(cell, mass) for each cell
+/// in order, and place(cell, hits) is called for those that get any. Cells without mass get none,
+/// whatever the rounding.
+template <class VisitCells, class Place>
+void deal_to_cells(std::span<const double> targets, const VisitCells& visit_cells,
+                   const Place& place) {
   GroupedSum reached;
-  Index dealt = 0;
+  std::size_t dealt = 0;
   std::int64_t last = 0;
-  double target = draws.next() * total;
   visit_cells([&](std::int64_t cell, double mass) {
     if (!(mass > 0)) return;
     last = cell;
     reached.add(mass);
     const double end = reached.value();
-    Index hits = 0;
-    while (dealt < count && target < end) {
-      ++hits;
-      if (++dealt < count) target = draws.next() * total;
-    }
-    if (hits > 0) place(cell, hits);
+    const std::size_t before = dealt;
+    while (dealt < targets.size() && targets[dealt] < end) ++dealt;
+    if (dealt > before) place(cell, static_cast<Index>(dealt - before));
   });
-  // The sum in this order may fall short of `total` by its rounding error.
-  if (dealt < count) place(last, count - dealt);
+  // The sum in this order may fall short of the group's mass by its rounding error.
+  if (dealt < targets.size()) place(last, static_cast<Index>(targets.size() - dealt));
 }
 
 }  // namespace ccvt

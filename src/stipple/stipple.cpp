@@ -86,7 +86,8 @@ Stippling<Scalar> stipple(const Image& image, Index sites, const StippleOptions&
   result.height = image.height;
   {
     const Points<Scalar> sampled =
-        sample_density<Scalar>(density, points, options.tessellation.seed);
+        sample_density<Scalar>(density, points, options.tessellation.seed,
+                               DensitySampling::stratified, options.tessellation.threads);
     Problem<Scalar> problem(sampled, sites);
     problem.set_domain(Domain::euclidean(std::move(box)));
     Solver<Scalar> solver(std::move(problem), options.tessellation);

@@ -1,0 +1,140 @@
+// Runs the program itself on volumes.
+#ifdef CCVT_PROGRAM
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "ccvt/io.h"
+#include "support/files.h"
+#include "support/process.h"
+#include "support/volumes.h"
+
+namespace ccvt::test {
+namespace {
+
+struct Ran {
+  int status;
+  std::string output;
+  std::string errors;
+};
+
+Ran run(const TemporaryDirectory& directory, const std::string& line) {
+  std::istringstream stream(line);
+  Process process(CCVT_PROGRAM, {std::istream_iterator<std::string>(stream), {}}, directory.path());
+  const int status = process.wait();
+  return {status, process.output(), process.errors()};
+}
+
+// 16 x 16 x 8 voxels of 1 x 2 x 3 mm; bright where i is 8 and above.
+std::string half_bright() {
+  std::vector<std::int16_t> values;
+  for (int cell = 0; cell < 16 * 16 * 8; ++cell) {
+    values.push_back(static_cast<std::int16_t>(cell % 16 < 8 ? -100 : 300));
+  }
+  return nifti1({16, 16, 8}, 4, 16) + bytes_of_values(values);
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("cli");
+
+TEST_CASE("volume: samples, preview, summary; the same for any number of threads") {
+  const TemporaryDirectory directory;
+  put(directory / "v.nii.gz", gzipped(half_bright()));
+  const std::string line =
+      "volume v.nii.gz --sites 60 --points-per-site 32 --map threshold:0 --seed 5 ";
+  const Ran ran = run(directory, line + "-o a.csv --preview p.png --summary s.json --threads 1");
+  CHECK(ran.status == 0);
+  CHECK(ran.errors == "");
+  CHECK(ran.output.substr(0, 12) == "needs about ");
+  const auto samples = read_points<float>(directory / "a.csv");
+  REQUIRE(samples.cols() == 60);
+  CHECK(samples.rows() == 6);
+  CHECK(samples.row(0).minCoeff() > 7);
+  CHECK(samples.row(0).maxCoeff() < 15.5F);
+  CHECK(samples.row(2).maxCoeff() > 15);  // in millimetres
+  CHECK((samples.row(4).array() == 32).all());
+  CHECK(get(directory / "p.png").substr(1, 3) == "PNG");
+  const auto json = nlohmann::json::parse(get(directory / "s.json"));
+  CHECK(json["command"] == "volume");
+  CHECK(json["termination"] == "stable");
+  CHECK(json["capacity_error"] == 0);
+  CHECK(run(directory, line + "-o b.csv --threads 2 --quiet").output == "");
+  CHECK(get(directory / "b.csv") == get(directory / "a.csv"));
+  for (const char* const name : {"c.ply", "c.vtp", "c.vtk", "c.npy"}) {
+    CHECK(run(directory, line + "-q --double -o " + name).status == 0);
+  }
+}
+
+TEST_CASE("volume: masks, inversion, raw and .npy files") {
+  const TemporaryDirectory directory;
+  put(directory / "v.nii", half_bright());
+  std::vector<std::uint8_t> mask(16 * 16 * 8, 0);
+  for (std::size_t i = 0; i < 16 * 16; ++i) mask[i] = 200;  // the lowest layer
+  put(directory / "m.nii", nifti1({16, 16, 8}, 2, 8) + bytes_of_values(mask));
+  const std::string line = "volume v.nii --sites 20 --points-per-site 16 -q -o s.npy ";
+  CHECK(run(directory, line + "--map window:0,100 --mask m.nii").status == 0);
+  CHECK(read_points<float>(directory / "s.npy").row(2).maxCoeff() < 3);
+  CHECK(run(directory, line + "--invert").status == 0);
+  CHECK(read_points<float>(directory / "s.npy").row(0).maxCoeff() < 8);
+
+  put(directory / "v.raw", bytes_of_values(mask));
+  CHECK(run(directory,
+            "volume v.raw --shape 16,16,8 --type uint8 --spacing 1,1,2.5 --origin -5,0,100 "
+            "--sites 20 -q -o s.npy")
+            .status == 0);
+  const auto sites = read_points<float>(directory / "s.npy");
+  CHECK(sites.row(0).minCoeff() > -5.5F);
+  CHECK(sites.row(0).maxCoeff() < 10.5F);
+  CHECK(sites.row(2).minCoeff() > 98.7F);
+  CHECK(sites.row(2).maxCoeff() < 102.6F);
+}
+
+TEST_CASE("volume: mistakes get one line, status 2 and no file") {
+  const TemporaryDirectory directory;
+  put(directory / "v.nii", half_bright());
+  put(directory / "m.nii", nifti1({16, 16, 7}, 2, 8) + std::string(16 * 16 * 7, '\1'));
+  std::string moved = nifti1({16, 16, 8}, 2, 8) + std::string(16 * 16 * 8, '\1');
+  put_at(moved, 80, 1.5F);
+  put(directory / "moved.nii", moved);
+  put(directory / "v.raw", "12345678");
+  const std::size_t before = directory.entries();
+  const auto check = [&](const std::string& arguments, const std::string& part) {
+    const Ran ran = run(directory, "volume --sites 5 -q -o s.ply " + arguments);
+    CAPTURE(ran.errors);
+    CHECK(ran.status == 2);
+    CHECK(std::count(ran.errors.begin(), ran.errors.end(), '\n') == 1);
+    CHECK(ran.errors.find(part) != std::string::npos);
+  };
+  check("v.nii", "v.nii: grid: values[0], cell (0, 0, 0), is -100, but must be finite");
+  check("none.nii", "there is no such file");
+  check("v.nii --map window:5,5", "LO less than HI");
+  check("v.nii --map window:5", "needs 2, with commas");
+  check("v.nii --map gamma:0", "above 0");
+  check("v.nii --map log", "'log' is not one of linear");
+  check("v.nii --map threshold:1000", "all 2048 densities are 0");
+  check("v.nii --mask m.nii", "has 16 x 16 x 7 cells, but v.nii has 16 x 16 x 8");
+  check("v.nii --mask moved.nii", "its cells are not where those of v.nii are");
+  check("v.nii --spacing 1,1,1", "says its spacing and origin itself");
+  check("v.nii --preview p.jpg", "must be .png");
+  check("v.raw", "needs a shape of 3 numbers and a type");
+  check("v.raw --shape 2,2,2 --type int12", "'int12' is not one of int8");
+  check("v.raw --shape 2,2 --type int8", "needs 3, with commas");
+  check("v.raw --shape 2,2,3 --type uint8", "is truncated");
+  check("v.raw --shape 2,0,3 --type uint8", "of at least 1");
+  check("v.raw --shape 2,2,2 --type uint8 --spacing 1,0,1", "above 0");
+  CHECK(directory.entries() == before);
+}
+
+TEST_SUITE_END();
+
+}  // namespace ccvt::test
+
+#endif
