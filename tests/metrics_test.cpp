@@ -30,12 +30,12 @@ PointSet boxed(const PointSet& set) {
 }
 
 /// Voronoi neighbours by definition: on the bisector of two points, how long is the part that no
-/// third one is nearer to? On a torus, 5 by 5 images of every point.
+/// third one is nearer to? On a torus, 3 by 3 images of every point, or 5 by 5 of few.
 BondOrder direct_bond_order(const PointSet& set) {
   using Eigen::Vector2d;
   const Box& box = set.domain().box();
   const Vector2d extent = box.extent();
-  const int images = set.domain().is_periodic() ? 2 : 0;
+  const int images = !set.domain().is_periodic() ? 0 : set.count() < 10 ? 2 : 1;
   BondOrder order;
   std::complex<double> global = 0;
   double cells = 0;
