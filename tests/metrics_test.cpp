@@ -13,6 +13,7 @@
 #include "ccvt/solver.h"
 #include "support/generate.h"
 #include "support/lattices.h"
+#include "support/message.h"
 
 namespace ccvt::test {
 namespace {
@@ -96,16 +97,6 @@ void check_equal(const BondOrder& a, const BondOrder& b) {
   CHECK(a.psi6_local == doctest::Approx(b.psi6_local).epsilon(1e-9));
   CHECK(a.psi6_global == doctest::Approx(b.psi6_global).epsilon(1e-9));
   CHECK(a.six_sided == doctest::Approx(b.six_sided).epsilon(1e-9));
-}
-
-template <class Call>
-std::string message_of(Call&& call) {
-  try {
-    call();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "nothing thrown";
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "ccvt/io.h"
 #include "support/files.h"
+#include "support/message.h"
 
 namespace ccvt::test {
 namespace {
@@ -19,13 +20,8 @@ std::string bytes_of(Number number, bool big) {
   return bytes;
 }
 
-std::string message_of(const std::filesystem::path& path) {
-  try {
-    read_points<float>(path);
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "nothing thrown";
+std::string refusal(const std::filesystem::path& path) {
+  return message_of([&] { read_points<float>(path); });
 }
 
 }  // namespace
@@ -71,7 +67,7 @@ TEST_CASE("PLY: vertices in every encoding, among other elements and properties"
     const std::string whole = get(path);
     for (std::size_t cut = 1; cut < whole.size() - 8; cut += 7) {
       put(directory / "cut.ply", whole.substr(0, cut));
-      CHECK(message_of(directory / "cut.ply") != "nothing thrown");
+      CHECK(refusal(directory / "cut.ply") != "nothing thrown");
     }
   }
   put(directory / "flat.ply",
@@ -112,7 +108,7 @@ TEST_CASE("PLY: what is refused, and why") {
   };
   for (const Case& c : cases) {
     CAPTURE(c.text);
-    const std::string message = message_of(put(directory / "p.ply", c.text));
+    const std::string message = refusal(put(directory / "p.ply", c.text));
     CAPTURE(message);
     CHECK(message.find(c.expected) != std::string::npos);
     CHECK(message.find("p.ply: ") != std::string::npos);

@@ -140,7 +140,8 @@ struct SpectrumRing {
   double frequencies = 0;  ///< how many there are, f and -f counted once
   double power = 0;        ///< their mean power: the radially averaged power
   /// Variance of their power over the square of its mean, in dB: -10 log10(#sets) for unstructured
-  /// noise [Lagae, Dutré 2008]. -infinity when the power is the same everywhere in the ring.
+  /// noise [Lagae, Dutré 2008]. -infinity when the power is the same everywhere in the ring, NaN
+  /// when there is none or one frequency.
   double anisotropy_db = 0;
 
   [[nodiscard]] double middle() const { return (lower + upper) / 2; }

@@ -146,12 +146,11 @@ std::string points_svg(const AnalyzedSet& set) {
   const double height_drawn = share * height * scale;
   const double radius = std::clamp(0.2 * run.mean_spacing() * scale, 0.6, 4.0);
   const auto number = [](double value) { return short_number(value, 2); };
-  std::string svg = "<svg class=\"ccvt\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " +
+  std::string svg = R"(<svg class="ccvt" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 )" +
                     number(width_drawn + 20) + " " + number(height_drawn + 20) +
-                    "\" role=\"img\"><title>" + escaped("Points of " + set.name) +
-                    "</title>\n<rect class=\"box\" x=\"10\" y=\"10\" width=\"" +
-                    number(width_drawn) + "\" height=\"" + number(height_drawn) +
-                    "\"/>\n<g class=\"dots\">\n";
+                    R"(" role="img"><title>)" + escaped("Points of " + set.name) + "</title>\n" +
+                    R"(<rect class="box" x="10" y="10" width=")" + number(width_drawn) +
+                    R"(" height=")" + number(height_drawn) + "\"/>\n<g class=\"dots\">\n";
   for (Eigen::Index p = 0; p < run.points().cols(); ++p) {
     const auto point = run.points().col(p);
     const double x = point[0] - box.lower[0];
@@ -161,8 +160,8 @@ std::string points_svg(const AnalyzedSet& set) {
       const double middle = (box.lower[2] + box.upper[2]) / 2;
       if (std::abs(point[2] - middle) > run.mean_spacing() / 2) continue;
     }
-    svg += "<circle cx=\"" + number(10 + x * scale) + "\" cy=\"" +
-           number(10 + height_drawn - y * scale) + "\" r=\"" + number(radius) + "\"/>\n";
+    svg += R"(<circle cx=")" + number(10 + x * scale) + R"(" cy=")" +
+           number(10 + height_drawn - y * scale) + R"(" r=")" + number(radius) + "\"/>\n";
   }
   return svg + "</g>\n</svg>\n";
 }

@@ -31,8 +31,8 @@ class Drawing {
   }
 
   std::string draw() {
-    svg_ = "<svg class=\"ccvt\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " +
-           number(kWidth) + " " + number(height_) + "\" role=\"img\"><title>" +
+    svg_ = R"(<svg class="ccvt" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 )" +
+           number(kWidth) + " " + number(height_) + R"(" role="img"><title>)" +
            escaped(chart_.title) + "</title>\n";
     axes();
     double y = kTop + kPlotHeight + 62;

@@ -35,15 +35,17 @@ img{image-rendering:pixelated}
 .scroll{overflow-x:auto}
 table{border-collapse:collapse;width:100%}
 th,td{padding:5px 8px;border-bottom:1px solid var(--edge);text-align:right;vertical-align:top}
-th:first-child{text-align:left;font-weight:400}
-thead th{color:var(--soft);font-weight:600;overflow-wrap:normal}
+tbody th{text-align:left;font-weight:400;overflow-wrap:normal}
+thead th{color:var(--soft);font-weight:600}
 td{font-variant-numeric:tabular-nums;white-space:nowrap}
+@media (max-width:520px){th,td{padding:5px 3px;font-size:.85rem}section,.card{padding:10px}}
 .files{font-size:.9rem;margin:.3rem 0;padding-left:1.2rem}
 dt{font-weight:600}
 dd{margin:0 0 .5rem;color:var(--soft)}
 )";
 
 std::string value_text(double value) {
+  if (std::abs(value) < 1e-12) return "0";           // all that rounding leaves of it
   if (!std::isfinite(value)) return "\xE2\x80\x93";  // an en dash
   char buffer[64];
   const auto [end, error] =
@@ -141,7 +143,7 @@ std::string report_table(const std::vector<AnalyzedSet>& sets) {
   for (const AnalyzedSet& set : sets) rows[0].push_back(set.name);
   for (const Figure& figure : rows_of(sets)) {
     std::vector<std::string>& row = rows.emplace_back();
-    row.push_back(figure.name);
+    row.emplace_back(figure.name);
     for (const AnalyzedSet& set : sets) row.push_back(value_of(set, figure.key));
   }
   std::vector<std::size_t> widths(sets.size() + 1, 0);

@@ -109,9 +109,9 @@ Cell cell_of(const PointSet& set, const Metric& metric, const SiteTree& tree, In
     found.clear();
     tree.nearest(at.data(), k, found);
     // The order of ties may change with k: all are asked again.
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      if (found[i] == p) continue;
-      const Vector2d other = set.points().col(found[i]);
+    for (const Index q : found) {
+      if (q == p) continue;
+      const Vector2d other = set.points().col(q);
       Vector2d difference(metric.wrap(other[0] - at[0], 0), metric.wrap(other[1] - at[1], 1));
       if (difference.isZero(0)) continue;
       const double reach = 4 * cell.squared_radius();

@@ -20,6 +20,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLowFrequency = 0.25;
 constexpr double kMostProducts = 0x1p37;  ///< for the whole periodogram of a set
+constexpr double kNoPower = 1e-20;        ///< what rounding leaves of none
 constexpr int kRingDraws = 128;
 constexpr int kLowDraws = 512;
 constexpr std::uint64_t kDrawStream = 0x73706563'00000000ULL;
@@ -84,8 +85,8 @@ class RingSums {
       ring.power = s.power / s.count;
       const double variance =
           s.count > 1 ? (s.squares - s.power * ring.power) / (s.count - 1) : kNaN;
-      ring.anisotropy_db = ring.power == 0 ? kNaN
-                           : variance <= 0 ? -std::numeric_limits<double>::infinity()
+      ring.anisotropy_db = ring.power < kNoPower ? kNaN
+                           : variance <= 0       ? -std::numeric_limits<double>::infinity()
                                            : 10 * std::log10(variance / (ring.power * ring.power));
       rings.push_back(ring);
     }

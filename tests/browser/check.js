@@ -31,6 +31,10 @@ addEventListener("load", () => {
       wrong.push(`"${element.textContent}" is cut off`);
     }
   }
+  for (const element of document.querySelectorAll("tbody th")) {
+    const lines = element.getBoundingClientRect().height / parseFloat(getComputedStyle(element).fontSize);
+    if (lines > 6) wrong.push(`"${element.textContent}" is squeezed`);
+  }
   const found = `${document.images.length} images, ${pictures.length} pictures`;
   parent.postMessage(wrong.length > 0 ? wrong.join("; ") : `good: ${found}`, "*");
 });
