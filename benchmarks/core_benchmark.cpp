@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
 #include "ccvt/version.h"
+#include "stopwatch.h"
 #include "support/flann_pass.h"
 #include "support/statistics.h"
 
@@ -23,6 +25,15 @@ using ccvt::Index;
 using ccvt::Options;
 using ccvt::bench::flann_pass;
 using ccvt::bench::median;
+
+double seconds_of(const std::function<void()>& work) {
+  double seconds = 0;
+  {
+    const ccvt::Stopwatch watch(seconds);
+    work();
+  }
+  return seconds;
+}
 
 double peak_megabytes() {
   rusage usage{};

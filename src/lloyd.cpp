@@ -102,8 +102,8 @@ bool Lloyd<Scalar>::gains(Index point, Index site) const {
   const double own = metric_.squared_distance(x, sites_.at(owner));
   const double other = metric_.squared_distance(x, sites_.at(site));
   const double distance = std::sqrt(own);
-  const double rounding = 4 * (metric_.dimension() + 4) * kHalfUlp * distance *
-                          (distance + metric_.largest_extent());
+  const double rounding =
+      4 * (metric_.dimension() + 4) * kHalfUlp * distance * (distance + metric_.largest_extent());
   return own - other > rounding + margin_;
 }
 
@@ -116,8 +116,8 @@ Index Lloyd<Scalar>::assign() {
   std::vector<std::vector<std::pair<Index, Index>>> moves(ranges);
   arena_.for_each(ranges, 1, [&](std::size_t r) {
     const std::size_t begin = r * kPointsPerGrain;
-    const auto which = std::span(points_).subspan(
-        begin, std::min(kPointsPerGrain, points_.size() - begin));
+    const auto which =
+        std::span(points_).subspan(begin, std::min(kPointsPerGrain, points_.size() - begin));
     std::vector<Index> found(which.size());
     nearest(problem_.points(), which, found.data());
     for (std::size_t k = 0; k < which.size(); ++k) {

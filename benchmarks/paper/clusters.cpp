@@ -21,8 +21,8 @@ namespace {
 
 /// The pairs that swapped in a full pass over all pairs of sites that meet, in the order met: what
 /// the cached stage starts from [4.2]. Then the centroid update.
-std::vector<Pair> swapped_pairs(const Metric& metric, PairSwapper<float>& swap,
-                                Cells<float>& cells, SiteState& sites) {
+std::vector<Pair> swapped_pairs(const Metric& metric, PairSwapper<float>& swap, Cells<float>& cells,
+                                SiteState& sites) {
   std::vector<Pair> swapped;
   for (Index round = 0; round < sites.count(); ++round) {
     round_robin(sites.count(), round, [&](Index i, Index j) {

@@ -15,11 +15,11 @@
 namespace ccvt::bench {
 
 struct Scale {
-  bool quick = false;  ///< small problems, one repetition: to see that all of it works
+  bool quick = false;    ///< small problems, one repetition: to see that all of it works
   bool is_long = false;  ///< no run is too long
   int repetitions = 3;
   int threads = 0;     ///< most threads to use; 0: one per processor
-  double budget = 60;  ///< seconds; rows of Table 1 that would take longer are estimated
+  double budget = 30;  ///< seconds; rows of Table 1 that would take longer are estimated
   std::string only;    ///< of Table 1: one column, such as "1024x256"; empty: all
 };
 

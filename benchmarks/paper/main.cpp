@@ -34,7 +34,9 @@ struct Arguments {
 };
 
 void add_arguments(CLI::App& command, Arguments& arguments) {
-  command.add_option("-o,--output", arguments.directory, "The directory to write into; made if need be")
+  command
+      .add_option("-o,--output", arguments.directory,
+                  "The directory to write into; made if need be")
       ->required()
       ->type_name("DIR");
   auto* const quick =
@@ -48,7 +50,7 @@ void add_arguments(CLI::App& command, Arguments& arguments) {
       ->type_name("T");
   command
       .add_option("--budget", arguments.scale.budget,
-                  "Seconds; rows of table1 that would take longer are estimated [60]")
+                  "Seconds; rows of table1 that would take longer are estimated [30]")
       ->check(CLI::Range(0.1, 1e6))
       ->type_name("S");
 }

@@ -1,5 +1,9 @@
 // Figure 4: what the kind and the number of points do to the sites.
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+
 #include "ccvt/metrics.h"
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
@@ -53,8 +57,14 @@ Json analyzed(const Kind& kind, Index sites, Index points_per_site, int runs, in
   }
   json["worst_anisotropy_db"] = worst;
   json["half"] = spectrum.half;
-  std::vector<float> power(spectrum.power.begin(), spectrum.power.end());
-  json["spectrum"] = power;
+  // Grey P / (1 + P), two hexadecimal digits a frequency: a picture needs no more.
+  std::string grey;
+  for (const double power : spectrum.power) {
+    const auto level = static_cast<unsigned>(std::lround(255 * power / (1 + power)));
+    grey += "0123456789abcdef"[level / 16];
+    grey += "0123456789abcdef"[level % 16];
+  }
+  json["spectrum_grey"] = grey;
   // The first set: the lower left quarter is enough to see.
   json["first_set"] = Json::array();
   for (Index s = 0; s < sites; ++s) {
@@ -75,17 +85,14 @@ void quality(const Scale& scale, const std::filesystem::path& directory) {
   const Index sites = scale.quick ? 256 : 4096;
   const int runs = scale.quick ? 2 : 10;
   Record record("quality", scale, directory);
-  record.json["parameters"] = {{"sites", sites},
-                               {"sets", runs},
-                               {"domain", "unit torus"},
-                               {"options", "default"},
-                               {"max_frequency", 2},
-                               {"seeds", "1 .. sets"}};
+  record.json["parameters"] = {{"sites", sites},         {"sets", runs},
+                               {"domain", "unit torus"}, {"options", "default"},
+                               {"max_frequency", 2},     {"seeds", "1 .. sets"}};
   for (const Index points_per_site : {16, 64, 256, 1024}) {
     if (scale.quick && points_per_site > 64) continue;
     for (const Kind& kind : kinds) {
-      Json run = run_in_child(
-          [&] { return analyzed(kind, sites, points_per_site, runs, scale.threads); });
+      Json run =
+          run_in_child([&] { return analyzed(kind, sites, points_per_site, runs, scale.threads); });
       say("quality " + std::to_string(points_per_site) + " " + kind.name);
       record.json["runs"].push_back(std::move(run));
       record.save();

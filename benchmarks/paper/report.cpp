@@ -79,12 +79,11 @@ std::string report_clusters(const Json& record, const fs::path& directory) {
       {"", "pairs", "batches", "lower bound", "mean", "min", "max", "deviation"},
       {"the paper", "", "", "", "600.96", "274", "668", "38.32"}};
   for (const Json& run : runs) {
-    rows.push_back({"pass " + std::to_string(run["pass"].get<int>()),
-                    std::to_string(run["pairs"].get<int>()),
-                    std::to_string(run["batches"].get<int>()),
-                    std::to_string(run["lower_bound"].get<int>()),
-                    figure(run["mean"].get<double>(), 5), figure(run["least"].get<double>()),
-                    figure(run["most"].get<double>()), figure(run["deviation"].get<double>())});
+    rows.push_back(
+        {"pass " + std::to_string(run["pass"].get<int>()), std::to_string(run["pairs"].get<int>()),
+         std::to_string(run["batches"].get<int>()), std::to_string(run["lower_bound"].get<int>()),
+         figure(run["mean"].get<double>(), 5), figure(run["least"].get<double>()),
+         figure(run["most"].get<double>()), figure(run["deviation"].get<double>())});
   }
   text += markdown_table(rows);
   text += "The pairs that swapped in a full pass from a coherent start, " +

@@ -125,8 +125,8 @@ std::string steps(const Json& runs) {
     rows[0].emplace_back("paper");
   }
   for (const Step& step : kSteps) {
-    rows.push_back({step.idea, std::string("`") + step.before + "`",
-                    std::string("`") + step.after + "`"});
+    rows.push_back(
+        {step.idea, std::string("`") + step.before + "`", std::string("`") + step.after + "`"});
     for (const std::string& column : columns) {
       const Json* const before = cell_of(runs, step.before, column);
       const Json* const after = cell_of(runs, step.after, column);
@@ -139,7 +139,8 @@ std::string steps(const Json& runs) {
     }
   }
   return "### What each idea is worth\n\n" + markdown_table(rows) +
-         "How many times faster the row with the idea is than the row without; below 1, slower.\n\n";
+         "How many times faster the row with the idea is than the row without; below 1, "
+         "slower.\n\n";
 }
 
 /// What must hold, told from the figures.
@@ -166,8 +167,8 @@ std::string verdicts(const Json& runs) {
       exact = exact && result["capacities_exact"].get<bool>();
       // Levels change where a run ends, so rows with and without are apart.
       static const std::set<std::string> levelled = {"multilevel", "parallel", "fast-ccvt"};
-      const bool flat = (*cell)["paper_row"].get<bool>() ? levelled.count(name) == 0
-                                                         : name == "one-level";
+      const bool flat =
+          (*cell)["paper_row"].get<bool>() ? levelled.count(name) == 0 : name == "one-level";
       lowest[flat ? 1 : 0] = std::min(lowest[flat ? 1 : 0], energy_of(cell));
       highest[flat ? 1 : 0] = std::max(highest[flat ? 1 : 0], energy_of(cell));
       if (result["threads"] == 1 && seconds_of(cell) < least) {
@@ -221,8 +222,11 @@ std::string report_table1(const Json& record, const std::filesystem::path& direc
       "\"paper\": Table 1's own seconds, of a quad-core Core i7 920 of 2010. N/A: rows that would "
       "take longer than the budget of " +
       figure(record["scale"]["budget_seconds"].get<double>(), 3) +
-      " s, with an estimate: seconds a pair, times the pairs of a pass, times the passes that a "
-      "sixteenth of the sites needs; `--long` runs them.\n\n";
+      " s, with an estimate: \"about\": seconds a pair, times the pairs of a pass, times the "
+      "passes "
+      "that a sixteenth of the sites needs; \"above\": what it takes on a smaller size, in "
+      "proportion "
+      "to the points, or the budget itself. `--long` runs them.\n\n";
   text += overview(runs, true);
   text += "The default, and the default with one idea taken away or added:\n\n";
   text += overview(runs, false);

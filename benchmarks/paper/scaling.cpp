@@ -37,8 +37,8 @@ std::vector<Sweep> make_sweeps(const Scale& scale) {
     if (scale.quick && points > 64) continue;
     add_case(density, {2, scale.quick ? 512 : 4096, points}, scale.threads);
   }
-  const int all = scale.threads > 0 ? scale.threads
-                                    : static_cast<int>(std::thread::hardware_concurrency());
+  const int all =
+      scale.threads > 0 ? scale.threads : static_cast<int>(std::thread::hardware_concurrency());
   Sweep& threads = add("threads");
   for (int t = 1; t <= std::max(1, all); t = t < all ? std::min(2 * t, all) : t + 1) {
     add_case(threads, {2, scale.quick ? 1024 : 16384, scale.quick ? 64 : 256}, t);
@@ -69,8 +69,8 @@ void scaling(const Scale& scale, const std::filesystem::path& directory) {
         if (r > 0 && seconds[k].back() > scale.budget / 20) continue;  // once is enough
         const Case& which = sweep.cases[k];
         const Points<float> points = white_points(which, seed);
-        last[k] = timed_run(points, which.sites,
-                            {.threads = sweep.threads[k], .seed = seed}, false, 0);
+        last[k] =
+            timed_run(points, which.sites, {.threads = sweep.threads[k], .seed = seed}, false, 0);
         seconds[k].push_back(last[k]["seconds"].get<double>());
         say(sweep.name + ": " + std::to_string(which.dimension) + "D " +
             size_name(which.sites, which.points_per_site) + ": " +

@@ -14,7 +14,7 @@ using cli::escaped;
 using cli::short_number;
 
 constexpr double kNumbers = 66;  ///< room for numbers to the left
-constexpr double kNames = 330;   ///< for names
+constexpr double kNames = 170;   ///< for names
 constexpr double kRight = 16;
 constexpr double kTop = 32;
 constexpr double kBelow = 50;
@@ -69,10 +69,7 @@ double share_of(const Axis& axis, double value) {
 class Drawing {
  public:
   Drawing(const Plot& plot, double width, double height)
-      : plot_(plot),
-        width_(width),
-        height_(height),
-        left_(plot.names.empty() ? kNumbers : kNames) {
+      : plot_(plot), width_(width), height_(height), left_(plot.names.empty() ? kNumbers : kNames) {
     const double legend =
         plot.legend ? 8 + kLegendLine * static_cast<double>(plot.series.size()) : 0;
     bottom_ = height - kBelow - legend;
@@ -114,8 +111,8 @@ class Drawing {
   }
   void text(double x, double y, const std::string& anchor, const std::string& words,
             const std::string& more = "") {
-    svg_ += "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" + anchor +
-            "\"" + more + ">" + escaped(words) + "</text>\n";
+    svg_ += "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" + anchor + "\"" +
+            more + ">" + escaped(words) + "</text>\n";
   }
 
   void axes() {
@@ -160,9 +157,9 @@ class Drawing {
       const double left = at_x(series.x[k] - step / 2);
       const double right = at_x(series.x[k] + step / 2);
       const double top = at_y(series.y[k]);
-      svg_ += "<path class=\"curve" + colour + "\" style=\"fill:currentColor;fill-opacity:.25\" " +
-              "d=\"M" + number(left) + " " + number(bottom_) + "V" + number(top) + "H" +
-              number(right) + "V" + number(bottom_) + "Z\"/>\n";
+      svg_ += "<path class=\"curve" + colour + "\" style=\"fill:#0b62a8;fill-opacity:.25\" d=\"M" +
+              number(left) + " " + number(bottom_) + "V" + number(top) + "H" + number(right) + "V" +
+              number(bottom_) + "Z\"/>\n";
     }
   }
 
@@ -189,7 +186,8 @@ Axis axis_for(const std::string& label, const std::vector<std::vector<double>>& 
   }
   if (!(least <= most)) throw std::invalid_argument(label + ": there is nothing to plot");
   if (!logarithmic) return {label, std::min(least, 0.0), most > 0 ? most * 1.05 : 1, false};
-  if (!(least > 0)) throw std::invalid_argument(label + ": a logarithmic axis of " + tick_text(least));
+  if (!(least > 0))
+    throw std::invalid_argument(label + ": a logarithmic axis of " + tick_text(least));
   return {label, least / 1.15, most * 1.15, true};
 }
 

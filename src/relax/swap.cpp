@@ -113,9 +113,8 @@ void PairSwapper<Scalar>::exact_keys(const Scalar* block, Index count,
     for (std::size_t d = 0; d < normal_.size(); ++d, block += count) {
       const double extent = metric_.extent()[d];
       const auto squared = [extent](double difference) {
-        const double short_way = std::abs(difference) > extent / 2
-                                     ? extent - std::abs(difference)
-                                     : std::abs(difference);
+        const double short_way = std::abs(difference) > extent / 2 ? extent - std::abs(difference)
+                                                                   : std::abs(difference);
         return short_way * short_way;
       };
       const double at_i = site_i_[d];

@@ -98,7 +98,7 @@ class PairSwapper {
 
   double highest_i_ = 0;
   double lowest_j_ = 0;
-  std::vector<Scalar> keys_;  ///< of one cell; or the coordinates of one point
+  std::vector<Scalar> keys_;       ///< of one cell; or the coordinates of one point
   std::vector<double> per_point_;  ///< exact keys, or squared distances, of one cell
   std::vector<Index> places_i_;
   std::vector<Index> places_j_;
