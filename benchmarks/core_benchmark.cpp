@@ -1,12 +1,8 @@
 // Prints the figures that README.md and benchmarks/README.md quote for the core of the library.
 
-#include <flann/algorithms/dist.h>
-// FLANN's headers need this order.
-#include <flann/algorithms/kdtree_single_index.h>
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -17,6 +13,9 @@
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
 #include "ccvt/version.h"
+#include "stopwatch.h"
+#include "support/flann_pass.h"
+#include "support/statistics.h"
 
 namespace {
 
@@ -24,44 +23,22 @@ using ccvt::Box;
 using ccvt::Distribution;
 using ccvt::Index;
 using ccvt::Options;
-using Points2 = Eigen::Matrix<float, 2, Eigen::Dynamic>;
+using ccvt::bench::flann_pass;
+using ccvt::bench::median;
 
 double seconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
+  double seconds = 0;
+  {
+    const ccvt::Stopwatch watch(seconds);
+    work();
+  }
+  return seconds;
 }
 
 double peak_megabytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;
-}
-
-/// The yardstick: build a k-d tree of n sites and find the nearest to every point, one thread.
-double flann_pass(const Points2& points, Index sites) {
-  using Tree = flann::KDTreeSingleIndex<flann::L2_Simple<float>>;
-  return seconds_of([&] {
-    std::vector<float> copy(points.data(), points.data() + 2 * sites);
-    Tree tree(flann::Matrix<float>(copy.data(), static_cast<std::size_t>(sites), 2),
-              flann::KDTreeSingleIndexParams(10, true));
-    tree.buildIndex();
-    std::vector<Index> owner(static_cast<std::size_t>(points.cols()));
-    for (Eigen::Index p = 0; p < points.cols(); ++p) {
-      flann::KNNSimpleResultSet<float> result(1);
-      tree.findNeighbors(result, points.data() + 2 * p,
-                         flann::SearchParams(flann::FLANN_CHECKS_UNLIMITED));
-      std::size_t nearest = 0;
-      float distance = 0;
-      result.copy(&nearest, &distance, 1, false);
-      owner[static_cast<std::size_t>(p)] = static_cast<Index>(nearest);
-    }
-  });
 }
 
 /// Default options, one thread, unit square, white noise, float; in turn with the FLANN pass.
@@ -80,7 +57,7 @@ void speed(int repetitions) {
       const auto seed = static_cast<std::uint64_t>(r + 1);
       const auto points =
           ccvt::sample_uniform<float, 2>(Box::unit(2), sites * capacity, seed, Distribution::white);
-      theirs.push_back(flann_pass(points, sites));
+      theirs.push_back(flann_pass(ccvt::view_points(points), sites));
       last = ccvt::tessellate(points, sites, {.threads = 1, .seed = seed}).summary;
       ours.push_back(last.seconds_total);
       ratios.push_back(ours.back() / theirs.back());

@@ -1,37 +1,22 @@
 #include "ccvt/solver.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "parallel/arena.h"
-#include "random.h"
+#include "relax/initial_sites.h"
 #include "relax/initialize.h"
 #include "relax/levels.h"
 #include "relax/relaxer.h"
 #include "relax/site_order.h"
 #include "relax/update.h"
+#include "stopwatch.h"
 
 namespace ccvt {
 namespace {
 
-constexpr std::uint64_t kSiteStream = 1;
 constexpr int kBalancedDimensions = 8;
-
-class Stopwatch {
- public:
-  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
-  ~Stopwatch() {
-    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  double& seconds_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 const char* name_of(Initialization initialization) {
   switch (initialization) {
@@ -45,23 +30,6 @@ const char* name_of(Initialization initialization) {
       return "random";
   }
   return "unknown";
-}
-
-/// `count` distinct numbers below `total`, ascending: Floyd's algorithm [Bentley, Floyd 1987] with
-/// a bitmap for a set.
-std::vector<Index> distinct_indices(Index count, Index total, std::uint64_t seed) {
-  Random random(seed, kSiteStream);
-  std::vector<bool> drawn(static_cast<std::size_t>(total), false);
-  for (Index last = total - count; last < total; ++last) {
-    const auto k = static_cast<std::size_t>(random.below(static_cast<std::uint64_t>(last) + 1));
-    drawn[drawn[k] ? static_cast<std::size_t>(last) : k] = true;
-  }
-  std::vector<Index> indices;
-  indices.reserve(static_cast<std::size_t>(count));
-  for (Index p = 0; p < total; ++p) {
-    if (drawn[static_cast<std::size_t>(p)]) indices.push_back(p);
-  }
-  return indices;
 }
 
 }  // namespace
@@ -120,7 +88,6 @@ Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Op
   summary.threads_used = arena.threads();
   summary.initialization_used = warm ? "owners" : name_of(options.initialization);
 
-  sites = SiteState(problem.dimension(), problem.site_count());
   place_sites();
   std::vector<Index> capacities(problem.capacities().size());
   for (std::size_t k = 0; k < capacities.size(); ++k) {
@@ -139,32 +106,12 @@ Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Op
 template <class Scalar>
 void Solver<Scalar>::Implementation::place_sites() {
   const int dimension = problem.dimension();
-  const Index count = problem.site_count();
-  const auto put = [&](Index site, const Scalar* x) {
-    for (int d = 0; d < dimension; ++d) {
-      sites.at(site)[d] = metric.into_box(static_cast<double>(x[d]), d);
-    }
-  };
-  if (problem.initial_sites().size() > 0) {
-    for (Index s = 0; s < count; ++s) put(s, problem.initial_sites().col(s).data());
-  } else if (!problem.initial_owners().empty()) {
-    // Any point of the cell: the centroid update takes the site from there.
-    const auto& owners = problem.initial_owners();
-    for (Index p = problem.point_count(); p-- > 0;) {
-      put(owners[static_cast<std::size_t>(p)], problem.points()[p]);
-    }
-  } else {
-    Index site = 0;
-    for (const Index p : distinct_indices(count, problem.point_count(), options.seed)) {
-      put(site++, problem.points()[p]);
-    }
+  const SiteState given = initial_sites(problem, metric, options.seed);
+  site_of = spatial_order(given.position, dimension, options.tile_sites);
+  sites = SiteState(dimension, given.count());
+  for (std::size_t k = 0; k < site_of.size(); ++k) {
+    std::copy_n(given.at(site_of[k]), dimension, sites.at(static_cast<Index>(k)));
   }
-  site_of = spatial_order(sites.position, dimension, options.tile_sites);
-  SiteState sorted(dimension, count);
-  for (Index k = 0; k < count; ++k) {
-    std::copy_n(sites.at(site_of[static_cast<std::size_t>(k)]), dimension, sorted.at(k));
-  }
-  sites = std::move(sorted);
 }
 
 template <class Scalar>

@@ -165,6 +165,9 @@ TEST_CASE("sample: distributions and scalar types") {
       run(directory, "sample --dim 2 --sites 400 --energy-tolerance 0.5 -o s.npy --summary s.json")
           .status == 0);
   CHECK(json_of(directory / "s.json")["termination"] == "energy_tolerance");
+  CHECK(run(directory, "sample --dim 2 --sites 16 --preset fast-ccvt -o s.npy --summary s.json")
+            .status == 0);
+  CHECK(json_of(directory / "s.json")["initialization"] == "coherent");
 }
 
 TEST_CASE("tessellate: formats, capacities, initial sites, box") {
@@ -309,6 +312,7 @@ TEST_CASE("bad input: one line, status 2, nothing written") {
       {sample + "--seed 18446744073709551616", {"--seed"}},
       {sample + "--threads x", {"--threads", "'x'"}},
       {sample + "--max-iterations -1", {"--max-iterations"}},
+      {sample + "--preset fast", {"--preset", "'fast'", "fast-ccvt"}},
       {sample + "--energy-tolerance 1", {"--energy-tolerance", "'1'", "below 1"}},
       {sample + "--energy-tolerance nan", {"--energy-tolerance", "'nan'"}},
       {sample + "--distribution blue", {"--distribution", "'blue'", "jittered"}},

@@ -5,8 +5,10 @@
 #include "ccvt/density.h"       // IWYU pragma: export
 #include "ccvt/domain.h"        // IWYU pragma: export
 #include "ccvt/io.h"            // IWYU pragma: export
+#include "ccvt/lloyd.h"         // IWYU pragma: export
 #include "ccvt/metrics.h"       // IWYU pragma: export
 #include "ccvt/options.h"       // IWYU pragma: export
+#include "ccvt/presets.h"       // IWYU pragma: export
 #include "ccvt/problem.h"       // IWYU pragma: export
 #include "ccvt/sampling.h"      // IWYU pragma: export
 #include "ccvt/solver.h"        // IWYU pragma: export

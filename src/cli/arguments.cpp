@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "ccvt/presets.h"
 #include "ccvt/version.h"
 #include "cli/values.h"
 #include "cli/volume_values.h"
@@ -88,6 +89,19 @@ void add_common(CLI::App& app, CommonArguments& common, const std::string& forma
   add_number<double>(app, "--energy-tolerance", common.energy_tolerance,
                      "Stop when an iteration lowers the energy by less than this share [0]", "E",
                      {.least = 0, .most = 1, .open_above = true});
+  app.add_option("--preset", common.preset,
+                 "The method: a row of the benchmarks' table, such as fast-ccvt [default]")
+      ->type_name("NAME")
+      ->check(CLI::Validator(
+          [](std::string& name) {
+            try {
+              find_preset(name);
+              return std::string();
+            } catch (const InvalidInput& error) {
+              return std::string(error.what());
+            }
+          },
+          ""));
   auto* const single = app.add_flag_function(
       "--float", [&common](std::int64_t) { common.scalar = ScalarType::float32; },
       "Compute and write in float32" +

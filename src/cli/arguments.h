@@ -22,6 +22,7 @@ struct CommonArguments {
   int threads = 0;
   std::optional<int> max_iterations;
   double energy_tolerance = 0;
+  std::string preset;  ///< empty: the default options
   std::optional<ScalarType> scalar;
   bool quiet = false;
 };

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ccvt/io.h"
+#include "ccvt/presets.h"
 #include "ccvt/version.h"
 #include "cli/memory.h"
 #include "cli/signals.h"
@@ -43,7 +44,7 @@ std::string summary_json(const std::string& command, const Summary& summary) {
 }  // namespace
 
 Options make_options(const CommonArguments& common, Index sites, Progress& progress) {
-  Options options;
+  Options options = common.preset.empty() ? Options{} : find_preset(common.preset).options;
   options.seed = common.seed;
   options.threads = common.threads;
   if (common.max_iterations) options.max_iterations = *common.max_iterations;

@@ -33,6 +33,14 @@ void heap_swap(double margin, Exchange& moves) {
   const auto less_to_i = [](const Candidate& a, const Candidate& b) { return more_to_i(b, a); };
   auto& i = moves.from_i;
   auto& j = moves.from_j;
+  // What the heaps' tops will be is known before there are heaps: most pairs exchange nothing.
+  const auto top_i = std::max_element(i.begin(), i.end(), less_to_j);
+  const auto top_j = std::max_element(j.begin(), j.end(), less_to_i);
+  if (i.empty() || j.empty() || !(top_i->key - top_j->key > margin)) {
+    i.clear();
+    j.clear();
+    return;
+  }
   std::make_heap(i.begin(), i.end(), less_to_j);
   std::make_heap(j.begin(), j.end(), less_to_i);
   auto i_end = i.end();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "kernels/kernels.h"
 #include "relax/update.h"
@@ -104,6 +103,38 @@ double PairSwapper<Scalar>::exact_key(const Scalar* block, Index count, Index pl
   return key;
 }
 
+/// exact_key() of every point of a cell, a stream at a time: the same sums in the same order.
+template <class Scalar>
+void PairSwapper<Scalar>::exact_keys(const Scalar* block, Index count,
+                                     const std::vector<double>& middle) {
+  const auto size = static_cast<std::size_t>(count);
+  per_point_.assign(size, 0.0);
+  if (!one_frame_) {
+    for (std::size_t d = 0; d < normal_.size(); ++d, block += count) {
+      const double extent = metric_.extent()[d];
+      const auto squared = [extent](double difference) {
+        const double short_way = std::abs(difference) > extent / 2 ? extent - std::abs(difference)
+                                                                   : std::abs(difference);
+        return short_way * short_way;
+      };
+      const double at_i = site_i_[d];
+      const double at_j = site_j_[d];
+      for (std::size_t k = 0; k < size; ++k) {
+        const auto x = static_cast<double>(block[k]);
+        per_point_[k] += (squared(x - at_i) - squared(x - at_j)) / 2;
+      }
+    }
+    return;
+  }
+  for (std::size_t d = 0; d < normal_.size(); ++d, block += count) {
+    const double origin = middle[d];
+    const double along = normal_[d];
+    for (std::size_t k = 0; k < size; ++k) {
+      per_point_[k] += (static_cast<double>(block[k]) - origin) * along;
+    }
+  }
+}
+
 template <class Scalar>
 void PairSwapper<Scalar>::compute_keys(const Scalar* block, Index count,
                                        const std::vector<Scalar>& middle,
@@ -150,26 +181,42 @@ void PairSwapper<Scalar>::within_reach(const Cells<Scalar>& cells, const SiteSta
   const double nearest = std::max(0.0, length_ - others);
   const double slack = 1 + 8 * static_cast<double>(normal_.size() + 4) * kHalfUlp;
   const double limit = (own * own + others * others) * slack - nearest * nearest;
+  const Index count = cells.size(cell);
+  const double* site = sites.at(other);
+  per_point_.assign(static_cast<std::size_t>(count), 0.0);
+  const Scalar* stream = cells.block(cell);
+  for (int d = 0; d < metric_.dimension(); ++d, stream += count) {
+    const double x = site[d];
+    const double half = metric_.periodic() ? metric_.extent()[d] / 2 : 0;
+    for (std::size_t k = 0; k < per_point_.size(); ++k) {
+      double difference = std::abs(static_cast<double>(stream[k]) - x);
+      if (half > 0) difference = std::min(difference, 2 * half - difference);
+      per_point_[k] += difference * difference;
+    }
+  }
   places.clear();
-  keys_.resize(normal_.size());
-  for (Index k = 0; k < cells.size(cell); ++k) {
-    cells.get(cell, k, keys_.data());
-    if (metric_.squared_distance(keys_.data(), sites.at(other)) <= limit) places.push_back(k);
+  for (Index k = 0; k < count; ++k) {
+    if (per_point_[static_cast<std::size_t>(k)] <= limit) places.push_back(k);
   }
 }
 
 template <class Scalar>
 void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const SiteState& sites,
                                           Index i, Index j) {
-  const auto everything = [&](Index cell, std::vector<Index>& places) {
-    places.resize(static_cast<std::size_t>(cells.size(cell)));
-    std::iota(places.begin(), places.end(), 0);
-  };
   switch (pruning_) {
-    case PointPruning::none:
-      everything(i, places_i_);
-      everything(j, places_j_);
-      break;
+    case PointPruning::none: {
+      const auto keep_all = [&](Index cell, const std::vector<double>& middle,
+                                std::vector<Candidate>& candidates) {
+        exact_keys(cells.block(cell), cells.size(cell), middle);
+        candidates.resize(per_point_.size());
+        for (std::size_t k = 0; k < per_point_.size(); ++k) {
+          candidates[k] = {per_point_[k], static_cast<Index>(k)};
+        }
+      };
+      keep_all(i, middle_i_, moves_.from_i);
+      keep_all(j, middle_j_, moves_.from_j);
+      return;
+    }
     case PointPruning::distance:
       within_reach(cells, sites, i, j, places_i_);
       within_reach(cells, sites, j, i, places_j_);

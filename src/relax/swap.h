@@ -64,6 +64,7 @@ class PairSwapper {
   void place_cut(const SiteState& sites, Index i, Index j);
   [[nodiscard]] double exact_key(const Scalar* block, Index count, Index place,
                                  const std::vector<double>& middle) const;
+  void exact_keys(const Scalar* block, Index count, const std::vector<double>& middle);
   void find_candidates(const Cells<Scalar>& cells, const SiteState& sites, Index i, Index j);
   bool already_separated(const Cells<Scalar>& cells, Index i, Index j);
   void within_reach(const Cells<Scalar>& cells, const SiteState& sites, Index cell, Index other,
@@ -97,7 +98,8 @@ class PairSwapper {
 
   double highest_i_ = 0;
   double lowest_j_ = 0;
-  std::vector<Scalar> keys_;  ///< of one cell; or the coordinates of one point
+  std::vector<Scalar> keys_;       ///< of one cell; or the coordinates of one point
+  std::vector<double> per_point_;  ///< exact keys, or squared distances, of one cell
   std::vector<Index> places_i_;
   std::vector<Index> places_j_;
   Exchange moves_;

@@ -1,0 +1,122 @@
+// ccvt-bench: the paper's table and figures, measured here.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include "ccvt/io.h"
+#include "ccvt/types.h"
+#include "paper/experiments.h"
+
+namespace {
+
+using ccvt::bench::Scale;
+namespace fs = std::filesystem;
+
+struct Experiment {
+  const char* name;
+  const char* description;
+  void (*run)(const Scale&, const fs::path&);
+};
+constexpr Experiment kExperiments[] = {
+    {"table1", "Table 1: every row, the paper's and ours, on four sizes", ccvt::bench::table1},
+    {"clusters", "Figure 2: how many pairs there are in a batch", ccvt::bench::clusters},
+    {"quality", "Figure 4: spectra by points per site and kind of points", ccvt::bench::quality},
+    {"scaling", "Time against sites, points per site, threads, dimensions", ccvt::bench::scaling},
+};
+
+struct Arguments {
+  Scale scale;
+  fs::path directory;
+};
+
+void add_arguments(CLI::App& command, Arguments& arguments) {
+  command
+      .add_option("-o,--output", arguments.directory,
+                  "The directory to write into; made if need be")
+      ->required()
+      ->type_name("DIR");
+  auto* const quick =
+      command.add_flag("--quick", arguments.scale.quick, "Small problems: does all of it work?");
+  command.add_flag("--long", arguments.scale.is_long, "No run is too long")->excludes(quick);
+  command.add_option("--repetitions", arguments.scale.repetitions, "Of each run [3]")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("R");
+  command.add_option("--threads", arguments.scale.threads, "At most; 0: one per processor [0]")
+      ->check(CLI::Range(0, 4096))
+      ->type_name("T");
+  command
+      .add_option("--budget", arguments.scale.budget,
+                  "Seconds; rows of table1 that would take longer are estimated [30]")
+      ->check(CLI::Range(0.1, 1e6))
+      ->type_name("S");
+}
+
+void make_directory(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) throw ccvt::IoError(path.string() + ": cannot be made: " + error.message());
+  // Before hours of work: can it be written to?
+  const fs::path probe = path / "report.md";
+  if (!fs::exists(probe)) {
+    ccvt::write_text(probe, "");
+    fs::remove(probe, error);
+  }
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("The paper's table and figures, measured here", "ccvt-bench");
+  app.require_subcommand(1);
+  app.footer("Example: ccvt-bench all -o results; the tables are then in results/report.md.");
+  Arguments arguments;
+  for (const Experiment& experiment : kExperiments) {
+    CLI::App* const command = app.add_subcommand(experiment.name, experiment.description);
+    add_arguments(*command, arguments);
+    if (std::string(experiment.name) != "table1") continue;
+    command->add_option("--only", arguments.scale.only, "One column, such as 1024x256")
+        ->type_name("COLUMN");
+  }
+  add_arguments(*app.add_subcommand("all", "All of these, and the report"), arguments);
+  CLI::App* const report = app.add_subcommand("report", "Tables and plots of what was measured");
+  report->add_option("DIR", arguments.directory, "Where the measurements are")->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    throw ccvt::InvalidInput(std::string(error.what()) + "; see ccvt-bench --help");
+  }
+  if (!report->parsed()) {
+    if (arguments.scale.quick) arguments.scale.repetitions = 1;
+    make_directory(arguments.directory);
+    for (const Experiment& experiment : kExperiments) {
+      if (app.got_subcommand(experiment.name) || app.got_subcommand("all")) {
+        experiment.run(arguments.scale, arguments.directory);
+      }
+    }
+  }
+  std::fputs(ccvt::bench::report(arguments.directory).c_str(), stdout);
+  return 0;
+}
+
+int fail(const std::string& message, int status) {
+  std::fprintf(stderr, "ccvt-bench: error: %s\n", message.c_str());
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const ccvt::InvalidInput& error) {
+    return fail(error.what(), 2);
+  } catch (const ccvt::IoError& error) {
+    return fail(error.what(), 2);
+  } catch (const std::exception& error) {
+    return fail(error.what(), 1);
+  }
+}

@@ -1,0 +1,84 @@
+#include "support/child.h"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+namespace ccvt::bench {
+namespace {
+
+[[noreturn]] void fail(const char* call) {
+  throw std::system_error(errno, std::generic_category(), call);
+}
+
+void write_all(int file, const std::string& text) {
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t count = ::write(file, text.data() + done, text.size() - done);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) ::_exit(1);
+    done += static_cast<std::size_t>(count);
+  }
+}
+
+std::string read_all(int file) {
+  std::string text;
+  std::array<char, 65536> buffer;
+  for (;;) {
+    const ssize_t count = ::read(file, buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return text;
+    text.append(buffer.data(), static_cast<std::size_t>(count));
+  }
+}
+
+[[noreturn]] void be_child(int file, const std::function<Json()>& work) {
+  Json answer;
+  try {
+    answer["value"] = work();
+  } catch (const std::exception& error) {
+    answer = {{"error", error.what()}};
+  }
+  write_all(file, answer.dump());
+  // Not exit(): what the parent has in its buffers is not ours to write.
+  ::_exit(0);
+}
+
+}  // namespace
+
+Json run_in_child(const std::function<Json()>& work) {
+  std::array<int, 2> pipe{};
+  if (::pipe(pipe.data()) != 0) fail("pipe");
+  std::fflush(nullptr);
+  const pid_t id = ::fork();
+  if (id < 0) fail("fork");
+  if (id == 0) {
+    ::close(pipe[0]);
+    be_child(pipe[1], work);
+  }
+  ::close(pipe[1]);
+  const std::string text = read_all(pipe[0]);
+  ::close(pipe[0]);
+  int status = 0;
+  rusage usage{};
+  while (::wait4(id, &status, 0, &usage) < 0) {
+    if (errno != EINTR) fail("wait4");
+  }
+  if (WIFSIGNALED(status)) {
+    throw std::runtime_error("a run was ended by signal " + std::to_string(WTERMSIG(status)));
+  }
+  Json answer = Json::parse(text, nullptr, false);
+  if (answer.is_discarded()) throw std::runtime_error("a run ended without a result");
+  if (answer.contains("error")) throw std::runtime_error(answer["error"].get<std::string>());
+  Json value = std::move(answer["value"]);
+  value["peak_memory_bytes"] = static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
+  return value;
+}
+
+}  // namespace ccvt::bench

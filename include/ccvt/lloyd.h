@@ -1,0 +1,44 @@
+#pragma once
+
+#include "ccvt/export.h"
+#include "ccvt/options.h"
+#include "ccvt/problem.h"
+#include "ccvt/solver.h"
+
+namespace ccvt {
+
+/// Lloyd relaxation of discrete points [3, eq. 2 to 4]: every point is owned by its nearest site,
+/// every site moves to the centroid of its points, again and again. No capacities: those of the
+/// problem are not kept, and Summary::capacity_error says how unequal the cells became. The
+/// baseline that capacity constraints are measured against; also known as k-means.
+///
+/// The sites start where tessellate() would start them for the same problem and seed; given owners
+/// are what the first centroids are made of. A site without points stays where it is.
+///
+/// Of the options, `threads`, `seed`, `max_iterations`, `energy_tolerance`, `on_iteration` and
+/// `cancelled` count; the others are about exchanges between sites. Ends as `stable` when a pass
+/// over all points changes no owner: each point is then owned by its nearest site, up to rounding,
+/// and each site is the centroid of its points. That happens after finitely many iterations. With
+/// any other end the sites are the centroids of the cells returned. Bit-identical for any number
+/// of threads.
+///
+/// In the summary, `exchanged` counts the points that changed owner after the first assignment,
+/// which is the initialization "nearest"; there are no pairs and no swaps.
+///
+/// An iteration takes O(m + n log n) in 2 and 3 dimensions, O(m log n) or more, by k-d tree,
+/// elsewhere. Memory, beside the points: a copy of them, and about 12 bytes a point.
+/// Throws InvalidInput for bad options.
+template <class Scalar>
+CCVT_EXPORT Result<Scalar> lloyd(const Problem<Scalar>& problem, const Options& options = {});
+
+/// `points` (#dimensions by m, one a column, float or double) in Euclidean space.
+template <class Derived>
+auto lloyd(const Eigen::DenseBase<Derived>& points, Index sites, const Options& options = {}) {
+  using Scalar = typename Derived::Scalar;
+  return lloyd(Problem<Scalar>(view_points(points), sites), options);
+}
+
+extern template Result<float> lloyd(const Problem<float>&, const Options&);
+extern template Result<double> lloyd(const Problem<double>&, const Options&);
+
+}  // namespace ccvt

@@ -1,0 +1,249 @@
+#include "ccvt/lloyd.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "ccvt/capacity.h"
+#include "ccvt/metrics.h"
+#include "parallel/arena.h"
+#include "relax/cells.h"
+#include "relax/initial_sites.h"
+#include "relax/nearest_sites.h"
+#include "relax/update.h"
+#include "stopwatch.h"
+
+namespace ccvt {
+namespace {
+
+constexpr double kHalfUlp = 0x1p-53;
+constexpr std::size_t kPointsPerGrain = 4096;
+constexpr std::size_t kSitesPerGrain = 64;
+
+/// Termination. As for PairSwapper: a point changes its owner only when that gains more than the
+/// rounding of the two distances and `margin_`, the sum over cells of size * e^2, where e bounds
+/// the distance between a site and the exact centroid that it was rounded from. So the energy
+/// around exact centroids falls with each iteration that changes an owner, and no assignment
+/// returns. Ties never move a point.
+template <class Scalar>
+class Lloyd {
+ public:
+  Lloyd(const Problem<Scalar>& problem, const Options& options);
+  Result<Scalar> run();
+
+ private:
+  void start();
+  bool step();
+  Index assign();
+  void gather();
+  void finish(Termination termination);
+  bool cancelled() const { return options_.cancelled && options_.cancelled(); }
+  [[nodiscard]] bool gains(Index point, Index site) const;
+
+  const Problem<Scalar>& problem_;
+  const Options& options_;
+  Arena arena_;
+  Metric metric_;
+  Box box_;
+  double coordinate_bound_;
+  SiteState sites_;
+  Cells<Scalar> cells_;
+  std::vector<Index> points_;  ///< 0..m-1
+  std::vector<Index> owners_;
+  std::vector<std::uint8_t> changed_;  ///< of each site: whether its cell has changed
+  double margin_ = 0;
+  Summary summary_;
+};
+
+template <class Scalar>
+Lloyd<Scalar>::Lloyd(const Problem<Scalar>& problem, const Options& options)
+    : problem_(problem),
+      options_((options.validate(), options)),
+      arena_(options.threads),
+      metric_(problem.dimension(), problem.domain()),
+      box_(problem.bounding_box()),
+      coordinate_bound_(
+          std::max(box_.lower.cwiseAbs().maxCoeff(), box_.upper.cwiseAbs().maxCoeff())),
+      points_(static_cast<std::size_t>(problem.point_count())) {
+  std::iota(points_.begin(), points_.end(), 0);
+  summary_.dimension = problem.dimension();
+  summary_.points = problem.point_count();
+  summary_.sites = problem.site_count();
+  summary_.seed = options.seed;
+  summary_.threads_given = options.threads;
+  summary_.threads_used = arena_.threads();
+}
+
+/// The first owners, and the centroids of their cells.
+template <class Scalar>
+void Lloyd<Scalar>::start() {
+  const Stopwatch total(summary_.seconds_total);
+  const Stopwatch initialization(summary_.seconds_initialization);
+  sites_ = initial_sites(problem_, metric_, options_.seed);
+  owners_ = problem_.initial_owners();
+  changed_.assign(static_cast<std::size_t>(sites_.count()), 1);
+  if (owners_.empty()) {
+    summary_.initialization_used = "nearest";
+    owners_.assign(points_.size(), -1);
+    assign();
+  } else {
+    summary_.initialization_used = "owners";
+  }
+  gather();
+  summary_.initial_energy = summary_.energy;
+}
+
+/// Whether `point` is nearer to `site` than to its owner, beyond what rounding can fake.
+template <class Scalar>
+bool Lloyd<Scalar>::gains(Index point, Index site) const {
+  const Scalar* x = problem_.points()[point];
+  const Index owner = owners_[static_cast<std::size_t>(point)];
+  const double own = metric_.squared_distance(x, sites_.at(owner));
+  const double other = metric_.squared_distance(x, sites_.at(site));
+  const double distance = std::sqrt(own);
+  const double rounding =
+      4 * (metric_.dimension() + 4) * kHalfUlp * distance * (distance + metric_.largest_extent());
+  return own - other > rounding + margin_;
+}
+
+/// Gives every point to its nearest site [eq. 3]; returns how many change their owner.
+template <class Scalar>
+Index Lloyd<Scalar>::assign() {
+  const NearestSites<Scalar> nearest(metric_, sites_, box_, points_.size(), arena_);
+  // Workers meet at no point, but at sites: they note the points that move, a range each.
+  const std::size_t ranges = (points_.size() + kPointsPerGrain - 1) / kPointsPerGrain;
+  std::vector<std::vector<std::pair<Index, Index>>> moves(ranges);
+  arena_.for_each(ranges, 1, [&](std::size_t r) {
+    const std::size_t begin = r * kPointsPerGrain;
+    const auto which =
+        std::span(points_).subspan(begin, std::min(kPointsPerGrain, points_.size() - begin));
+    std::vector<Index> found(which.size());
+    nearest(problem_.points(), which, found.data());
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      const Index owner = owners_[begin + k];
+      if (found[k] != owner && (owner < 0 || gains(which[k], found[k]))) {
+        moves[r].emplace_back(which[k], found[k]);
+      }
+    }
+  });
+  Index count = 0;
+  for (const auto& range : moves) {
+    for (const auto& [point, site] : range) {
+      Index& owner = owners_[static_cast<std::size_t>(point)];
+      if (owner >= 0) changed_[static_cast<std::size_t>(owner)] = 1;
+      changed_[static_cast<std::size_t>(site)] = 1;
+      owner = site;
+    }
+    count += static_cast<Index>(range.size());
+  }
+  return count;
+}
+
+/// Groups the points by owner, and moves the sites of changed cells to their centroids [eq. 2].
+template <class Scalar>
+void Lloyd<Scalar>::gather() {
+  std::vector<Index> sizes(changed_.size(), 0);
+  for (const Index owner : owners_) ++sizes[static_cast<std::size_t>(owner)];
+  cells_ = Cells<Scalar>(metric_.dimension(), sizes);
+  std::vector<Index> filled(sizes.size(), 0);
+  for (const Index p : points_) {
+    const Index owner = owners_[static_cast<std::size_t>(p)];
+    cells_.put(owner, filled[static_cast<std::size_t>(owner)]++, p, problem_.points()[p]);
+  }
+  arena_.for_each(sizes.size(), kSitesPerGrain, [&](std::size_t s) {
+    if (changed_[s] == 0) return;
+    if (sizes[s] > 0) {
+      update_site(metric_, cells_, sites_, static_cast<Index>(s));
+    } else {
+      sites_.radius[s] = sites_.energy[s] = 0;
+    }
+  });
+  margin_ = 0;
+  for (std::size_t s = 0; s < sizes.size(); ++s) {
+    const double count = sizes[s];
+    const double summed = metric_.periodic() ? (count + 16) * metric_.largest_extent()
+                                             : (count / 8 + 16) * 2 * sites_.radius[s];
+    const double error = kHalfUlp * (coordinate_bound_ + summed);
+    margin_ += count * error * error * metric_.dimension();
+  }
+  summary_.energy = total_energy(sites_);
+}
+
+template <class Scalar>
+void Lloyd<Scalar>::finish(Termination termination) {
+  summary_.termination = termination;
+  summary_.capacity_error = capacity_error(owners_, summary_.sites);
+  if (box_.extent().minCoeff() > 0) {
+    summary_.normalized_energy =
+        normalized_energy(summary_.energy, summary_.points, summary_.sites, box_);
+  }
+}
+
+/// One iteration. False when the run has ended.
+template <class Scalar>
+bool Lloyd<Scalar>::step() {
+  if (summary_.iterations >= options_.max_iterations) {
+    finish(Termination::iteration_limit);
+    return false;
+  }
+  if (cancelled()) {
+    finish(Termination::cancelled);
+    return false;
+  }
+  const double energy_before = summary_.energy;
+  IterationRecord record;
+  {
+    const Stopwatch total(summary_.seconds_total);
+    const Stopwatch relaxation(summary_.seconds_relaxation);
+    std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
+    record.exchanged = assign();
+    if (record.exchanged > 0) gather();
+  }
+  record.iteration = ++summary_.iterations;
+  record.points = summary_.points;
+  record.active_sites =
+      static_cast<Index>(std::count(changed_.begin(), changed_.end(), std::uint8_t{1}));
+  record.energy = summary_.energy;
+  record.seconds = summary_.seconds_total;
+  summary_.exchanged += record.exchanged;
+  summary_.iterations_log.push_back(record);
+  if (options_.on_iteration && !options_.on_iteration(record)) {
+    finish(Termination::cancelled);
+  } else if (record.exchanged == 0) {
+    finish(Termination::stable);
+  } else if (options_.energy_tolerance > 0 &&
+             energy_before - summary_.energy < options_.energy_tolerance * energy_before) {
+    finish(Termination::energy_tolerance);
+  }
+  return summary_.termination == Termination::running;
+}
+
+template <class Scalar>
+Result<Scalar> Lloyd<Scalar>::run() {
+  start();
+  while (step()) {
+  }
+  Result<Scalar> result;
+  result.sites.resize(summary_.dimension, summary_.sites);
+  for (Index s = 0; s < summary_.sites; ++s) {
+    for (int d = 0; d < summary_.dimension; ++d) {
+      result.sites(d, s) = static_cast<Scalar>(sites_.at(s)[d]);
+    }
+  }
+  result.owners = std::move(owners_);
+  result.summary = std::move(summary_);
+  return result;
+}
+
+}  // namespace
+
+template <class Scalar>
+Result<Scalar> lloyd(const Problem<Scalar>& problem, const Options& options) {
+  return Lloyd<Scalar>(problem, options).run();
+}
+
+template Result<float> lloyd(const Problem<float>&, const Options&);
+template Result<double> lloyd(const Problem<double>&, const Options&);
+
+}  // namespace ccvt

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+
+#include "ccvt/problem.h"
+#include "geometry/metric.h"
+#include "relax/site_state.h"
+
+namespace ccvt {
+
+/// Where the sites of a problem start, in the caller's order: its initial sites; of initial owners
+/// any point of each cell, from which the centroid update goes on; or else distinct points, each
+/// set of n equally likely, in the order of the points. O(m).
+template <class Scalar>
+SiteState initial_sites(const Problem<Scalar>& problem, const Metric& metric, std::uint64_t seed);
+
+extern template SiteState initial_sites(const Problem<float>&, const Metric&, std::uint64_t);
+extern template SiteState initial_sites(const Problem<double>&, const Metric&, std::uint64_t);
+
+}  // namespace ccvt

@@ -1,0 +1,147 @@
+// What ccvt-bench makes of its measurements.
+#ifdef CCVT_BENCH_TESTS
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "ccvt/io.h"
+#include "paper/experiments.h"
+#include "paper/report_parts.h"
+#include "support/files.h"
+#include "support/plot.h"
+#include "support/statistics.h"
+
+namespace ccvt::bench {
+TEST_SUITE_BEGIN("bench");
+
+TEST_CASE("the growth exponent of a power law is its exponent") {
+  for (const double exponent : {-1.0, 0.0, 0.97, 1.0, 2.5}) {
+    std::vector<double> x;
+    std::vector<double> y;
+    for (double v = 1000; v < 1e7; v *= 3.7) {
+      x.push_back(v);
+      y.push_back(4e-6 * std::pow(v, exponent));
+    }
+    CHECK(growth_exponent(x, y) == doctest::Approx(exponent).epsilon(1e-9));
+  }
+  CHECK_THROWS_AS(growth_exponent(std::vector{1.0, 1.0}, std::vector{1.0, 2.0}),
+                  std::invalid_argument);
+  CHECK_THROWS_AS(growth_exponent(std::vector{1.0, 2.0}, std::vector{0.0, 2.0}),
+                  std::invalid_argument);
+  CHECK_THROWS_AS(growth_exponent(std::vector{1.0, 2.0}, std::vector{2.0}), std::invalid_argument);
+}
+
+TEST_CASE("medians and spreads") {
+  CHECK(median({3, 1, 2}) == 2);
+  CHECK(median({4, 1, 2, 3}) == 2.5);
+  CHECK_THROWS_AS(median({}), std::invalid_argument);
+  const Spread spread = spread_of(std::vector{2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0});
+  CHECK(spread.mean == doctest::Approx(5));
+  CHECK(spread.deviation == doctest::Approx(2));
+  CHECK(spread.least == 2);
+  CHECK(spread.most == 9);
+}
+
+TEST_CASE("figures have the digits asked for") {
+  CHECK(figure(473.72) == "474");
+  CHECK(figure(0.117) == "0.117");
+  CHECK(figure(0.00430, 2) == "0.0043");
+  CHECK(figure(12.345, 4) == "12.35");
+  CHECK(figure(51234, 2) == "51234");
+  CHECK(figure(0) == "0.00");
+  CHECK(figure(NAN) == "\xE2\x80\x93");
+}
+
+TEST_CASE("what happens in a child comes back") {
+  const Json value = run_in_child([] { return Json{{"answer", 42}}; });
+  CHECK(value["answer"] == 42);
+  CHECK(value["peak_memory_bytes"].get<std::int64_t>() > 100'000);
+  CHECK_THROWS_WITH(run_in_child([]() -> Json { throw std::runtime_error("no such luck"); }),
+                    "no such luck");
+}
+
+TEST_CASE("a child's peak memory is its own") {
+  const auto peak = [](std::size_t bytes) {
+    return run_in_child([bytes] {
+             std::vector<char> block(bytes, 'x');
+             return Json{{"last", std::string(1, block.back())}};
+           })["peak_memory_bytes"]
+        .get<double>();
+  };
+  const double large = peak(64'000'000);
+  const double small = peak(1000);
+  CHECK(large - small > 50e6);
+}
+
+TEST_CASE("axes hold their values, and plots show each series") {
+  Plot plot;
+  plot.title = "a < b";
+  plot.series = {{"one", {1, 10, 100}, {2, 20, 200}}, {"two", {1, 10}, {5, NAN}}};
+  plot.x = axis_for("x", {plot.series[0].x}, true);
+  plot.y = axis_for("y", {plot.series[0].y, plot.series[1].y}, true);
+  CHECK(plot.x.least < 1);
+  CHECK(plot.x.most > 100);
+  const std::string svg = draw(plot);
+  for (const char* part : {"a &lt; b", ">one<", ">two<", ">x<", ">y<", ">10<", ">100<"}) {
+    CAPTURE(part);
+    CHECK(svg.find(part) != std::string::npos);
+  }
+  CHECK(svg.find("nan") == std::string::npos);
+  CHECK_THROWS_AS(axis_for("x", {{0, 1}}, true), std::invalid_argument);
+  CHECK_THROWS_AS(axis_for("x", {{}}, false), std::invalid_argument);
+}
+
+TEST_CASE("a run of one size becomes tables and plots") {
+  const test::TemporaryDirectory directory;
+  Record record("table1", {.quick = true}, directory.path());
+  const auto add = [&](const char* row, bool paper, double seconds) {
+    Json run = {{"column", "256x64"}, {"row", row}, {"description", row}, {"paper_row", paper}};
+    if (seconds > 0) {
+      run["result"] = {{"seconds", repeated({seconds})},
+                       {"flann_ratio", repeated({seconds / 2})},
+                       {"normalized_energy", repeated({0.17})},
+                       {"peak_memory_bytes", repeated({1e6})},
+                       {"iterations", 7},
+                       {"pairs", 100},
+                       {"swaps", 10},
+                       {"threads", 1},
+                       {"capacities_exact", true},
+                       {"capacity_error", 0.0},
+                       {"termination", "stable"}};
+    } else {
+      run["estimate"] = {{"seconds", 7200.0}};
+    }
+    record.json["runs"].push_back(run);
+  };
+  add("balzer2009", true, 0);
+  add("pruned", true, 3);
+  add("median-cut", true, 1.5);
+  add("default", false, 0.25);
+  record.save();
+  const std::string text = report(directory.path());
+  CHECK(text.find("N/A, about 7200") != std::string::npos);
+  CHECK(text.find("| `pruned` | `median-cut` | 2.00 |") != std::string::npos);
+  CHECK(text.find("Fastest on one thread: `default`") != std::string::npos);
+  CHECK(text.find("1 rows N/A") != std::string::npos);
+  CHECK(test::get(directory.path() / "report.md") == text);
+  CHECK(test::get(directory.path() / "table1.svg").find("median-cut") != std::string::npos);
+}
+
+TEST_CASE("reports of nothing, and of other files, are refused") {
+  const test::TemporaryDirectory directory;
+  CHECK_THROWS_AS(report(directory.path()), IoError);
+  write_text(directory.path() / "scaling.json", "{\"runs\": [{\"sweep\": 1}]}");
+  CHECK_THROWS_AS(report(directory.path()), InvalidInput);
+  write_text(directory.path() / "scaling.json", "{");
+  CHECK_THROWS_AS(report(directory.path()), InvalidInput);
+}
+
+TEST_SUITE_END();
+
+}  // namespace ccvt::bench
+
+#endif
