@@ -17,12 +17,11 @@ namespace ccvt {
 
 /// The values of a grid where they lie, in any of the usual types: a contiguous range of one of
 /// them converts to this.
-using GridValues =
-    std::variant<std::span<const float>, std::span<const double>, std::span<const std::int8_t>,
-                 std::span<const std::uint8_t>, std::span<const std::int16_t>,
-                 std::span<const std::uint16_t>, std::span<const std::int32_t>,
-                 std::span<const std::uint32_t>, std::span<const std::int64_t>,
-                 std::span<const std::uint64_t>>;
+using GridValues = std::variant<std::span<const float>, std::span<const double>,
+                                std::span<const std::int8_t>, std::span<const std::uint8_t>,
+                                std::span<const std::int16_t>, std::span<const std::uint16_t>,
+                                std::span<const std::int32_t>, std::span<const std::uint32_t>,
+                                std::span<const std::int64_t>, std::span<const std::uint64_t>>;
 
 /// What the density is between the centres of the cells.
 enum class Interpolation {

@@ -1,4 +1,4 @@
-#include "ccvt/volume.h"
+#include "io/volume_file.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -9,9 +9,9 @@
 #include <string>
 #include <utility>
 
+#include "ccvt/volume.h"
 #include "format.h"
 #include "io/npy.h"
-#include "io/volume_file.h"
 
 namespace ccvt {
 

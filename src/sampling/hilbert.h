@@ -129,7 +129,8 @@ class HilbertCurve {
     const auto dimensions = static_cast<unsigned>(axes_.size());
     const std::uint64_t corner = number == 0 ? 0 : gray((number - 1) & ~std::uint64_t{1});
     const std::uint64_t odd = (number & 1) != 0 ? number : number - 1;
-    const unsigned turn = number == 0 ? 0 : static_cast<unsigned>(std::countr_one(odd)) % dimensions;
+    const unsigned turn =
+        number == 0 ? 0 : static_cast<unsigned>(std::countr_one(odd)) % dimensions;
     return {entry ^ rotate(corner, direction + 1), (direction + turn + 1) % dimensions};
   }
 

@@ -131,9 +131,9 @@ void deal(std::span<const double> masses, const Draws& draws, const Arena& arena
   });
 }
 
-/// Deals ascending targets to the cells of a group: visit_cells(f) calls f(cell, mass) for each cell
-/// in order, and place(cell, hits) is called for those that get any. Cells without mass get none,
-/// whatever the rounding.
+/// Deals ascending targets to the cells of a group: visit_cells(f) calls f(cell, mass) for each
+/// cell in order, and place(cell, hits) is called for those that get any. Cells without mass get
+/// none, whatever the rounding.
 template <class VisitCells, class Place>
 void deal_to_cells(std::span<const double> targets, const VisitCells& visit_cells,
                    const Place& place) {
