@@ -2,8 +2,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <limits>
 #include <numeric>
 #include <span>
 #include <string>
@@ -13,25 +11,9 @@
 #include "ccvt/domain.h"
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
+#include "point_count.h"
 
 namespace ccvt {
-
-namespace {
-
-Index checked_point_count(Index sites, Index points_per_site) {
-  const std::int64_t points = std::int64_t{sites} * points_per_site;
-  if (sites < 1) {
-    throw InvalidInput("sites: is " + std::to_string(sites) + "; must be at least 1");
-  }
-  if (points > std::numeric_limits<Index>::max()) {
-    throw InvalidInput("sites: " + std::to_string(sites) + " with " +
-                       std::to_string(points_per_site) + " points each make " +
-                       std::to_string(points) + " points; at most 2147483647 are supported");
-  }
-  return static_cast<Index>(points);
-}
-
-}  // namespace
 
 void StippleOptions::validate() const {
   if (points_per_site < 1) {

@@ -1,31 +1,18 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <string>
 
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
 #include "ccvt/volume.h"
 #include "parallel/arena.h"
+#include "point_count.h"
 #include "sampling/density_mass.h"
 
 namespace ccvt {
 
 namespace {
-
-Index checked_point_count(Index sites, Index points_per_site) {
-  const std::int64_t points = std::int64_t{sites} * points_per_site;
-  if (sites < 1) {
-    throw InvalidInput("sites: is " + std::to_string(sites) + "; must be at least 1");
-  }
-  if (points > std::numeric_limits<Index>::max()) {
-    throw InvalidInput("sites: " + std::to_string(sites) + " with " +
-                       std::to_string(points_per_site) + " points each make " +
-                       std::to_string(points) + " points; at most 2147483647 are supported");
-  }
-  return static_cast<Index>(points);
-}
 
 /// Capacities and radii, from the points of each cell. A run that was cancelled on a coarse level
 /// has points without an owner, -1; they count for nothing.
