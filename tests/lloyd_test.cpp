@@ -80,7 +80,6 @@ std::string centroid_faults(const Problem<Scalar>& problem, const Result<Scalar>
   const Real allowed = std::sqrt(rounding(problem) * std::numeric_limits<Scalar>::epsilon()) * 8;
   for (std::size_t s = 0; s < sum.size(); ++s) {
     for (std::size_t d = 0; d < width; ++d) {
-      // On a torus a point half an extent away from its site may be seen from either side.
       if (sum[s][width] > 0 && std::abs(sum[s][d] / sum[s][width]) > allowed) {
         wrong += "site " + std::to_string(s) + " ";
       }

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "ccvt/sampling.h"
 #include "ccvt/solver.h"
 #include "support/generate.h"
 #include "support/oracle.h"
@@ -78,6 +79,19 @@ TEST_CASE("every preset ends stable") {
       CHECK(faults(problem, result) == "");
     }
   }
+}
+
+// 1024 sites x 256, white noise, torus: the 2009 program itself ends at .1712.
+TEST_CASE("the 2009 method ends as low as the original program") {
+  const auto points =
+      ccvt::sample_uniform<float, 2>(ccvt::Box::unit(2), 1024 * 256, 1, ccvt::Distribution::white);
+  ccvt::Problem<float> problem(points, 1024);
+  problem.set_domain(ccvt::Domain::periodic(ccvt::Box::unit(2)));
+  ccvt::Options options = ccvt::find_preset("balzer2009-pruned").options;
+  options.seed = 1;
+  const auto summary = ccvt::tessellate(problem, options).summary;
+  CHECK(summary.termination == ccvt::Termination::stable);
+  CHECK(summary.normalized_energy == doctest::Approx(0.1712).epsilon(0.01));
 }
 
 TEST_SUITE_END();
