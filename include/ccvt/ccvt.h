@@ -2,6 +2,7 @@
 
 /// The whole library.
 #include "ccvt/capacity.h"      // IWYU pragma: export
+#include "ccvt/codebook.h"      // IWYU pragma: export
 #include "ccvt/density.h"       // IWYU pragma: export
 #include "ccvt/domain.h"        // IWYU pragma: export
 #include "ccvt/io.h"            // IWYU pragma: export

@@ -15,7 +15,10 @@
 /// Points, owners and pictures in files, by extension:
 ///
 ///   .npy        NumPy arrays, versions 1.0 to 3.0, little endian, C order. Points: float32 or
-///               float64 of shape (#points, #dimensions). Owners: int32 of shape (#points,).
+///               float64 of shape (#points, #dimensions), read also from uint8, which becomes
+///               Scalar. Owners: int32 of shape (#points,).
+///   .fvecs,     Points, read only: of each its dimension (int32), then as many float32 or uint8.
+///   .bvecs
 ///   .csv, .txt  One point, or one whole number, a line. Fields are separated by blanks, or by
 ///               one comma or one semicolon. '#' starts a comment, blank lines count for nothing,
 ///               and a first line in which no field is a number is a header. Numbers are written
@@ -39,7 +42,7 @@ class IoError : public std::runtime_error {
   explicit IoError(const std::string& message) : std::runtime_error(message) {}
 };
 
-/// How a file stores its coordinates.
+/// How a file stores its coordinates; of bytes, what holds them exactly: float32.
 enum class ScalarType { float32, float64 };
 
 /// What a file of points promises to hold.
@@ -106,6 +109,9 @@ struct ColourImage {
 
 /// The same in 8-bit colour.
 CCVT_EXPORT void write_png(const std::filesystem::path& path, const ColourImage& image);
+
+/// Like read_image(), but keeps colours, in 8 bits; grey becomes colour of three equal values.
+CCVT_EXPORT ColourImage read_colour_image(const std::filesystem::path& path);
 
 /// The file beside `target` that writers of this process fill before they rename it to `target`;
 /// they remove it when they fail. A program that is killed by a signal may remove it likewise.

@@ -79,16 +79,23 @@ void add_seed_and_threads(CLI::App& app, std::uint64_t& seed, int& threads) {
                   {.least = 0, .most = 4096});
 }
 
-void add_common(CLI::App& app, CommonArguments& common, const std::string& formats,
-                const std::string& default_scalar) {
+/// What all commands that iterate have in common.
+void add_run(CLI::App& app, CommonArguments& common) {
   common.command = app.get_name();
-  add_file(app, "-o,--output", common.output, "Where the sites go: " + formats)->required();
   add_seed_and_threads(app, common.seed, common.threads);
   add_number<int>(app, "--max-iterations", common.max_iterations,
                   "Stop after this many iterations [until stable]", "K", {.least = 0});
   add_number<double>(app, "--energy-tolerance", common.energy_tolerance,
                      "Stop when an iteration lowers the energy by less than this share [0]", "E",
                      {.least = 0, .most = 1, .open_above = true});
+  add_file(app, "--summary", common.summary, "Write a summary of the run as JSON");
+  app.add_flag("-q,--quiet", common.quiet, "Print nothing but errors");
+}
+
+void add_common(CLI::App& app, CommonArguments& common, const std::string& formats,
+                const std::string& default_scalar) {
+  add_file(app, "-o,--output", common.output, "Where the sites go: " + formats)->required();
+  add_run(app, common);
   app.add_option("--preset", common.preset,
                  "The method: a row of the benchmarks' table, such as fast-ccvt [default]")
       ->type_name("NAME")
@@ -111,8 +118,6 @@ void add_common(CLI::App& app, CommonArguments& common, const std::string& forma
       "Compute and write in float64" +
           std::string(default_scalar == "float32" ? "" : " [default: " + default_scalar + "]"));
   single->excludes(wide);
-  add_file(app, "--summary", common.summary, "Write a summary of the run as JSON");
-  app.add_flag("-q,--quiet", common.quiet, "Print nothing but errors");
 }
 
 /// Parses numbers separated by blanks; returns what is wrong with them, or nothing.
@@ -340,6 +345,76 @@ CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
   return command;
 }
 
+CLI::App* add_quantize(CLI::App& app, QuantizeArguments& arguments) {
+  auto* const command = app.add_subcommand("quantize", "A codebook for given vectors");
+  add_file(*command, "VECTORS", arguments.vectors,
+           "Vectors: .npy, .fvecs, .bvecs, .csv, .txt; with --image-blocks a PNG or JPEG")
+      ->required();
+  add_number<Index>(*command, "--codewords", arguments.codewords, "Number of codewords", "K",
+                    {.least = 1})
+      ->required();
+  static const std::map<std::string, CodebookMethod> names = {
+      {"exact", CodebookMethod::exact},
+      {"pairwise", CodebookMethod::pairwise},
+      {"lloyd", CodebookMethod::lloyd}};
+  command
+      ->add_option_function<std::string>(
+          "--method", [&arguments](const std::string& name) { arguments.method = names.at(name); },
+          "exact: equal cells, cheapest assignment; pairwise: equal cells, as tessellate; lloyd: "
+          "k-means, cells of any size [exact]")
+      ->type_name("NAME")
+      ->check(CLI::Validator(
+          [](std::string& name) {
+            if (names.count(name) != 0) return std::string();
+            return "'" + name + "' is not one of exact, pairwise, lloyd";
+          },
+          ""));
+  command
+      ->add_option_function<std::string>(
+          "--seeding", [&arguments](const std::string& text) { arguments.seeding = text; },
+          "kmeans++, random, or a file of codewords to start from [kmeans++]")
+      ->type_name("HOW");
+  add_number<int>(*command, "--restarts", arguments.restarts,
+                  "Seedings tried on a sample; the best is used [4]", "R",
+                  {.least = 1, .most = 1'000'000});
+  add_file(*command, "--capacities", arguments.capacities,
+           "How many vectors each codeword gets, summing to their number [equal]");
+  add_file(*command, "-o,--output", arguments.output, "Where the codewords go: .npy, .csv, .txt")
+      ->required();
+  add_file(*command, "--codes-out", arguments.codes_out, "Write the code of each vector too");
+  add_file(*command, "--weights-out", arguments.weights_out,
+           "Write the weights of the codewords too, for ccvt encode --weights");
+  add_number<int>(*command, "--image-blocks", arguments.image_blocks,
+                  "Take the B x B blocks of a picture for vectors of 3 B^2 values, 0 to 255", "B",
+                  {.least = 1, .most = 256});
+  add_file(*command, "--image-out", arguments.image_out,
+           "Write the picture that the codes stand for as .png");
+  add_run(*command, arguments);
+  command->footer(
+      "Example: ccvt quantize vectors.fvecs --codewords 1024 -o codebook.npy --codes-out "
+      "codes.npy");
+  return command;
+}
+
+CLI::App* add_encode(CLI::App& app, EncodeArguments& arguments) {
+  auto* const command = app.add_subcommand("encode", "The code of each vector");
+  add_file(*command, "VECTORS", arguments.vectors, "Vectors: .npy, .fvecs, .bvecs, .csv, .txt")
+      ->required();
+  add_file(*command, "--codebook", arguments.codebook, "The codewords, from ccvt quantize")
+      ->required();
+  add_file(*command, "--weights", arguments.weights,
+           "Their weights: codes are used as evenly as in training [nearest codeword]");
+  add_file(*command, "-o,--output", arguments.output, "Where the codes go: .npy, .csv, .txt")
+      ->required();
+  add_number<int>(*command, "--threads", arguments.threads,
+                  "Threads; 0: one per processor [0]. The result is the same for any number", "T",
+                  {.least = 0, .most = 4096});
+  command->add_flag("-q,--quiet", arguments.quiet, "Print nothing but errors");
+  command->footer(
+      "Example: ccvt encode new.fvecs --codebook codebook.npy --weights w.npy -o codes.npy");
+  return command;
+}
+
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
@@ -352,9 +427,13 @@ int run_command_line(int argc, const char* const* argv) {
   TessellateArguments tessellate;
   StippleArguments stipple;
   AnalyzeArguments analyze;
+  QuantizeArguments quantize;
+  EncodeArguments encode;
   const CLI::App* const sample_command = add_sample(app, sample);
   const CLI::App* const tessellate_command = add_tessellate(app, tessellate);
   const CLI::App* const analyze_command = add_analyze(app, analyze);
+  const CLI::App* const quantize_command = add_quantize(app, quantize);
+  const CLI::App* const encode_command = add_encode(app, encode);
   VolumeArguments volume;
   const CLI::App* const stipple_command = add_stipple(app, stipple);
   add_volume(app, volume);
@@ -371,6 +450,8 @@ int run_command_line(int argc, const char* const* argv) {
   if (sample_command->parsed()) return run_sample(sample);
   if (tessellate_command->parsed()) return run_tessellate(tessellate);
   if (analyze_command->parsed()) return run_analyze(analyze);
+  if (quantize_command->parsed()) return run_quantize(quantize);
+  if (encode_command->parsed()) return run_encode(encode);
   if (stipple_command->parsed()) return run_stipple(stipple);
   return run_volume(volume);
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "ccvt/codebook.h"
 #include "ccvt/io.h"
 #include "ccvt/sampling.h"
 #include "ccvt/types.h"
@@ -83,6 +84,28 @@ struct VolumeArguments : CommonArguments {
   VolumeLayout layout;
 };
 
+struct QuantizeArguments : CommonArguments {
+  std::filesystem::path vectors;
+  Index codewords = 0;
+  CodebookMethod method = CodebookMethod::exact;
+  std::string seeding = "kmeans++";  ///< or "random", or a file of codewords
+  int restarts = 4;
+  std::filesystem::path capacities;  ///< empty: equal
+  std::filesystem::path codes_out;
+  std::filesystem::path weights_out;
+  int image_blocks = 0;  ///< 0: vectors come from a file of points
+  std::filesystem::path image_out;
+};
+
+struct EncodeArguments {
+  std::filesystem::path vectors;
+  std::filesystem::path codebook;
+  std::filesystem::path weights;  ///< empty: nearest codewords
+  std::filesystem::path output;
+  int threads = 0;
+  bool quiet = false;
+};
+
 /// Each runs one command and returns the exit status. They throw InvalidInput, IoError and
 /// std::bad_alloc.
 int run_sample(const SampleArguments& arguments);
@@ -90,6 +113,8 @@ int run_tessellate(const TessellateArguments& arguments);
 int run_stipple(const StippleArguments& arguments);
 int run_analyze(const AnalyzeArguments& arguments);
 int run_volume(const VolumeArguments& arguments);
+int run_quantize(const QuantizeArguments& arguments);
+int run_encode(const EncodeArguments& arguments);
 
 /// Parses the command line and runs the command that it names. Prints help and version. Throws
 /// InvalidInput for whatever is wrong with the line.

@@ -14,7 +14,7 @@ namespace ccvt::cli {
 
 namespace {
 
-constexpr std::size_t kMostOutputs = 4;
+constexpr std::size_t kMostOutputs = 5;
 constexpr std::size_t kLongestPath = 4096;
 
 // Read by the handler, which may call but few functions and allocate nothing. The temporary names

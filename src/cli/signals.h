@@ -13,7 +13,7 @@ void handle_signals();
 
 [[nodiscard]] bool interrupted();
 
-/// Names the outputs whose temporary files are to be removed on a sudden end. At most 4.
+/// Names the outputs whose temporary files are to be removed on a sudden end. At most 5.
 void protect_outputs(const std::vector<std::filesystem::path>& outputs);
 
 }  // namespace ccvt::cli

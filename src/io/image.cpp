@@ -36,9 +36,25 @@ void to_grey(const Sample* samples, std::uint64_t full, int channels, std::vecto
   }
 }
 
-}  // namespace
+/// Red, green and blue on white, in 8 bits.
+template <class Sample>
+void to_colour(const Sample* samples, std::uint64_t full, int channels,
+               std::vector<std::uint8_t>& rgb) {
+  const auto stride = static_cast<std::size_t>(channels);
+  const bool alpha = channels == 2 || channels == 4;
+  for (std::size_t k = 0; k < rgb.size(); k += 3, samples += stride) {
+    const std::uint64_t opaque = alpha ? samples[stride - 1] : full;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint64_t composited =
+          samples[channels >= 3 ? c : 0] * opaque + full * (full - opaque);
+      rgb[k + c] =
+          static_cast<std::uint8_t>((2 * 255 * composited + full * full) / (2 * full * full));
+    }
+  }
+}
 
-Image read_image(const std::filesystem::path& path) {
+/// Decodes, after all checks.
+io::Pixels read_pixels(const std::filesystem::path& path) {
   io::InputFile file(path);
   if (file.size() > (std::uint64_t{1} << 31) - 1) file.fail("is larger than 2 GiB");
   std::vector<unsigned char> bytes(file.size());
@@ -57,15 +73,36 @@ Image read_image(const std::filesystem::path& path) {
   }
 
   std::string error;
-  const io::Pixels pixels = io::decode_image(bytes, error);
+  io::Pixels pixels = io::decode_image(bytes, error);
   if (!error.empty()) file.fail(error);
-  Image image{pixels.width, pixels.height, {}};
-  image.values.resize(static_cast<std::size_t>(image.width) *
-                      static_cast<std::size_t>(image.height));
+  return pixels;
+}
+
+std::size_t pixel_count(const io::Pixels& pixels) {
+  return static_cast<std::size_t>(pixels.width) * static_cast<std::size_t>(pixels.height);
+}
+
+}  // namespace
+
+Image read_image(const std::filesystem::path& path) {
+  const io::Pixels pixels = read_pixels(path);
+  Image image{pixels.width, pixels.height, std::vector<float>(pixel_count(pixels))};
   if (pixels.bits16) {
     to_grey(pixels.bits16.get(), 65535, pixels.channels, image.values);
   } else {
     to_grey(pixels.bits8.get(), 255, pixels.channels, image.values);
+  }
+  return image;
+}
+
+ColourImage read_colour_image(const std::filesystem::path& path) {
+  const io::Pixels pixels = read_pixels(path);
+  ColourImage image{pixels.width, pixels.height,
+                    std::vector<std::uint8_t>(3 * pixel_count(pixels))};
+  if (pixels.bits16) {
+    to_colour(pixels.bits16.get(), 65535, pixels.channels, image.rgb);
+  } else {
+    to_colour(pixels.bits8.get(), 255, pixels.channels, image.rgb);
   }
   return image;
 }

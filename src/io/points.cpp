@@ -12,6 +12,7 @@
 #include "io/output_file.h"
 #include "io/ply.h"
 #include "io/text.h"
+#include "io/vecs.h"
 
 namespace ccvt {
 
@@ -25,7 +26,7 @@ constexpr std::size_t kBlock = std::size_t{1} << 16;
 constexpr std::uint64_t kMostPoints = std::numeric_limits<Index>::max();
 constexpr std::uint64_t kMostDimensions = std::uint64_t{1} << 24;
 
-enum class Format { npy, csv, txt };
+enum class Format { npy, csv, txt, vecs };
 
 Format format_of(const std::filesystem::path& path) {
   const std::string extension = io::extension_of(path);
@@ -39,18 +40,23 @@ Format format_of(const std::filesystem::path& path) {
 /// PLY is read, not written.
 bool is_ply(const std::filesystem::path& path) { return io::extension_of(path) == ".ply"; }
 
+Format format_to_read(const std::filesystem::path& path) {
+  return io::is_vecs(path) ? Format::vecs : format_of(path);
+}
+
 /// Checks all that the header says; the data behind it is then as long as it has to be.
 PointsHeader check_npy_points(const InputFile& file, const NpyHeader& header) {
-  if (header.descr != "<f4" && header.descr != "<f8") {
+  const bool bytes = header.descr == "|u1";
+  if (header.descr != "<f4" && header.descr != "<f8" && !bytes) {
     file.fail("has dtype " + io::quoted(header.descr) +
-              "; points must be float32 ('<f4') or float64 ('<f8')");
+              "; points must be float32 ('<f4'), float64 ('<f8') or uint8 ('|u1')");
   }
   if (header.shape.size() != 2) {
     file.fail("has the shape " + io::shape_text(header.shape) +
               "; points need two extents: (points, dimensions)");
   }
-  const bool narrow = header.descr == "<f4";
-  io::check_npy_size(file, header, narrow ? 4 : 8);
+  const bool narrow = header.descr != "<f8";
+  io::check_npy_size(file, header, bytes ? 1 : narrow ? 4 : 8);
   const std::uint64_t count = header.shape[0];
   const std::uint64_t dimension = header.shape[1];
   if (count == 0) file.fail("has the shape " + io::shape_text(header.shape) + ": no points");
@@ -91,7 +97,7 @@ void convert_data(InputFile& file, Points<Scalar>& points) {
     file.read(block.data(), count * sizeof(Stored));
     for (std::size_t i = 0; i < count; ++i) {
       const auto value = static_cast<Scalar>(block[i]);
-      if (std::isfinite(block[i]) && !std::isfinite(value)) {
+      if (std::isfinite(static_cast<double>(block[i])) && !std::isfinite(value)) {
         const auto at = static_cast<Eigen::Index>(done + i);
         fail_coordinate(file, at / points.rows(), at % points.rows(), static_cast<double>(block[i]),
                         "is out of the range of float32");
@@ -105,11 +111,14 @@ void convert_data(InputFile& file, Points<Scalar>& points) {
 template <class Scalar>
 Points<Scalar> read_npy_points(const std::filesystem::path& path) {
   InputFile file(path);
-  const PointsHeader header = check_npy_points(file, io::read_npy_header(file));
+  const NpyHeader npy = io::read_npy_header(file);
+  const PointsHeader header = check_npy_points(file, npy);
   Points<Scalar> points(header.dimension, static_cast<Eigen::Index>(header.count));
   const auto size = static_cast<std::size_t>(points.size());
   const bool narrow = header.scalar == ScalarType::float32;
-  if (narrow == std::is_same_v<Scalar, float>) {
+  if (npy.descr == "|u1") {
+    convert_data<std::uint8_t>(file, points);
+  } else if (narrow == std::is_same_v<Scalar, float>) {
     file.read(points.data(), size * sizeof(Scalar));
   } else if (narrow) {
     convert_data<float>(file, points);
@@ -173,7 +182,9 @@ void write_npy_points(const std::filesystem::path& path, PointsView<Scalar> poin
 
 PointsHeader inspect_points(const std::filesystem::path& path) {
   if (is_ply(path)) return io::inspect_ply_points(path);
-  if (format_of(path) == Format::npy) {
+  const Format format = format_to_read(path);
+  if (format == Format::vecs) return io::inspect_vecs(path);
+  if (format == Format::npy) {
     InputFile file(path);
     return check_npy_points(file, io::read_npy_header(file));
   }
@@ -189,8 +200,13 @@ PointsHeader inspect_points(const std::filesystem::path& path) {
 template <class Scalar>
 Points<Scalar> read_points(const std::filesystem::path& path) {
   if (is_ply(path)) return io::read_ply_points<Scalar>(path);
-  return format_of(path) == Format::npy ? read_npy_points<Scalar>(path)
-                                        : read_text_points<Scalar>(path);
+  const Format format = format_to_read(path);
+  if (format == Format::vecs) {
+    Points<Scalar> points = io::read_vecs<Scalar>(path);
+    check_finite(InputFile(path), points);
+    return points;
+  }
+  return format == Format::npy ? read_npy_points<Scalar>(path) : read_text_points<Scalar>(path);
 }
 
 template <class Scalar>

@@ -1,0 +1,55 @@
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+#include "ccvt/codebook.h"
+#include "ccvt/io.h"
+#include "cli/memory.h"
+#include "cli/outputs.h"
+#include "cli/run.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+template <class Scalar>
+int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header) {
+  check_memory(arguments.vectors.string(), header.count,
+               static_cast<std::uint64_t>(header.dimension), sizeof(Scalar));
+  const Codebook codebook = Codebook::load(arguments.codebook, arguments.weights);
+  const Points<Scalar> vectors = read_points<Scalar>(arguments.vectors);
+  stop_if_interrupted();
+  const auto start = std::chrono::steady_clock::now();
+  const auto codes = blame(arguments.vectors, [&] {
+    return codebook.encode(vectors, arguments.weights.empty() ? Coding::nearest : Coding::weighted,
+                           arguments.threads);
+  });
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  write_owners(arguments.output, codes);
+  if (!arguments.quiet) {
+    const CodeUsage usage = code_usage(codes, codebook.size());
+    std::printf(
+        "%zu vectors, %d codewords, distortion %.6g, cells of %d to %d, imbalance %.4g, entropy "
+        "%.5g bits, %.3g s\n",
+        codes.size(), codebook.size(), codebook.distortion(vectors, codes), usage.smallest,
+        usage.largest, usage.imbalance, usage.entropy, seconds);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int run_encode(const EncodeArguments& arguments) {
+  const PointsHeader header = inspect_points(arguments.vectors);
+  Outputs()
+      .add("--output", arguments.output, {".npy", ".csv", ".txt"})
+      .add_input("VECTORS", arguments.vectors)
+      .add_input("--codebook", arguments.codebook)
+      .add_input("--weights", arguments.weights)
+      .check();
+  return header.scalar == ScalarType::float32 ? encode_vectors<float>(arguments, header)
+                                              : encode_vectors<double>(arguments, header);
+}
+
+}  // namespace ccvt::cli

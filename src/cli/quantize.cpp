@@ -1,0 +1,153 @@
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "ccvt/codebook.h"
+#include "ccvt/io.h"
+#include "ccvt/problem.h"
+#include "ccvt/version.h"
+#include "cli/blocks.h"
+#include "cli/memory.h"
+#include "cli/outputs.h"
+#include "cli/run.h"
+#include "cli/signals.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+CodebookOptions make_codebook_options(const QuantizeArguments& arguments, Progress& progress) {
+  CodebookOptions options;
+  options.method = arguments.method;
+  if (arguments.seeding == "random") options.seeding = Seeding::random;
+  options.restarts = arguments.restarts;
+  options.seed = arguments.seed;
+  options.threads = arguments.threads;
+  if (arguments.max_iterations) options.max_iterations = *arguments.max_iterations;
+  options.tolerance = arguments.energy_tolerance;
+  options.on_iteration = [&progress, sites = arguments.codewords](const IterationRecord& record) {
+    progress.show(record, sites);
+    return !interrupted();
+  };
+  options.cancelled = [] { return interrupted(); };
+  return options;
+}
+
+void write_summary(const QuantizeArguments& arguments, const CodebookSummary& summary,
+                   std::optional<double> psnr) {
+  if (arguments.summary.empty()) return;
+  nlohmann::ordered_json json;
+  json["version"] = CCVT_VERSION;
+  json["command"] = arguments.command;
+  json["method"] = to_string(summary.method);
+  json["termination"] = to_string(summary.termination);
+  json["dimension"] = summary.dimension;
+  json["vectors"] = summary.vectors;
+  json["codewords"] = summary.codewords;
+  json["seed"] = summary.seed;
+  json["threads"] = summary.threads_used;
+  json["iterations"] = summary.iterations;
+  json["energy"] = summary.energy;
+  json["distortion"] = summary.distortion;
+  json["gap"] = summary.gap;
+  json["imbalance"] = summary.usage.imbalance;
+  json["smallest_cell"] = summary.usage.smallest;
+  json["largest_cell"] = summary.usage.largest;
+  json["entropy_bits"] = summary.usage.entropy;
+  if (psnr) json["psnr_db"] = *psnr;
+  json["seconds"] = {{"total", summary.seconds_total}, {"seeding", summary.seconds_seeding}};
+  json["peak_memory_bytes"] = peak_memory_bytes();
+  write_text(arguments.summary, json.dump(2) + "\n");
+}
+
+template <class Scalar>
+Training train(const QuantizeArguments& arguments, const std::string& source,
+               const Points<Scalar>& vectors) {
+  Progress progress(arguments.quiet);
+  CodebookOptions options = make_codebook_options(arguments, progress);
+  if (!arguments.capacities.empty()) {
+    options.capacities = read_indices(arguments.capacities);
+    blame(arguments.capacities, [&] {
+      Problem<Scalar>(vectors, arguments.codewords).set_capacities(options.capacities);
+    });
+  }
+  if (arguments.seeding != "kmeans++" && arguments.seeding != "random") {
+    const auto codewords = read_points<double>(arguments.seeding);
+    if (codewords.cols() != arguments.codewords) {
+      throw InvalidInput(arguments.seeding + ": has " + std::to_string(codewords.cols()) +
+                         " codewords, but --codewords is " + std::to_string(arguments.codewords));
+    }
+    return blame(arguments.seeding,
+                 [&] { return train_codebook_from(vectors, codewords, options); });
+  }
+  return blame(source, [&] { return train_codebook(vectors, arguments.codewords, options); });
+}
+
+int finish_training(const QuantizeArguments& arguments, const Training& training,
+                    std::optional<double> psnr) {
+  training.codebook.save(arguments.output, arguments.weights_out);
+  if (!arguments.codes_out.empty()) write_owners(arguments.codes_out, training.codes);
+  write_summary(arguments, training.summary, psnr);
+  if (!arguments.quiet) {
+    std::printf("%s", training.summary.brief().c_str());
+    if (psnr) std::printf(", PSNR %.2f dB", *psnr);
+    std::printf("\n");
+  }
+  return training.summary.termination == Termination::cancelled ? 130 : 0;
+}
+
+template <class Scalar>
+int quantize_vectors(const QuantizeArguments& arguments, const PointsHeader& header) {
+  check_memory(arguments.vectors.string(), header.count,
+               static_cast<std::uint64_t>(header.dimension), sizeof(Scalar));
+  const Points<Scalar> vectors = read_points<Scalar>(arguments.vectors);
+  stop_if_interrupted();
+  return finish_training(arguments, train(arguments, arguments.vectors.string(), vectors), {});
+}
+
+int quantize_picture(const QuantizeArguments& arguments) {
+  const ColourImage image = read_colour_image(arguments.vectors);
+  const Points<float> blocks =
+      blame(arguments.vectors, [&] { return blocks_of(image, arguments.image_blocks); });
+  stop_if_interrupted();
+  const Training training = train(arguments, arguments.vectors.string(), blocks);
+  const ColourImage decoded = picture_of(training.codebook.decode(training.codes), image.width,
+                                         image.height, arguments.image_blocks);
+  if (!arguments.image_out.empty()) write_png(arguments.image_out, decoded);
+  return finish_training(arguments, training, peak_signal_to_noise(image, decoded));
+}
+
+}  // namespace
+
+int run_quantize(const QuantizeArguments& arguments) {
+  const bool file = arguments.seeding != "kmeans++" && arguments.seeding != "random";
+  if (!arguments.image_out.empty() && arguments.image_blocks == 0) {
+    throw InvalidInput("--image-out: needs --image-blocks; see ccvt quantize --help");
+  }
+  if (!arguments.weights_out.empty() && arguments.method != CodebookMethod::exact) {
+    throw InvalidInput("--weights-out: only --method exact finds weights");
+  }
+  if (!arguments.capacities.empty() && arguments.method == CodebookMethod::lloyd) {
+    throw InvalidInput("--capacities: --method lloyd does not keep any");
+  }
+  const bool picture = arguments.image_blocks > 0;
+  const PointsHeader header = picture ? PointsHeader{} : inspect_points(arguments.vectors);
+  Outputs()
+      .add("--output", arguments.output, {".npy", ".csv", ".txt"})
+      .add("--codes-out", arguments.codes_out, {".npy", ".csv", ".txt"})
+      .add("--weights-out", arguments.weights_out, {".npy", ".csv", ".txt"})
+      .add("--image-out", arguments.image_out, {".png"})
+      .add("--summary", arguments.summary, {})
+      .add_input("VECTORS", arguments.vectors)
+      .add_input("--capacities", arguments.capacities)
+      .add_input("--seeding", file ? arguments.seeding : "")
+      .check();
+  if (picture) return quantize_picture(arguments);
+  return header.scalar == ScalarType::float32 ? quantize_vectors<float>(arguments, header)
+                                              : quantize_vectors<double>(arguments, header);
+}
+
+}  // namespace ccvt::cli

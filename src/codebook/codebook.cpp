@@ -1,0 +1,189 @@
+#include "ccvt/codebook.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "ccvt/io.h"
+#include "codebook/encode.h"
+#include "format.h"
+#include "geometry/squares.h"
+
+namespace ccvt {
+namespace {
+
+void require(bool valid, const char* field, const std::string& value, const char* rule) {
+  if (!valid) {
+    throw InvalidInput("CodebookOptions::" + std::string(field) + " is " + value + ": " + rule);
+  }
+}
+
+void check_codes(std::span<const Index> codes, Index codewords) {
+  for (std::size_t k = 0; k < codes.size(); ++k) {
+    if (codes[k] >= 0 && codes[k] < codewords) continue;
+    throw InvalidInput("codes[" + std::to_string(k) + "] is " + std::to_string(codes[k]) +
+                       ": it must be in 0.." + std::to_string(codewords - 1));
+  }
+}
+
+template <class Scalar>
+void check_vectors(PointsView<Scalar> vectors, int dimension) {
+  if (vectors.dimension != dimension) {
+    throw InvalidInput("vectors: have " + std::to_string(vectors.dimension) +
+                       " dimensions, but the codewords have " + std::to_string(dimension));
+  }
+  for (Index p = 0; p < vectors.count; ++p) {
+    for (int d = 0; d < dimension; ++d) {
+      if (std::isfinite(vectors[p][d])) continue;
+      throw InvalidInput("vectors: coordinate " + std::to_string(d) + " of vector " +
+                         std::to_string(p) + " is " + text(static_cast<double>(vectors[p][d])) +
+                         ": it must be finite");
+    }
+  }
+}
+
+}  // namespace
+
+const char* to_string(CodebookMethod method) {
+  switch (method) {
+    case CodebookMethod::exact:
+      return "exact";
+    case CodebookMethod::pairwise:
+      return "pairwise";
+    case CodebookMethod::lloyd:
+      return "lloyd";
+  }
+  return "unknown";
+}
+
+void CodebookOptions::validate() const {
+  require(restarts >= 1, "restarts", std::to_string(restarts), "it must be 1 or more");
+  require(max_iterations >= 0, "max_iterations", std::to_string(max_iterations),
+          "it must be 0 or more");
+  require(tolerance >= 0 && tolerance < 1, "tolerance", text(tolerance), "it must be in [0, 1)");
+  require(threads >= 0 && threads <= 4096, "threads", std::to_string(threads),
+          "it must be from 0 (one per processor) to 4096");
+}
+
+CodeUsage code_usage(std::span<const Index> codes, Index codewords) {
+  if (codewords < 1) {
+    throw InvalidInput("codewords is " + std::to_string(codewords) + ": it must be positive");
+  }
+  if (codes.empty()) throw InvalidInput("codes: there are none");
+  check_codes(codes, codewords);
+  std::vector<Index> count(static_cast<std::size_t>(codewords), 0);
+  for (const Index code : codes) ++count[static_cast<std::size_t>(code)];
+  CodeUsage usage;
+  usage.smallest = *std::min_element(count.begin(), count.end());
+  usage.largest = *std::max_element(count.begin(), count.end());
+  const auto total = static_cast<double>(codes.size());
+  for (const Index c : count) {
+    const double share = c / total;
+    usage.imbalance += codewords * share * share;
+    if (c > 0) usage.entropy -= share * std::log2(share);
+  }
+  return usage;
+}
+
+std::string CodebookSummary::brief() const {
+  std::string line = std::string(to_string(method)) + ", " + to_string(termination) + " after " +
+                     std::to_string(iterations) + " iterations: " + std::to_string(vectors) +
+                     " vectors, " + std::to_string(codewords) + " codewords, distortion " +
+                     text(distortion, 6) + ", cells of " + std::to_string(usage.smallest) + " to " +
+                     std::to_string(usage.largest) + ", imbalance " + text(usage.imbalance, 4) +
+                     ", entropy " + text(usage.entropy, 5) + " bits";
+  if (method == CodebookMethod::exact) line += ", gap " + text(gap, 2);
+  return line + ", " + text(seconds_total, 3) + " s";
+}
+
+Codebook::Codebook(Eigen::MatrixXd codewords, Eigen::VectorXd weights)
+    : codewords_(std::move(codewords)), weights_(std::move(weights)) {
+  if (codewords_.rows() < 1 || codewords_.cols() < 1) {
+    throw InvalidInput("codewords: there are " + std::to_string(codewords_.cols()) + " of " +
+                       std::to_string(codewords_.rows()) +
+                       " dimensions: at least one of each is needed");
+  }
+  static_cast<void>(view_points(codewords_));  // checks how many there are
+  check_vectors(view_points(codewords_), dimension());
+  if (weights_.size() == 0) weights_ = Eigen::VectorXd::Zero(codewords_.cols());
+  if (weights_.size() != codewords_.cols()) {
+    throw InvalidInput("weights: there are " + std::to_string(weights_.size()) + " for " +
+                       std::to_string(codewords_.cols()) + " codewords: one each is needed");
+  }
+  for (Eigen::Index s = 0; s < weights_.size(); ++s) {
+    if (std::isfinite(weights_[s])) continue;
+    throw InvalidInput("weights[" + std::to_string(s) + "] is " + text(weights_[s]) +
+                       ": it must be finite");
+  }
+}
+
+template <class Scalar>
+std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, int threads) const {
+  if (threads < 0 || threads > 4096) {
+    throw InvalidInput("threads is " + std::to_string(threads) +
+                       ": it must be from 0 (one per processor) to 4096");
+  }
+  check_vectors(vectors, dimension());
+  const Eigen::VectorXd weights =
+      coding == Coding::weighted ? weights_ : Eigen::VectorXd::Zero(weights_.size());
+  return cheapest_sites(vectors,
+                        {dimension(),
+                         {codewords_.data(), static_cast<std::size_t>(codewords_.size())},
+                         {weights.data(), static_cast<std::size_t>(weights.size())}},
+                        Arena(threads));
+}
+
+Eigen::MatrixXd Codebook::decode(std::span<const Index> codes) const {
+  check_codes(codes, size());
+  Eigen::MatrixXd vectors(dimension(), static_cast<Eigen::Index>(codes.size()));
+  for (std::size_t k = 0; k < codes.size(); ++k) {
+    vectors.col(static_cast<Eigen::Index>(k)) = codewords_.col(codes[k]);
+  }
+  return vectors;
+}
+
+template <class Scalar>
+double Codebook::distortion(PointsView<Scalar> vectors, std::span<const Index> codes) const {
+  check_vectors(vectors, dimension());
+  if (codes.size() != static_cast<std::size_t>(vectors.count) || codes.empty()) {
+    throw InvalidInput("codes: there are " + std::to_string(codes.size()) + " for " +
+                       std::to_string(vectors.count) +
+                       " vectors: one each is needed, and at least one");
+  }
+  check_codes(codes, size());
+  double sum = 0;
+  for (Index p = 0; p < vectors.count; ++p) {
+    sum += squared_difference(vectors[p], codewords_.col(codes[static_cast<std::size_t>(p)]).data(),
+                              dimension());
+  }
+  return sum / vectors.count;
+}
+
+void Codebook::save(const std::filesystem::path& codewords,
+                    const std::filesystem::path& weights) const {
+  write_points(codewords, codewords_);
+  if (!weights.empty()) {
+    write_points(weights, PointsView<double>{weights_.data(), 1, size(), 1});
+  }
+}
+
+Codebook Codebook::load(const std::filesystem::path& codewords,
+                        const std::filesystem::path& weights) {
+  Eigen::MatrixXd words = read_points<double>(codewords);
+  if (weights.empty()) return Codebook(std::move(words));
+  const Points<double> column = read_points<double>(weights);
+  if (column.rows() != 1 || column.cols() != words.cols()) {
+    throw InvalidInput(weights.string() + ": has the shape (" + std::to_string(column.cols()) +
+                       ", " + std::to_string(column.rows()) + "), but one number for each of the " +
+                       std::to_string(words.cols()) + " codewords is needed");
+  }
+  return Codebook(std::move(words), column.row(0).transpose());
+}
+
+template CCVT_EXPORT std::vector<Index> Codebook::encode(PointsView<float>, Coding, int) const;
+template CCVT_EXPORT std::vector<Index> Codebook::encode(PointsView<double>, Coding, int) const;
+template CCVT_EXPORT double Codebook::distortion(PointsView<float>, std::span<const Index>) const;
+template CCVT_EXPORT double Codebook::distortion(PointsView<double>, std::span<const Index>) const;
+
+}  // namespace ccvt

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <vector>
+
+#include "ccvt/types.h"
+#include "exact/pricing.h"
+#include "parallel/arena.h"
+
+namespace ccvt {
+
+/// For each point the site of least |p - s|^2 - weight, Euclidean and exact.
+template <class Scalar>
+std::vector<Index> cheapest_sites(PointsView<Scalar> points, const WeightedSites& sites,
+                                  const Arena& arena);
+
+}  // namespace ccvt

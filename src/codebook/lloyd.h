@@ -1,0 +1,23 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "ccvt/types.h"
+#include "exact/pricing.h"
+#include "geometry/metric.h"
+#include "parallel/arena.h"
+
+namespace ccvt {
+
+/// Moves each site to the centroid of its points, in double; a site without points stays.
+template <class Scalar>
+void move_to_centroids(const Metric& metric, PointsView<Scalar> points, const Grouping& groups,
+                       const Arena& arena, std::vector<double>& sites);
+
+/// The nearest site of every point; exact.
+template <class Scalar>
+std::vector<Index> nearest_sites(const Metric& metric, PointsView<Scalar> points,
+                                 const std::vector<double>& sites, const Arena& arena);
+
+}  // namespace ccvt

@@ -1,0 +1,209 @@
+#include "codebook/seeding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "codebook/lloyd.h"
+#include "codebook/reseat.h"
+#include "exact/pricing.h"
+#include "kernels/products.h"
+#include "random.h"
+
+namespace ccvt {
+namespace {
+
+constexpr std::uint64_t kSampleStream = 16;
+constexpr std::uint64_t kFirstSeedStream = 64;
+/// The sample has this many points a site, and no fewer than kLeastSample.
+constexpr std::int64_t kSamplePerSite = 64;
+constexpr std::int64_t kLeastSample = 8192;
+/// Lloyd iterations on the sample end when one gains less than this share.
+constexpr double kRough = 1e-3;
+constexpr int kRoughIterations = 12;
+constexpr int kReseatings = 24;
+
+/// A sample relative to its mean, in units in which squares do not overflow.
+struct Sample {
+  Points<float> points;
+  std::vector<double> mean;
+  double scale = 1;
+};
+
+template <class Scalar>
+Sample draw_sample(PointsView<Scalar> points, Index count, std::uint64_t seed) {
+  const int dimension = points.dimension;
+  const auto chosen = draw_distinct(count, points.count, seed, kSampleStream);
+  Sample sample;
+  sample.mean.assign(static_cast<std::size_t>(dimension), 0.0);
+  for (const Index p : chosen) {
+    for (int d = 0; d < dimension; ++d) {
+      sample.mean[static_cast<std::size_t>(d)] += static_cast<double>(points[p][d]) / count;
+    }
+  }
+  double largest = 0;
+  for (const Index p : chosen) {
+    for (int d = 0; d < dimension; ++d) {
+      largest = std::max(largest, std::abs(static_cast<double>(points[p][d]) -
+                                           sample.mean[static_cast<std::size_t>(d)]));
+    }
+  }
+  if (largest > 0) sample.scale = std::exp2(-std::ceil(std::log2(largest)));
+  sample.points.resize(dimension, count);
+  for (Index k = 0; k < count; ++k) {
+    const Scalar* from = points[chosen[static_cast<std::size_t>(k)]];
+    for (int d = 0; d < dimension; ++d) {
+      sample.points(d, k) = static_cast<float>(
+          (static_cast<double>(from[d]) - sample.mean[static_cast<std::size_t>(d)]) * sample.scale);
+    }
+  }
+  return sample;
+}
+
+struct Seeds {
+  std::vector<double> sites;
+  std::vector<Index> owners;
+  double energy = 0;
+};
+
+/// Lloyd iterations, to a rough end.
+void relax(const Metric& metric, PointsView<float> points, const Arena& arena, Seeds& seeds) {
+  const std::vector<double> weights(seeds.sites.size() / static_cast<std::size_t>(points.dimension),
+                                    0.0);
+  const auto n = static_cast<Index>(weights.size());
+  const Pricer<float> pricer(metric, points, arena);
+  for (int i = 0; i < kRoughIterations; ++i) {
+    const double before = seeds.energy;
+    const Prices prices =
+        pricer.price({points.dimension, seeds.sites, weights}, 0, 0, seeds.owners);
+    seeds.energy = prices.cheapest_energy;
+    if (prices.moved == 0 || (i > 0 && before - seeds.energy < kRough * before)) break;
+    move_to_centroids(metric, points, Grouping(seeds.owners, n), arena, seeds.sites);
+  }
+}
+
+}  // namespace
+
+std::vector<Index> draw_distinct(Index count, Index total, std::uint64_t seed,
+                                 std::uint64_t stream) {
+  std::vector<Index> chosen;
+  chosen.reserve(static_cast<std::size_t>(count));
+  // Selection sampling [Knuth, TAOCP 2, 3.4.2, algorithm S].
+  Random random(seed, stream);
+  for (Index p = 0; p < total && static_cast<Index>(chosen.size()) < count; ++p) {
+    const auto needed = static_cast<std::uint64_t>(count) - chosen.size();
+    if (random.below(static_cast<std::uint64_t>(total - p)) < needed) chosen.push_back(p);
+  }
+  return chosen;
+}
+
+std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64_t seed,
+                              std::uint64_t stream) {
+  const int dimension = points.dimension;
+  const Index count = points.count;
+  const Index step = std::max<Index>(kernels::product_points(), 64);
+  const Index stride = (count + step - 1) / step * step;
+  std::vector<float> block(static_cast<std::size_t>(stride) * static_cast<std::size_t>(dimension));
+  for (Index p = 0; p < count; ++p) {
+    for (int d = 0; d < dimension; ++d) {
+      block[static_cast<std::size_t>(d) * static_cast<std::size_t>(stride) +
+            static_cast<std::size_t>(p)] = points[p][d];
+    }
+  }
+  std::vector<float> squared(static_cast<std::size_t>(stride), std::numeric_limits<float>::max());
+  std::fill(squared.begin() + count, squared.end(), 0.0F);
+  std::vector<double> sum(static_cast<std::size_t>(count));
+  std::vector<double> result;
+  result.reserve(static_cast<std::size_t>(sites) * static_cast<std::size_t>(dimension));
+  Random random(seed, stream);
+  // Several draws pay where distances are cheap.
+  const int draws = dimension <= 8 ? 2 + static_cast<int>(std::log(sites)) : 1;
+  for (Index s = 0; s < sites; ++s) {
+    Index chosen = static_cast<Index>(random.below(static_cast<std::uint64_t>(count)));
+    if (s > 0) {
+      std::transform_inclusive_scan(squared.begin(), squared.begin() + count, sum.begin(),
+                                    std::plus<>(), [](float x) { return static_cast<double>(x); });
+      if (sum.back() > 0) {
+        double least = std::numeric_limits<double>::infinity();
+        for (int draw = 0; draw < draws; ++draw) {
+          const double at = random.uniform() * sum.back();
+          const auto p =
+              static_cast<Index>(std::upper_bound(sum.begin(), sum.end() - 1, at) - sum.begin());
+          const double left = draws == 1
+                                  ? 0
+                                  : kernels::lowered_sum(block.data(), stride, count, dimension,
+                                                         points[p], squared.data());
+          if (left < least) {
+            least = left;
+            chosen = p;
+          }
+        }
+      }
+    }
+    kernels::lower_squares(block.data(), stride, dimension, points[chosen], squared.data());
+    result.insert(result.end(), points[chosen], points[chosen] + dimension);
+  }
+  return result;
+}
+
+template <class Scalar>
+double sampled_energy(PointsView<Scalar> points, const std::vector<double>& sites,
+                      std::uint64_t seed, const Arena& arena) {
+  const auto n = static_cast<std::int64_t>(sites.size()) / points.dimension;
+  const auto count =
+      static_cast<Index>(std::min<std::int64_t>(points.count, std::max(kLeastSample, 4 * n)));
+  Points<Scalar> sample(points.dimension, count);
+  Index k = 0;
+  for (const Index p : draw_distinct(count, points.count, seed, kSampleStream)) {
+    std::copy_n(points[p], points.dimension, sample.col(k++).data());
+  }
+  const Metric metric(points.dimension, Domain());
+  std::vector<Index> owners = nearest_sites(metric, view_points(sample), sites, arena);
+  const std::vector<double> weights(static_cast<std::size_t>(n), 0.0);
+  return Pricer<Scalar>(metric, view_points(sample), arena)
+      .price({points.dimension, sites, weights}, 0, 0, owners)
+      .energy;
+}
+
+template <class Scalar>
+std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int restarts,
+                               std::uint64_t seed, const Arena& arena) {
+  const std::int64_t wanted = std::max(kLeastSample, kSamplePerSite * sites);
+  const auto count = static_cast<Index>(std::min<std::int64_t>(points.count, wanted));
+  const Sample sample = draw_sample(points, count, seed);
+  const PointsView<float> view = view_points(sample.points);
+  const Metric metric(points.dimension, Domain());
+  Seeds best;
+  best.energy = std::numeric_limits<double>::infinity();
+  for (int r = 0; r < restarts; ++r) {
+    Seeds seeds;
+    seeds.sites = plus_plus(view, sites, seed, kFirstSeedStream + static_cast<std::uint64_t>(r));
+    seeds.owners = nearest_sites(metric, view, seeds.sites, arena);
+    relax(metric, view, arena, seeds);
+    for (int k = 0; k < kReseatings; ++k) {
+      Seeds changed = seeds;
+      if (!reseat_sites(view, seeds.owners, changed.sites)) break;
+      changed.owners = nearest_sites(metric, view, changed.sites, arena);
+      relax(metric, view, arena, changed);
+      if (changed.energy >= seeds.energy * (1 - kRough)) break;
+      seeds = std::move(changed);
+    }
+    if (seeds.energy < best.energy) best = std::move(seeds);
+  }
+  for (std::size_t k = 0; k < best.sites.size(); ++k) {
+    best.sites[k] = best.sites[k] / sample.scale + sample.mean[k % sample.mean.size()];
+  }
+  return best.sites;
+}
+
+template double sampled_energy(PointsView<float>, const std::vector<double>&, std::uint64_t,
+                               const Arena&);
+template double sampled_energy(PointsView<double>, const std::vector<double>&, std::uint64_t,
+                               const Arena&);
+template std::vector<double> seed_sites(PointsView<float>, Index, int, std::uint64_t, const Arena&);
+template std::vector<double> seed_sites(PointsView<double>, Index, int, std::uint64_t,
+                                        const Arena&);
+
+}  // namespace ccvt

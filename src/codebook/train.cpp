@@ -1,0 +1,307 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "ccvt/codebook.h"
+#include "ccvt/problem.h"
+#include "ccvt/solver.h"
+#include "codebook/lloyd.h"
+#include "codebook/seeding.h"
+#include "exact/assignment.h"
+
+namespace ccvt {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::uint64_t kSeedStream = 17;
+constexpr std::uint64_t kLevelStream = 18;
+/// Balanced training starts on a sample of this many vectors a codeword, then takes
+/// kLevelFactor times as many, until it has all.
+constexpr std::int64_t kLevelVectors = 32;
+constexpr std::int64_t kLevelFactor = 4;
+constexpr std::int64_t kLeastLevel = 8192;
+/// A level ends when an iteration gains less than this share.
+constexpr double kLevelTolerance = 1e-3;
+/// Rounds that an iteration may take to meet the capacities, besides the first. Iterations that do
+/// not are no less useful.
+constexpr int kMoreRounds = 1;
+/// A gain below this share is rounding.
+constexpr double kRounding = 1e-13;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+template <class Scalar>
+class Trainer {
+ public:
+  Trainer(PointsView<Scalar> vectors, Index codewords, const CodebookOptions& options)
+      : problem_(vectors, codewords),
+        vectors_(vectors),
+        options_(options),
+        arena_(options.threads),
+        metric_(vectors.dimension, Domain()) {
+    if (!options.capacities.empty()) problem_.set_capacities(options.capacities);
+    summary_.method = options.method;
+    summary_.dimension = vectors.dimension;
+    summary_.vectors = vectors.count;
+    summary_.codewords = codewords;
+    summary_.seed = options.seed;
+    summary_.threads_used = arena_.threads();
+  }
+
+  Training run(const Eigen::MatrixXd* codewords);
+
+ private:
+  void seed();
+  void lloyd();
+  void pairwise();
+  void exact();
+  void exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities, bool finest);
+  bool go_on(Index vectors, double energy, std::int64_t moved);
+  bool ended() const { return summary_.termination != Termination::running; }
+
+  Problem<Scalar> problem_;
+  PointsView<Scalar> vectors_;
+  const CodebookOptions& options_;
+  Arena arena_;
+  Metric metric_;
+  Clock::time_point start_ = Clock::now();
+  std::vector<double> sites_;
+  std::vector<double> weights_;
+  std::vector<Index> owners_;
+  CodebookSummary summary_;
+};
+
+template <class Scalar>
+void Trainer<Scalar>::seed() {
+  const Index n = problem_.site_count();
+  if (options_.seeding == Seeding::kmeans_plus_plus) {
+    sites_ = seed_sites(vectors_, n, options_.restarts, options_.seed, arena_);
+    return;
+  }
+  double least = std::numeric_limits<double>::infinity();
+  for (int r = 0; r < options_.restarts; ++r) {
+    std::vector<double> sites;
+    for (const Index p : draw_distinct(n, vectors_.count, options_.seed,
+                                       kSeedStream + (static_cast<std::uint64_t>(r) << 8U))) {
+      sites.insert(sites.end(), vectors_[p], vectors_[p] + vectors_.dimension);
+    }
+    if (options_.restarts == 1) {
+      sites_ = std::move(sites);
+      return;
+    }
+    const double energy = sampled_energy(vectors_, sites, options_.seed, arena_);
+    if (energy >= least) continue;
+    least = energy;
+    sites_ = std::move(sites);
+  }
+}
+
+/// Records an iteration; false when training ends with it.
+template <class Scalar>
+bool Trainer<Scalar>::go_on(Index vectors, double energy, std::int64_t moved) {
+  IterationRecord record;
+  record.iteration = ++summary_.iterations;
+  record.points = vectors;
+  record.exchanged = moved;
+  record.energy = energy;
+  record.active_sites = problem_.site_count();
+  record.seconds = seconds_since(start_);
+  if ((options_.on_iteration && !options_.on_iteration(record)) ||
+      (options_.cancelled && options_.cancelled())) {
+    summary_.termination = Termination::cancelled;
+  } else if (summary_.iterations >= options_.max_iterations) {
+    summary_.termination = Termination::iteration_limit;
+  }
+  return !ended();
+}
+
+template <class Scalar>
+void Trainer<Scalar>::lloyd() {
+  owners_ = nearest_sites(metric_, vectors_, sites_, arena_);
+  const Pricer<Scalar> pricer(metric_, vectors_, arena_);
+  if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
+  double before = std::numeric_limits<double>::infinity();
+  while (!ended()) {
+    move_to_centroids(metric_, vectors_, Grouping(owners_, problem_.site_count()), arena_, sites_);
+    const Prices prices = pricer.price({vectors_.dimension, sites_, weights_}, 0, 0, owners_);
+    const double energy = prices.cheapest_energy;
+    const bool running = go_on(vectors_.count, energy, prices.moved);
+    if (prices.moved == 0 || energy >= before * (1 - kRounding)) {
+      summary_.termination = Termination::stable;
+    } else if (running && before - energy < options_.tolerance * before) {
+      summary_.termination = Termination::energy_tolerance;
+    }
+    before = energy;
+  }
+}
+
+template <class Scalar>
+void Trainer<Scalar>::pairwise() {
+  Points<Scalar> initial(vectors_.dimension, problem_.site_count());
+  std::transform(sites_.begin(), sites_.end(), initial.data(),
+                 [](double x) { return static_cast<Scalar>(x); });
+  problem_.set_initial_sites(initial);
+  Options options;
+  options.threads = options_.threads;
+  options.seed = options_.seed;
+  options.max_iterations = options_.max_iterations;
+  options.energy_tolerance = options_.tolerance;
+  options.on_iteration = options_.on_iteration;
+  options.cancelled = options_.cancelled;
+  options.multilevel = false;  // the seeds are better than what a coarse level would make of them
+  auto result = tessellate(problem_, options);
+  owners_ = std::move(result.owners);
+  summary_.termination = result.summary.termination;
+  summary_.iterations = result.summary.iterations;
+  move_to_centroids(metric_, vectors_, Grouping(owners_, problem_.site_count()), arena_, sites_);
+}
+
+/// Exact assignments and centroids in turn. On the finest level until the assignment is optimal
+/// for the centroids of its own cells.
+template <class Scalar>
+void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities,
+                                  bool finest) {
+  const Index n = problem_.site_count();
+  ExactAssignment<Scalar> assignment(metric_, vectors, n, std::move(capacities), arena_);
+  using Round = typename ExactAssignment<Scalar>::Round;
+  owners_ = nearest_sites(metric_, vectors, sites_, arena_);
+  const double tolerance = finest ? options_.tolerance : kLevelTolerance;
+  double before = std::numeric_limits<double>::infinity();
+  bool comparable = false;  // the owners before met the capacities
+  bool centred = false;     // the sites are their centroids
+  while (!ended()) {
+    Round round = assignment.improve(sites_, weights_, owners_);
+    // What the owners given, those of the iteration before, cost at their own centroids.
+    const double energy = assignment.last().energy;
+    for (int k = 0; round == Round::incomplete && k < kMoreRounds; ++k) {
+      round = assignment.improve(sites_, weights_, owners_);
+    }
+    if ((round == Round::optimal && centred) ||
+        (comparable && before - energy < kRounding * before)) {
+      if (finest) summary_.termination = Termination::stable;
+      break;
+    }
+    if (comparable && before - energy < tolerance * before) {
+      if (finest) summary_.termination = Termination::energy_tolerance;
+      break;
+    }
+    if (comparable) before = energy;
+    comparable = round != Round::incomplete;
+    centred = true;
+    if (!go_on(vectors.count, energy, assignment.last().augmentations)) break;
+    move_to_centroids(metric_, vectors, Grouping(owners_, n), arena_, sites_);
+  }
+}
+
+/// As many of `count` points for each site as its share, to within one.
+std::vector<Index> share_capacities(std::span<const Index> capacities, Index total, Index count) {
+  std::vector<Index> shares(capacities.size());
+  std::int64_t before = 0;
+  Index given = 0;
+  for (std::size_t s = 0; s < capacities.size(); ++s) {
+    before += capacities[s];
+    const auto until = static_cast<Index>(before * count / total);
+    shares[s] = until - given;
+    given = until;
+  }
+  return shares;
+}
+
+template <class Scalar>
+void Trainer<Scalar>::exact() {
+  const Index m = vectors_.count;
+  const auto& capacities = options_.capacities;
+  std::vector<Index> counts;
+  for (std::int64_t count = std::max(kLeastLevel, kLevelVectors * problem_.site_count());
+       count * 2 < m; count *= kLevelFactor) {
+    counts.push_back(static_cast<Index>(count));
+  }
+  if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
+  for (const Index count : counts) {
+    if (ended()) break;
+    Points<Scalar> sample(vectors_.dimension, count);
+    Index k = 0;
+    for (const Index p : draw_distinct(count, m, options_.seed, kLevelStream)) {
+      std::copy_n(vectors_[p], vectors_.dimension, sample.col(k++).data());
+    }
+    exact_level(view_points(sample), share_capacities(capacities, m, count), false);
+  }
+  exact_level(vectors_, capacities, true);
+  ExactAssignment<Scalar> assignment(metric_, vectors_, problem_.site_count(), capacities, arena_);
+  if (owners_.size() != static_cast<std::size_t>(m)) {
+    owners_ = nearest_sites(metric_, vectors_, sites_, arena_);
+  }
+  const Certificate certificate = assignment.solve(sites_, weights_, owners_);
+  summary_.gap = certificate.energy > 0 ? certificate.gap / certificate.energy : 0;
+}
+
+template <class Scalar>
+Training Trainer<Scalar>::run(const Eigen::MatrixXd* codewords) {
+  const Index n = problem_.site_count();
+  weights_.assign(static_cast<std::size_t>(n), 0.0);
+  if (codewords != nullptr) {
+    sites_.assign(codewords->data(), codewords->data() + codewords->size());
+  } else {
+    seed();
+  }
+  summary_.seconds_seeding = seconds_since(start_);
+  switch (options_.method) {
+    case CodebookMethod::exact:
+      exact();
+      break;
+    case CodebookMethod::pairwise:
+      pairwise();
+      break;
+    case CodebookMethod::lloyd:
+      lloyd();
+      break;
+  }
+  // Weights count by their differences only.
+  const double highest = *std::max_element(weights_.begin(), weights_.end());
+  Eigen::VectorXd weights(n);
+  for (Index s = 0; s < n; ++s) weights[s] = weights_[static_cast<std::size_t>(s)] - highest;
+  Codebook codebook(Eigen::Map<const Eigen::MatrixXd>(sites_.data(), vectors_.dimension, n),
+                    std::move(weights));
+  summary_.usage = code_usage(owners_, n);
+  summary_.distortion = codebook.distortion(vectors_, owners_);
+  summary_.energy = summary_.distortion * vectors_.count;
+  summary_.seconds_total = seconds_since(start_);
+  return {std::move(codebook), std::move(owners_), summary_};
+}
+
+}  // namespace
+
+template <class Scalar>
+Training train_codebook(PointsView<Scalar> vectors, Index codewords,
+                        const CodebookOptions& options) {
+  options.validate();
+  return Trainer<Scalar>(vectors, codewords, options).run(nullptr);
+}
+
+template <class Scalar>
+Training train_codebook_from(PointsView<Scalar> vectors, const Eigen::MatrixXd& codewords,
+                             const CodebookOptions& options) {
+  options.validate();
+  if (codewords.rows() != vectors.dimension) {
+    throw InvalidInput("codewords: have " + std::to_string(codewords.rows()) +
+                       " dimensions, but the vectors have " + std::to_string(vectors.dimension));
+  }
+  const Codebook checked(codewords);
+  return Trainer<Scalar>(vectors, checked.size(), options).run(&codewords);
+}
+
+template CCVT_EXPORT Training train_codebook(PointsView<float>, Index, const CodebookOptions&);
+template CCVT_EXPORT Training train_codebook(PointsView<double>, Index, const CodebookOptions&);
+template CCVT_EXPORT Training train_codebook_from(PointsView<float>, const Eigen::MatrixXd&,
+                                                  const CodebookOptions&);
+template CCVT_EXPORT Training train_codebook_from(PointsView<double>, const Eigen::MatrixXd&,
+                                                  const CodebookOptions&);
+
+}  // namespace ccvt

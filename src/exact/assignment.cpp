@@ -1,0 +1,183 @@
+#include "exact/assignment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "ccvt/capacity.h"
+
+namespace ccvt {
+namespace {
+
+/// The slack is steered towards a number of offers a point between these, on average.
+constexpr double kFewOffers = 0.5;
+constexpr double kManyOffers = 2.0;
+/// A surplus that is left over widens the slack as long as there are fewer offers than this, or no
+/// point moved.
+constexpr double kMostOffers = 8.0;
+/// Offers that are added at once when a surplus is stuck.
+constexpr Index kWidened = 8;
+
+}  // namespace
+
+template <class Scalar>
+ExactAssignment<Scalar>::ExactAssignment(const Metric& metric, PointsView<Scalar> points,
+                                         Index sites, std::vector<Index> capacities,
+                                         const Arena& arena)
+    : metric_(metric),
+      points_(points),
+      capacities_(std::move(capacities)),
+      floating_(capacities_.empty()),
+      pricer_(metric, points, arena) {
+  if (floating_) capacities_ = equal_capacities(points.count, sites);
+  for (Index p = 0; p < points.count; ++p) {
+    for (int d = 0; d < points.dimension; ++d) {
+      largest_coordinate_ =
+          std::max(largest_coordinate_, std::abs(static_cast<double>(points[p][d])));
+    }
+  }
+}
+
+template <class Scalar>
+WeightedSites ExactAssignment<Scalar>::weighted(std::span<const double> sites,
+                                                const std::vector<double>& weights) const {
+  return {points_.dimension, sites, weights};
+}
+
+/// Gives the larger capacities to the sites of least weight.
+template <class Scalar>
+void ExactAssignment<Scalar>::float_capacities(const std::vector<double>& weights) {
+  if (!floating_) return;
+  std::vector<Index> by_weight(weights.size());
+  std::iota(by_weight.begin(), by_weight.end(), 0);
+  std::sort(by_weight.begin(), by_weight.end(), [&](Index a, Index b) {
+    const double x = weights[static_cast<std::size_t>(a)];
+    const double y = weights[static_cast<std::size_t>(b)];
+    return x != y ? x < y : a < b;
+  });
+  const auto n = static_cast<Index>(weights.size());
+  for (Index k = 0; k < n; ++k) {
+    capacities_[static_cast<std::size_t>(by_weight[static_cast<std::size_t>(k)])] =
+        points_.count / n + (k < points_.count % n ? 1 : 0);
+  }
+}
+
+/// By how much the sum of size * weight over the cells exceeds the least that capacities allow;
+/// infinite when they are not met. Capacities are those of float_capacities().
+template <class Scalar>
+double ExactAssignment<Scalar>::capacity_gap(const std::vector<double>& weights,
+                                             const std::vector<Index>& owners) const {
+  std::vector<Index> excess(weights.size());
+  for (std::size_t s = 0; s < excess.size(); ++s) excess[s] = -capacities_[s];
+  for (const Index owner : owners) ++excess[static_cast<std::size_t>(owner)];
+  const Index fewer = points_.count / static_cast<Index>(weights.size());
+  double gap = 0;
+  for (std::size_t s = 0; s < excess.size(); ++s) {
+    const Index size = capacities_[s] + excess[s];
+    const bool met = excess[s] == 0 || (floating_ && (size == fewer || size == fewer + 1));
+    if (!met) return std::numeric_limits<double>::infinity();
+    gap += excess[s] * weights[s];
+  }
+  return gap;
+}
+
+/// A gap that rounding alone can cause.
+template <class Scalar>
+double ExactAssignment<Scalar>::rounding(double energy, const std::vector<double>& weights) const {
+  const auto [low, high] = std::minmax_element(weights.begin(), weights.end());
+  const double m = points_.count;
+  const double distances = largest_coordinate_ * std::sqrt(points_.dimension * m * energy);
+  return 1e-15 * (points_.dimension * energy + m * (*high - *low) + distances);
+}
+
+template <class Scalar>
+auto ExactAssignment<Scalar>::improve(std::span<const double> sites, std::vector<double>& weights,
+                                      std::vector<Index>& owners) -> Round {
+  if (slack_ < 0) {
+    const Prices first = pricer_.price(weighted(sites, weights), 0, 0, owners);
+    slack_ = 0.1 / std::sqrt(points_.dimension) * first.cheapest_energy / points_.count;
+    // All points at sites: any slack will do that is not nothing beside the distances.
+    if (slack_ == 0) slack_ = 1e-3 * first.energy / points_.count;
+    if (slack_ == 0) slack_ = 1;
+  }
+  std::vector<Index> given = owners;
+  const Prices prices =
+      pricer_.price(weighted(sites, weights), slack_, static_cast<int>(sites.size()), owners);
+  ++certificate_.rounds;
+  certificate_.energy = prices.energy;
+  certificate_.gap = prices.gap;
+  certificate_.worst = prices.worst;
+  float_capacities(weights);
+  certificate_.gap += capacity_gap(weights, given);
+  if (certificate_.gap <= rounding(prices.energy, weights)) {
+    owners = std::move(given);
+    return Round::optimal;
+  }
+  const double budget = slack_;
+  ExchangeGraph graph(capacities_, floating_, owners, weights);
+  for (const Offer& offer : prices.offers) graph.add(offer);
+  auto outcome = graph.settle(budget);
+  while (outcome == ExchangeGraph::Outcome::closed) {
+    widen(weighted(sites, weights), owners, graph);
+    outcome = graph.settle(budget);
+  }
+  certificate_.augmentations += graph.augmentations();
+  const double offers = static_cast<double>(prices.offers.size()) / points_.count;
+  if (outcome == ExchangeGraph::Outcome::exhausted) {
+    if (offers < kMostOffers || graph.augmentations() == 0) slack_ *= 2;
+    return Round::incomplete;
+  }
+  if (offers > kManyOffers) slack_ *= 0.7;
+  if (offers < kFewOffers) slack_ *= 1.5;
+  return Round::met;
+}
+
+template <class Scalar>
+Certificate ExactAssignment<Scalar>::solve(std::span<const double> sites,
+                                           std::vector<double>& weights,
+                                           std::vector<Index>& owners) {
+  certificate_ = {};
+  while (improve(sites, weights, owners) != Round::optimal) {
+  }
+  return certificate_;
+}
+
+/// Lets the sites that a surplus could not leave offer points to sites outside: those that cost
+/// least. Weights then fall by what these cost more than their owners.
+template <class Scalar>
+void ExactAssignment<Scalar>::widen(const WeightedSites& sites, const std::vector<Index>& owners,
+                                    ExchangeGraph& graph) const {
+  std::vector<std::uint8_t> inside(static_cast<std::size_t>(sites.count()), 0);
+  std::int64_t stuck = 0;
+  for (const Index s : graph.reached()) {
+    if (s == sites.count()) continue;  // the hub
+    inside[static_cast<std::size_t>(s)] = 1;
+    stuck += graph.surplus(s);
+  }
+  std::vector<Offer> offers = pricer_.offers_outside(sites, slack_, inside, owners);
+  const auto slack_of = [&](const Offer& offer) {
+    return offer.key + sites.weight[static_cast<std::size_t>(offer.owner)] -
+           sites.weight[static_cast<std::size_t>(offer.to)];
+  };
+  std::sort(offers.begin(), offers.end(), [&](const Offer& a, const Offer& b) {
+    const double x = slack_of(a);
+    const double y = slack_of(b);
+    if (x != y) return x < y;
+    return a.point != b.point ? a.point < b.point : a.to < b.to;
+  });
+  const double least = std::max(0.0, slack_of(offers.front()));
+  const auto enough = static_cast<std::size_t>(std::max<std::int64_t>(kWidened, stuck));
+  std::size_t kept = 0;
+  for (; kept < offers.size(); ++kept) {
+    if (kept >= enough && slack_of(offers[kept]) > least + slack_) break;
+    graph.add(offers[kept]);
+  }
+  graph.lower_reached(least);
+}
+
+template class ExactAssignment<float>;
+template class ExactAssignment<double>;
+
+}  // namespace ccvt

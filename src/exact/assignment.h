@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ccvt/types.h"
+#include "exact/exchange.h"
+#include "exact/pricing.h"
+#include "geometry/metric.h"
+#include "parallel/arena.h"
+
+namespace ccvt {
+
+/// What shows how good an assignment that keeps the capacities is.
+struct Certificate {
+  double energy = 0;  ///< sum of squared distances to the owners, the primal objective
+  /// Energy less the dual objective, sum over points of the least |p - s|^2 - w_s, plus sum over
+  /// sites of capacity * w_s (the least such sum, where capacities float). No assignment that meets
+  /// the capacities costs less than energy - gap.
+  double gap = 0;
+  /// By how much |p - s|^2 - w_s of an owner exceeds that of the cheapest site, at most.
+  double worst = 0;
+  int rounds = 0;                  ///< pricings of all points
+  std::int64_t augmentations = 0;  ///< shortest paths along which points moved
+};
+
+/// The assignment of points to fixed sites that keeps the capacities at the least sum of squared
+/// distances: a transportation problem with n sinks, solved by rounds of pricing all points and
+/// settling the surplus along shortest paths in the site graph.
+///
+/// Each round gives every point its cheapest site under the weights at hand, then moves points
+/// until capacities are met; what it knows of the points is their offers, those sites that cost
+/// little more than the cheapest. The next pricing looks at all sites: if it finds nothing cheaper,
+/// weights and owners prove each other optimal. Else the offers were too few and are widened.
+template <class Scalar>
+class ExactAssignment {
+ public:
+  /// `metric`, `arena` and the points must outlive the object. No capacities: as equal as can be,
+  /// with those that are larger by one where it costs least.
+  ExactAssignment(const Metric& metric, PointsView<Scalar> points, Index sites,
+                  std::vector<Index> capacities, const Arena& arena);
+
+  enum class Round {
+    optimal,     ///< the owners given meet the capacities at the least cost: they stay
+    met,         ///< capacities are met, at the least cost or nearly so
+    incomplete,  ///< some sites still have too many points
+  };
+  /// One round, from any owners (used to group points, best near the truth) and weights.
+  Round improve(std::span<const double> sites, std::vector<double>& weights,
+                std::vector<Index>& owners);
+  /// Rounds until the owners are proved optimal, but for rounding.
+  Certificate solve(std::span<const double> sites, std::vector<double>& weights,
+                    std::vector<Index>& owners);
+
+  /// Of the last round: what the owners given to it cost.
+  [[nodiscard]] const Certificate& last() const { return certificate_; }
+
+ private:
+  [[nodiscard]] WeightedSites weighted(std::span<const double> sites,
+                                       const std::vector<double>& weights) const;
+  void float_capacities(const std::vector<double>& weights);
+  [[nodiscard]] double capacity_gap(const std::vector<double>& weights,
+                                    const std::vector<Index>& owners) const;
+  [[nodiscard]] double rounding(double energy, const std::vector<double>& weights) const;
+  void widen(const WeightedSites& sites, const std::vector<Index>& owners,
+             ExchangeGraph& graph) const;
+
+  const Metric& metric_;
+  PointsView<Scalar> points_;
+  std::vector<Index> capacities_;
+  bool floating_;
+  Pricer<Scalar> pricer_;
+  double largest_coordinate_ = 0;
+  double slack_ = -1;  ///< negative: not chosen yet
+  Certificate certificate_;
+};
+
+extern template class ExactAssignment<float>;
+extern template class ExactAssignment<double>;
+
+}  // namespace ccvt

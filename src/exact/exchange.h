@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "ccvt/types.h"
+#include "exact/pricing.h"
+
+namespace ccvt {
+
+/// The site graph of an assignment: an edge from site i to site j weighs what it costs at least to
+/// move a point from i to j, without weights, over the points of i that have an offer of j. A point
+/// with offers brings them along when it moves.
+///
+/// Moves points along shortest paths from sites with too many to sites with too few [successive
+/// shortest paths: Jewell 1958, Busacker, Gowen 1960; with potentials: Edmonds, Karp 1972]. The
+/// potentials are the sites' weights: all reduced costs stay at least zero, so that the assignment
+/// is optimal among the offers when capacities are met.
+///
+/// Capacities may float: all are then floor(m / n) or one more, and which sites have one more is
+/// part of the problem. A hub stands for handing that on: site b with less reaches the hub, and the
+/// hub every site a with more, at the reduced cost w_b - w_a in all.
+class ExchangeGraph {
+ public:
+  /// `owners`, `weights` and floating `capacities` are kept up to date while points move. Floating
+  /// ones must be largest where weights are least.
+  ExchangeGraph(std::vector<Index>& capacities, bool floating, std::vector<Index>& owners,
+                std::vector<double>& weights);
+
+  void add(const Offer& offer);
+  /// Points that a site owns beyond its capacity; negative where it lacks some.
+  [[nodiscard]] Index surplus(Index site) const {
+    return count_[static_cast<std::size_t>(site)] - capacities_[static_cast<std::size_t>(site)];
+  }
+
+  enum class Outcome {
+    settled,    ///< no site has too many points
+    exhausted,  ///< some have, but no weight may fall further
+    closed,     ///< no path leaves the sites that reached() lists: they need more offers
+  };
+  /// Moves points along shortest paths, as long as no weight falls by more than `budget` since the
+  /// start. With all offers of at most that slack at hand, no other offer matters.
+  Outcome settle(double budget);
+  [[nodiscard]] std::span<const Index> reached() const { return settled_; }
+  /// Lets the weights of the sites that reached() lists fall by `amount` at no charge.
+  void lower_reached(double amount);
+  /// How many points went their way so far.
+  [[nodiscard]] std::int64_t augmentations() const { return augmentations_; }
+
+ private:
+  struct Entry {
+    Index point;
+    Index slot;
+    double key;
+  };
+  struct Cell {
+    // Edges, one in each slot.
+    std::vector<Index> to;
+    std::vector<double> least;
+    std::vector<Index> least_point;
+    std::vector<Entry> entries;
+  };
+
+  [[nodiscard]] Cell& cell(Index site) { return cells_[static_cast<std::size_t>(site)]; }
+  static Index slot_of(Cell& cell, Index to);
+  static void insert(Cell& cell, Index point, Index to, double key);
+  void move(Index point, Index from, Index to);
+  enum class Search { found, exhausted, closed };
+  /// Shortest paths from `source`, up to the first site with too few points: settled_.back().
+  Search find_path(Index source, double budget, double& length);
+  void relax(Index from, Index slot, Index to, double distance);
+  void lower_weights(double length);
+  [[nodiscard]] Index hub() const { return static_cast<Index>(cells_.size()); }
+  [[nodiscard]] bool has_more(Index site) const {
+    return capacities_[static_cast<std::size_t>(site)] > least_capacity_;
+  }
+  void move_along_path(Index source, Index target);
+
+  std::vector<Index>& capacities_;
+  bool floating_;
+  Index least_capacity_ = 0;
+  double hub_weight_ = 0;
+  std::vector<Index>& owners_;
+  std::vector<double>& weights_;
+  std::vector<Cell> cells_;
+  std::vector<Index> count_;
+  std::vector<double> start_;  ///< the weights that budgets count from
+  std::int64_t augmentations_ = 0;
+
+  std::vector<double> distance_;
+  std::vector<std::pair<Index, Index>> parent_;  ///< the site before on the path, and its slot
+  std::vector<std::uint8_t> state_;              ///< 0: not seen, 1: seen, 2: settled
+  std::vector<Index> seen_;
+  std::vector<Index> settled_;
+  std::vector<std::pair<double, Index>> heap_;
+  std::vector<std::pair<Index, double>> moving_;  ///< offers of the point that moves
+  std::vector<Index> stale_;                      ///< slots whose least point leaves
+};
+
+}  // namespace ccvt

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ccvt/types.h"
+#include "geometry/metric.h"
+#include "parallel/arena.h"
+
+namespace ccvt {
+
+/// The points grouped by site: those of site s are order[offset[s] .. offset[s + 1]), ascending.
+struct Grouping {
+  /// O(m + n).
+  Grouping(std::span<const Index> owners, Index sites);
+
+  [[nodiscard]] Index count() const { return static_cast<Index>(offset.size()) - 1; }
+  [[nodiscard]] std::span<const Index> of(Index site) const {
+    const auto s = static_cast<std::size_t>(site);
+    return std::span(order).subspan(static_cast<std::size_t>(offset[s]),
+                                    static_cast<std::size_t>(offset[s + 1] - offset[s]));
+  }
+
+  std::vector<Index> order;
+  std::vector<Index> offset;
+};
+
+/// n sites with a weight each; a point p costs site s the reduced cost |p - s|^2 - weight[s].
+struct WeightedSites {
+  int dimension = 0;
+  std::span<const double> position;  ///< one site after the other
+  std::span<const double> weight;
+
+  [[nodiscard]] Index count() const { return static_cast<Index>(weight.size()); }
+  [[nodiscard]] const double* at(Index site) const {
+    return position.data() + static_cast<std::ptrdiff_t>(site) * dimension;
+  }
+};
+
+/// A point that site `to` could have: it would cost `key` more there, without weights, than it
+/// costs its owner.
+struct Offer {
+  Index point;
+  Index owner;
+  Index to;
+  double key;
+};
+
+/// What pricing all points finds.
+struct Prices {
+  /// By how much the owners given cost more than the cheapest sites: the sum and the largest over
+  /// the points of the difference of reduced costs, in double. When every site owns as many points
+  /// as its capacity, the sum is primal less dual objective of the transportation problem: the
+  /// duality gap.
+  double gap = 0;
+  double worst = 0;
+  std::int64_t moved = 0;  ///< points that cost less at another site than their owner
+  std::vector<Offer> offers;
+  /// The sum of |p - owner|^2 over the points, for the owners given and for those found.
+  double energy = 0;
+  double cheapest_energy = 0;
+};
+
+/// Finds the site of least reduced cost for every point, exactly, among all sites.
+///
+/// Points are taken by cells of a grouping near the truth: with L the distance between two sites,
+/// no point within r of site i costs site j less than site i plus L^2 - 2 L r + w_i - w_j (triangle
+/// inequality), which leaves few sites in few dimensions. The rest goes through blocked products in
+/// float; their rounding error is bounded, and what it leaves undecided is evaluated in double.
+/// O(m n D) at worst; no m by n matrix is held.
+template <class Scalar>
+class Pricer {
+ public:
+  Pricer(const Metric& metric, PointsView<Scalar> points, const Arena& arena);
+
+  /// `owners`: of every point, used to group them, replaced by the cheapest site; a point stays
+  /// where nothing is cheaper. Points for which other sites cost at most `slack` more than the
+  /// cheapest become offers, at most `most_offers` a point. Same result for any number of threads.
+  Prices price(const WeightedSites& sites, double slack, int most_offers,
+               std::vector<Index>& owners) const;
+
+  /// For the points of the sites marked `inside`: the cheapest site outside, and others outside
+  /// that cost at most `slack` more. `owners` stay as they are.
+  std::vector<Offer> offers_outside(const WeightedSites& sites, double slack,
+                                    std::span<const std::uint8_t> inside,
+                                    const std::vector<Index>& owners) const;
+
+ private:
+  struct Cell;
+  struct Scratch;
+  struct Task;
+  std::vector<Cell> price_cells(const Task& task, const Grouping& groups) const;
+  void price_cell(const Task& task, std::span<const Index> members, Index site, Scratch& scratch,
+                  Cell& result) const;
+  void select_sites(const Task& task, Index site, double radius, Scratch& scratch) const;
+  void prepare_product(const Task& task, Index site, double radius, Scratch& scratch) const;
+  void price_block(const Task& task, std::span<const Index> members, Index first, Index site,
+                   Scratch& scratch, Cell& result) const;
+  void decide(const Task& task, Index point, Index site, std::span<const Index> found,
+              Scratch& scratch, Cell& result) const;
+
+  const Metric& metric_;
+  PointsView<Scalar> points_;
+  const Arena& arena_;
+};
+
+extern template class Pricer<float>;
+extern template class Pricer<double>;
+
+}  // namespace ccvt

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+
+#include "ccvt/io.h"
+#include "ccvt/types.h"
+
+/// Files of vectors as search benchmarks have them: of each vector its dimension, an int32, and
+/// then as many float32 (.fvecs) or uint8 (.bvecs); little endian.
+namespace ccvt::io {
+
+[[nodiscard]] bool is_vecs(const std::filesystem::path& path);
+
+/// Both throw InvalidInput unless the file holds at least one vector, all of one dimension, and
+/// nothing else; read_vecs() does not look whether coordinates are finite.
+PointsHeader inspect_vecs(const std::filesystem::path& path);
+template <class Scalar>
+Points<Scalar> read_vecs(const std::filesystem::path& path);
+
+}  // namespace ccvt::io

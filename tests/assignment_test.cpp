@@ -1,0 +1,204 @@
+#include "exact/assignment.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "ccvt/capacity.h"
+#include "random.h"
+#include "support/flow.h"
+#include "support/generate.h"
+#include "support/oracle.h"
+
+namespace ccvt::test {
+namespace {
+
+struct Solved {
+  std::vector<Index> owners;
+  std::vector<double> weights;
+  Certificate certificate;
+};
+
+template <class Scalar>
+Solved solve(const Domain& domain, const Points<Scalar>& points, const std::vector<double>& sites,
+             const std::vector<Index>& capacities, int threads = 1) {
+  const auto dimension = static_cast<int>(points.rows());
+  const auto n = static_cast<Index>(sites.size() / static_cast<std::size_t>(dimension));
+  const Metric metric(dimension, domain);
+  const Arena arena(threads);
+  ExactAssignment<Scalar> assignment(metric, view_points(points), n, capacities, arena);
+  Solved solved;
+  solved.weights.assign(static_cast<std::size_t>(n), 0.0);
+  solved.owners.assign(static_cast<std::size_t>(points.cols()), 0);
+  solved.certificate = assignment.solve(sites, solved.weights, solved.owners);
+  return solved;
+}
+
+std::vector<Index> sizes(const std::vector<Index>& owners, std::size_t n) {
+  std::vector<Index> result(n, 0);
+  for (const Index owner : owners) ++result[static_cast<std::size_t>(owner)];
+  return result;
+}
+
+/// By how much some point is cheaper at another site, over the largest squared distance; by brute
+/// force over all points and sites.
+template <class Scalar>
+double violation(const Domain& domain, const Points<Scalar>& points,
+                 const std::vector<double>& sites, const Solved& solved) {
+  const auto dimension = static_cast<int>(points.rows());
+  Real worst = 0;
+  Real largest = std::numeric_limits<double>::min();
+  for (Eigen::Index p = 0; p < points.cols(); ++p) {
+    const auto reduced = [&](std::size_t s) {
+      const Real squared = squared_distance(domain, dimension, points.col(p).data(),
+                                            sites.data() + s * static_cast<std::size_t>(dimension));
+      largest = std::max(largest, squared);
+      return squared - static_cast<Real>(solved.weights[s]);
+    };
+    const Real own = reduced(static_cast<std::size_t>(solved.owners[static_cast<std::size_t>(p)]));
+    for (std::size_t s = 0; s < solved.weights.size(); ++s) {
+      worst = std::max(worst, own - reduced(s));
+    }
+  }
+  return static_cast<double>(worst / largest);
+}
+
+template <class Scalar>
+double cost_of(const Domain& domain, const Points<Scalar>& points, const std::vector<double>& sites,
+               const std::vector<Index>& owners) {
+  const auto dimension = static_cast<int>(points.rows());
+  Real sum = 0;
+  for (Eigen::Index p = 0; p < points.cols(); ++p) {
+    const auto owner = static_cast<std::size_t>(owners[static_cast<std::size_t>(p)]);
+    sum += squared_distance(domain, dimension, points.col(p).data(),
+                            sites.data() + owner * static_cast<std::size_t>(dimension));
+  }
+  return static_cast<double>(sum);
+}
+
+template <class Scalar>
+std::vector<double> some_sites(const Points<Scalar>& points, Index count, std::uint64_t seed) {
+  Random random(seed, 99);
+  std::vector<double> sites;
+  for (Index s = 0; s < count; ++s) {
+    const auto p =
+        static_cast<Eigen::Index>(random.below(static_cast<std::uint64_t>(points.cols())));
+    for (Eigen::Index d = 0; d < points.rows(); ++d) {
+      sites.push_back(static_cast<double>(points(d, p)));
+    }
+  }
+  return sites;
+}
+
+/// As uneven as can be, summing to `total`.
+std::vector<Index> uneven(Index total, Index sites) {
+  std::vector<Index> capacities = equal_capacities(total, sites);
+  Random random(5, 98);
+  for (Index k = 0; k < sites; ++k) {
+    auto& from = capacities[static_cast<std::size_t>(k)];
+    const auto to = random.below(static_cast<std::uint64_t>(sites));
+    const auto amount = static_cast<Index>(random.below(static_cast<std::uint64_t>(from)));
+    from -= amount;
+    capacities[to] += amount;
+  }
+  return capacities;
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("assignment");
+
+TEST_CASE("costs what the flow solver finds, and carries a certificate") {
+  for (const int dimension : {2, 16, 128}) {
+    for (const Layout layout : all_layouts) {
+      const Index m = dimension == 2 ? 4096 : 600;
+      const Index n = dimension == 2 && layout != Layout::one_place ? 64 : 24;
+      CAPTURE(dimension);
+      CAPTURE(name_of(layout));
+      const auto points = make_points<float>(layout, uneven_box(dimension), m);
+      const auto sites = some_sites(points, n, 3);
+      const auto capacities = uneven(m, n);
+      const Solved solved = solve(Domain(), points, sites, capacities);
+      CHECK(sizes(solved.owners, static_cast<std::size_t>(n)) == capacities);
+      CHECK(violation(Domain(), points, sites, solved) < 1e-12);
+      const double cost = cost_of(Domain(), points, sites, solved.owners);
+      CHECK(solved.certificate.energy == doctest::Approx(cost).epsilon(1e-12));
+      CHECK(solved.certificate.gap <= 1e-12 * cost);
+#ifdef CCVT_TEST_FLOW
+      const double least = least_cost(points, sites, capacities);
+      const double extent = uneven_box(dimension).extent().squaredNorm();
+      CHECK(std::abs(cost - least) <= 1e-11 * least + 1e-13 * m * extent);
+#endif
+    }
+  }
+}
+
+TEST_CASE("the cheapest of all assignments, by enumeration") {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const auto points =
+        make_points<double>(seed % 2 == 0 ? Layout::grid : Layout::random, uneven_box(2), 8, seed);
+    const auto sites = some_sites(points, 3, seed);
+    const std::vector<Index> capacities{1, 5, 2};
+    std::vector<Index> owners{0, 1, 1, 1, 1, 1, 2, 2};
+    double least = std::numeric_limits<double>::infinity();
+    double floating = least;
+    do {
+      least = std::min(least, cost_of(Domain(), points, sites, owners));
+    } while (std::next_permutation(owners.begin(), owners.end()));
+    // Which cell has two points, and which have three, is open.
+    for (const std::vector<Index>& start : {std::vector<Index>{0, 0, 1, 1, 1, 2, 2, 2},
+                                            {0, 0, 0, 1, 1, 2, 2, 2},
+                                            {0, 0, 0, 1, 1, 1, 2, 2}}) {
+      owners = start;
+      do {
+        floating = std::min(floating, cost_of(Domain(), points, sites, owners));
+      } while (std::next_permutation(owners.begin(), owners.end()));
+    }
+    const Solved fixed = solve(Domain(), points, sites, capacities);
+    CHECK(cost_of(Domain(), points, sites, fixed.owners) == doctest::Approx(least).epsilon(1e-12));
+    const Solved open = solve(Domain(), points, sites, {});
+    CHECK(cost_of(Domain(), points, sites, open.owners) ==
+          doctest::Approx(floating).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("optimal on a torus too") {
+  const Box box = uneven_box(2);
+  const Domain torus = Domain::periodic(box);
+  for (const Layout layout : all_layouts) {
+    CAPTURE(name_of(layout));
+    const auto points = make_points<double>(layout, box, 1000);
+    const auto sites = some_sites(points, 20, 4);
+    const Solved solved = solve(torus, points, sites, uneven(1000, 20));
+    CHECK(sizes(solved.owners, 20) == uneven(1000, 20));
+    CHECK(violation(torus, points, sites, solved) < 1e-12);
+  }
+}
+
+TEST_CASE("far clouds whose sizes do not fit the capacities") {
+  const auto points = make_points<float>(Layout::clusters, uneven_box(3), 3000);
+  for (const Index n : {2, 3, 7, 60}) {
+    const auto sites = some_sites(points, n, 8);
+    const Solved solved = solve(Domain(), points, sites, equal_capacities(3000, n));
+    CHECK(sizes(solved.owners, static_cast<std::size_t>(n)) == equal_capacities(3000, n));
+    CHECK(violation(Domain(), points, sites, solved) < 1e-12);
+  }
+}
+
+TEST_CASE("the number of threads changes no bit") {
+  const auto points = make_points<float>(Layout::clusters, uneven_box(5), 3000);
+  const auto sites = some_sites(points, 40, 8);
+  const Solved one = solve(Domain(), points, sites, uneven(3000, 40), 1);
+  const Solved four = solve(Domain(), points, sites, uneven(3000, 40), 4);
+  CHECK(one.owners == four.owners);
+  CHECK(one.weights == four.weights);
+}
+
+TEST_SUITE_END();
+
+}  // namespace ccvt::test

@@ -1,0 +1,208 @@
+#include "ccvt/codebook.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "ccvt/sampling.h"
+#include "support/files.h"
+#include "support/generate.h"
+
+namespace ccvt::test {
+namespace {
+
+/// `clouds` well separated clouds of equal size.
+Points<float> clouds(Index count, int cloud_count, int dimension) {
+  Points<float> points = sample_uniform<float>(Box::unit(dimension), count, 3, Distribution::white);
+  for (Index p = 0; p < count; ++p) {
+    const int cloud = p % cloud_count;
+    points(0, p) += 10.0F * static_cast<float>(cloud % 5);
+    points(1, p) += 10.0F * static_cast<float>(cloud / 5);
+  }
+  return points;
+}
+
+CodebookOptions with(CodebookMethod method, std::uint64_t seed = 0) {
+  CodebookOptions options;
+  options.method = method;
+  options.seed = seed;
+  return options;
+}
+
+std::string refusal(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("codebook");
+
+TEST_CASE("exact training keeps sizes, ends at centroids and certifies itself") {
+  for (const Layout layout : all_layouts) {
+    CAPTURE(name_of(layout));
+    const auto points = make_points<double>(layout, uneven_box(3), 2000);
+    const auto [codebook, codes, summary] = train_codebook(points, 30, {});
+    CHECK(summary.usage.smallest == 66);
+    CHECK(summary.usage.largest == 67);
+    CHECK(summary.gap <= 1e-12);
+    CHECK(summary.termination == Termination::stable);
+    // Under the weights no vector is cheaper elsewhere.
+    const double scale = uneven_box(3).extent().squaredNorm();
+    double moved = 0;
+    for (Eigen::Index p = 0; p < points.cols(); ++p) {
+      const Eigen::VectorXd reduced =
+          (codebook.codewords().colwise() - points.col(p)).colwise().squaredNorm().transpose() -
+          codebook.weights();
+      const double own = reduced[codes[static_cast<std::size_t>(p)]];
+      moved = std::max(moved, own - reduced.minCoeff());
+    }
+    CHECK(moved <= 1e-11 * scale);
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3, 30);
+    Eigen::VectorXd count = Eigen::VectorXd::Zero(30);
+    for (Eigen::Index p = 0; p < points.cols(); ++p) {
+      sum.col(codes[static_cast<std::size_t>(p)]) += points.col(p);
+      ++count[codes[static_cast<std::size_t>(p)]];
+    }
+    CHECK((sum.array().rowwise() / count.transpose().array() - codebook.codewords().array())
+              .abs()
+              .maxCoeff() < 1e-5 * std::sqrt(scale));
+  }
+}
+
+TEST_CASE("all methods find separated clouds from any seed") {
+  const auto points = clouds(3000, 15, 2);
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    for (const auto method :
+         {CodebookMethod::exact, CodebookMethod::pairwise, CodebookMethod::lloyd}) {
+      const auto training = train_codebook(points, 15, with(method, seed));
+      CHECK(training.summary.distortion < 0.18);  // 1/6 in a unit square
+      CHECK(training.summary.usage.imbalance == doctest::Approx(1));
+    }
+  }
+}
+
+TEST_CASE("exact beats pairwise, and Lloyd both, from the same codewords") {
+  const auto points = sample_uniform<float>(Box::unit(2), 4096, 2, Distribution::white);
+  const Eigen::MatrixXd start = points.leftCols(64).cast<double>();
+  const auto energy = [&](CodebookMethod method) {
+    return train_codebook_from(points, start, with(method)).summary.energy;
+  };
+  const double exact = energy(CodebookMethod::exact);
+  CHECK(exact < energy(CodebookMethod::pairwise));
+  CHECK(energy(CodebookMethod::lloyd) < 1.02 * exact);
+}
+
+TEST_CASE("capacities, one codeword, as many as vectors, and one place") {
+  const auto points = make_points<float>(Layout::random, uneven_box(4), 60);
+  CodebookOptions options;
+  options.capacities = {10, 45, 5};
+  const auto uneven = train_codebook(points, 3, options);
+  std::vector<Index> sizes(3, 0);
+  for (const Index code : uneven.codes) ++sizes[static_cast<std::size_t>(code)];
+  CHECK(sizes == options.capacities);
+  CHECK(train_codebook(points, 1).summary.usage.largest == 60);
+  const auto all = train_codebook(points, 60);
+  CHECK(all.summary.usage.imbalance == doctest::Approx(1));
+  CHECK(all.summary.energy < 1e-25);
+  const auto one_place = make_points<float>(Layout::one_place, uneven_box(4), 60);
+  for (const auto method :
+       {CodebookMethod::exact, CodebookMethod::pairwise, CodebookMethod::lloyd}) {
+    CHECK(train_codebook(one_place, 7, with(method)).summary.energy < 1e-6);
+  }
+}
+
+TEST_CASE("weighted codes of new vectors keep the balance, nearest ones do not") {
+  for (const int dimension : {2, 12}) {
+    const auto sample = [&](std::uint64_t seed) {
+      Points<float> points =
+          sample_uniform<float>(Box::unit(dimension), 8000, seed, Distribution::white);
+      return Points<float>(points.array().cube());
+    };
+    const auto points = sample(1);
+    const auto fresh = sample(2);
+    const auto training = train_codebook(points, 16, {});
+    const auto imbalance = [&](const Points<float>& vectors, Coding coding) {
+      return code_usage(training.codebook.encode(vectors, coding), 16).imbalance;
+    };
+    CHECK(imbalance(fresh, Coding::weighted) < 1.05);
+    CHECK(imbalance(fresh, Coding::nearest) > imbalance(fresh, Coding::weighted));
+    // Encoding agrees with the definition.
+    const auto codes = training.codebook.encode(fresh, Coding::weighted);
+    for (Eigen::Index p = 0; p < 500; ++p) {
+      const Eigen::VectorXd reduced =
+          (training.codebook.codewords().colwise() - fresh.col(p).cast<double>())
+              .colwise()
+              .squaredNorm()
+              .transpose() -
+          training.codebook.weights();
+      CHECK(reduced[codes[static_cast<std::size_t>(p)]] <= reduced.minCoeff() + 1e-12);
+    }
+  }
+}
+
+TEST_CASE("the number of threads changes no bit") {
+  const auto points = make_points<float>(Layout::clusters, uneven_box(5), 3000);
+  CodebookOptions one;
+  one.threads = 1;
+  CodebookOptions four;
+  four.threads = 4;
+  const auto a = train_codebook(points, 40, one);
+  const auto b = train_codebook(points, 40, four);
+  CHECK(a.codes == b.codes);
+  CHECK(a.codebook.codewords() == b.codebook.codewords());
+  CHECK(a.codebook.weights() == b.codebook.weights());
+}
+
+TEST_CASE("a saved codebook comes back bit for bit") {
+  const TemporaryDirectory directory;
+  const auto points = make_points<double>(Layout::random, uneven_box(3), 200);
+  const auto training = train_codebook(points, 9, {});
+  for (const char* extension : {".npy", ".csv"}) {
+    const auto words = directory / ("words" + std::string(extension));
+    const auto weights = directory / ("weights" + std::string(extension));
+    training.codebook.save(words, weights);
+    const Codebook back = Codebook::load(words, weights);
+    CHECK(back.codewords() == training.codebook.codewords());
+    CHECK(back.weights() == training.codebook.weights());
+    CHECK(Codebook::load(words).weights().isZero());
+  }
+  CHECK(refusal([&] {
+          Codebook::load(directory / "words.npy", directory / "words.npy");
+        }).find("one number for each of the 9 codewords") != std::string::npos);
+}
+
+TEST_CASE("bad input is refused by name") {
+  const auto points = make_points<float>(Layout::random, uneven_box(3), 20);
+  const auto refused = [&](Index codewords, const CodebookOptions& options) {
+    return refusal([&] { train_codebook(points, codewords, options); });
+  };
+  CHECK(refused(21, {}).find("21") != std::string::npos);
+  CHECK(refused(0, {}).find("0") != std::string::npos);
+  CHECK(refused(2, {.restarts = 0}).find("restarts is 0") != std::string::npos);
+  CHECK(refused(2, {.tolerance = 1}).find("tolerance is 1") != std::string::npos);
+  CHECK(refused(2, {.capacities = {1, 2}}) != "");
+  const Codebook codebook(Eigen::MatrixXd::Identity(3, 3));
+  CHECK(refusal([&] {
+          static_cast<void>(codebook.decode(std::vector<Index>{0, 3}));
+        }).find("codes[1] is 3") != std::string::npos);
+  CHECK(refusal([&] {
+          static_cast<void>(codebook.encode(Points<float>(2, 5)));
+        }).find("2 dimensions") != std::string::npos);
+  CHECK(refusal([] {
+          Codebook(Eigen::MatrixXd::Identity(3, 3), Eigen::VectorXd::Zero(2));
+        }).find("weights") != std::string::npos);
+  CHECK(refusal([] {
+          static_cast<void>(code_usage(std::vector<Index>{0, 2}, 2));
+        }).find("codes[1] is 2") != std::string::npos);
+}
+
+TEST_SUITE_END();
+
+}  // namespace ccvt::test
