@@ -1,16 +1,12 @@
 #include "cli/arguments.h"
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
 #include <limits>
 #include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "ccvt/presets.h"
 #include "ccvt/version.h"
-#include "cli/values.h"
+#include "cli/argument_kinds.h"
 #include "cli/volume_values.h"
 
 namespace ccvt::cli {
@@ -27,139 +23,6 @@ constexpr const char* kExamples =
     "\n"
     "Exit status: 0 done, 1 failure, 2 bad input or an output that cannot be written, 130 stopped\n"
     "by Ctrl-C; the tessellation reached so far is then written. A second Ctrl-C quits at once.";
-
-/// An option whose value is parsed strictly, with messages that say what it must be.
-template <class Number, class Target>
-CLI::Option* add_number(CLI::App& app, const std::string& name, Target& target,
-                        const std::string& description, const char* placeholder,
-                        Range<Number> range) {
-  const auto parse = [&target, range](const std::string& text) {
-    Number value{};
-    const std::string wrong = parse_number(text, range, value);
-    if (!wrong.empty()) throw CLI::ValidationError(wrong);
-    target = value;
-  };
-  auto* const option = app.add_option_function<std::string>(name, parse, description);
-  option->type_name(placeholder);
-  // As a check, so that the message carries the option's name.
-  option->check(CLI::Validator(
-      [range](std::string& text) {
-        Number value{};
-        return parse_number(text, range, value);
-      },
-      ""));
-  return option;
-}
-
-CLI::Option* add_file(CLI::App& app, const std::string& name, std::filesystem::path& target,
-                      const std::string& description) {
-  auto* const option = app.add_option_function<std::string>(
-      name, [&target](const std::string& text) { target = text; }, description);
-  option->type_name("FILE");
-  option->check(CLI::Validator(
-      [](std::string& text) { return text.empty() ? std::string("is empty") : std::string(); },
-      ""));
-  return option;
-}
-
-void add_sites(CLI::App& app, Index& target, const std::string& description, bool required) {
-  add_number<Index>(app, "--sites", target, description, "N", {.least = 1})->required(required);
-}
-
-void add_points_per_site(CLI::App& app, Index& target) {
-  add_number<Index>(app, "--points-per-site", target, "Points for each site [256]", "K",
-                    {.least = 1});
-}
-
-void add_seed_and_threads(CLI::App& app, std::uint64_t& seed, int& threads) {
-  add_number<std::uint64_t>(app, "--seed", seed, "Fixes every random choice [0]", "S",
-                            {.least = 0});
-  add_number<int>(app, "--threads", threads,
-                  "Threads; 0: one per processor [0]. The result is the same for any number", "T",
-                  {.least = 0, .most = 4096});
-}
-
-/// What all commands that iterate have in common.
-void add_run(CLI::App& app, CommonArguments& common) {
-  common.command = app.get_name();
-  add_seed_and_threads(app, common.seed, common.threads);
-  add_number<int>(app, "--max-iterations", common.max_iterations,
-                  "Stop after this many iterations [until stable]", "K", {.least = 0});
-  add_number<double>(app, "--energy-tolerance", common.energy_tolerance,
-                     "Stop when an iteration lowers the energy by less than this share [0]", "E",
-                     {.least = 0, .most = 1, .open_above = true});
-  add_file(app, "--summary", common.summary, "Write a summary of the run as JSON");
-  app.add_flag("-q,--quiet", common.quiet, "Print nothing but errors");
-}
-
-void add_common(CLI::App& app, CommonArguments& common, const std::string& formats,
-                const std::string& default_scalar) {
-  add_file(app, "-o,--output", common.output, "Where the sites go: " + formats)->required();
-  add_run(app, common);
-  app.add_option("--preset", common.preset,
-                 "The method: a row of the benchmarks' table, such as fast-ccvt [default]")
-      ->type_name("NAME")
-      ->check(CLI::Validator(
-          [](std::string& name) {
-            try {
-              find_preset(name);
-              return std::string();
-            } catch (const InvalidInput& error) {
-              return std::string(error.what());
-            }
-          },
-          ""));
-  auto* const single = app.add_flag_function(
-      "--float", [&common](std::int64_t) { common.scalar = ScalarType::float32; },
-      "Compute and write in float32" +
-          std::string(default_scalar == "float32" ? " [default]" : ""));
-  auto* const wide = app.add_flag_function(
-      "--double", [&common](std::int64_t) { common.scalar = ScalarType::float64; },
-      "Compute and write in float64" +
-          std::string(default_scalar == "float32" ? "" : " [default: " + default_scalar + "]"));
-  single->excludes(wide);
-}
-
-/// Parses numbers separated by blanks; returns what is wrong with them, or nothing.
-std::string parse_box(const std::string& text, std::vector<double>& box) {
-  std::istringstream fields(text);
-  std::string wrong;
-  for (std::string field; wrong.empty() && fields >> field;) {
-    wrong = parse_number(field, Range<double>{}, box.emplace_back());
-  }
-  return box.empty() ? "has no numbers" : wrong;
-}
-
-void add_box(CLI::App& app, std::vector<double>& box, const std::string& description) {
-  app.add_option_function<std::string>(
-         "--box", [&box](const std::string& text) { parse_box(text, box); },
-         description + ": all lower bounds, then all upper bounds")
-      ->type_name("LO.. HI..")
-      ->check(CLI::Validator(
-          [](std::string& text) {
-            std::vector<double> numbers;
-            return parse_box(text, numbers);
-          },
-          ""));
-}
-
-/// The arguments, last one first, with all numbers that follow --box made its one value: CLI11
-/// would take the file after them for a number, and "-.5" for an option.
-std::vector<std::string> reversed_arguments(int argc, const char* const* argv) {
-  std::vector<std::string> result;
-  for (int i = 1; i < argc; ++i) {
-    result.emplace_back(argv[i]);
-    if (result.back() != "--box") continue;
-    std::string numbers;
-    double value = 0;
-    while (i + 1 < argc && parse_number(argv[i + 1], Range<double>{}, value).empty()) {
-      numbers += (numbers.empty() ? "" : " ") + std::string(argv[++i]);
-    }
-    if (!numbers.empty()) result.back() += "=" + numbers;
-  }
-  std::reverse(result.begin(), result.end());
-  return result;
-}
 
 CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
   auto* const command =
@@ -290,21 +153,6 @@ CLI::App* add_analyze(CLI::App& app, AnalyzeArguments& arguments) {
       "Examples: ccvt analyze run1.npy run2.npy --periodic -o report\n"
       "          ccvt analyze ours.npy --compare theirs=a.csv white=b.csv --periodic -o report");
   return command;
-}
-
-/// An option whose value `parse(text, target)` understands, or says what is wrong with.
-template <class Target, class Parse>
-void add_parsed(CLI::App& app, const std::string& name, Target& target, const Parse& parse,
-                const std::string& description, const char* placeholder) {
-  app.add_option_function<std::string>(
-         name, [&target, parse](const std::string& text) { parse(text, target); }, description)
-      ->type_name(placeholder)
-      ->check(CLI::Validator(
-          [parse](std::string& text) {
-            Target scratch;
-            return parse(text, scratch);
-          },
-          ""));
 }
 
 CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {

@@ -1,0 +1,121 @@
+#include "cli/argument_kinds.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "ccvt/presets.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+/// Parses numbers separated by blanks; returns what is wrong with them, or nothing.
+std::string parse_box(const std::string& text, std::vector<double>& box) {
+  std::istringstream fields(text);
+  std::string wrong;
+  for (std::string field; wrong.empty() && fields >> field;) {
+    wrong = parse_number(field, Range<double>{}, box.emplace_back());
+  }
+  return box.empty() ? "has no numbers" : wrong;
+}
+
+}  // namespace
+
+CLI::Option* add_file(CLI::App& app, const std::string& name, std::filesystem::path& target,
+                      const std::string& description) {
+  auto* const option = app.add_option_function<std::string>(
+      name, [&target](const std::string& text) { target = text; }, description);
+  option->type_name("FILE");
+  option->check(CLI::Validator(
+      [](std::string& text) { return text.empty() ? std::string("is empty") : std::string(); },
+      ""));
+  return option;
+}
+
+void add_sites(CLI::App& app, Index& target, const std::string& description, bool required) {
+  add_number<Index>(app, "--sites", target, description, "N", {.least = 1})->required(required);
+}
+
+void add_points_per_site(CLI::App& app, Index& target) {
+  add_number<Index>(app, "--points-per-site", target, "Points for each site [256]", "K",
+                    {.least = 1});
+}
+
+void add_seed_and_threads(CLI::App& app, std::uint64_t& seed, int& threads) {
+  add_number<std::uint64_t>(app, "--seed", seed, "Fixes every random choice [0]", "S",
+                            {.least = 0});
+  add_number<int>(app, "--threads", threads,
+                  "Threads; 0: one per processor [0]. The result is the same for any number", "T",
+                  {.least = 0, .most = 4096});
+}
+
+void add_run(CLI::App& app, CommonArguments& common) {
+  common.command = app.get_name();
+  add_seed_and_threads(app, common.seed, common.threads);
+  add_number<int>(app, "--max-iterations", common.max_iterations,
+                  "Stop after this many iterations [until stable]", "K", {.least = 0});
+  add_number<double>(app, "--energy-tolerance", common.energy_tolerance,
+                     "Stop when an iteration lowers the energy by less than this share [0]", "E",
+                     {.least = 0, .most = 1, .open_above = true});
+  add_file(app, "--summary", common.summary, "Write a summary of the run as JSON");
+  app.add_flag("-q,--quiet", common.quiet, "Print nothing but errors");
+}
+
+void add_common(CLI::App& app, CommonArguments& common, const std::string& formats,
+                const std::string& default_scalar) {
+  add_file(app, "-o,--output", common.output, "Where the sites go: " + formats)->required();
+  add_run(app, common);
+  app.add_option("--preset", common.preset,
+                 "The method: a row of the benchmarks' table, such as fast-ccvt [default]")
+      ->type_name("NAME")
+      ->check(CLI::Validator(
+          [](std::string& name) {
+            try {
+              find_preset(name);
+              return std::string();
+            } catch (const InvalidInput& error) {
+              return std::string(error.what());
+            }
+          },
+          ""));
+  auto* const single = app.add_flag_function(
+      "--float", [&common](std::int64_t) { common.scalar = ScalarType::float32; },
+      "Compute and write in float32" +
+          std::string(default_scalar == "float32" ? " [default]" : ""));
+  auto* const wide = app.add_flag_function(
+      "--double", [&common](std::int64_t) { common.scalar = ScalarType::float64; },
+      "Compute and write in float64" +
+          std::string(default_scalar == "float32" ? "" : " [default: " + default_scalar + "]"));
+  single->excludes(wide);
+}
+
+void add_box(CLI::App& app, std::vector<double>& box, const std::string& description) {
+  app.add_option_function<std::string>(
+         "--box", [&box](const std::string& text) { parse_box(text, box); },
+         description + ": all lower bounds, then all upper bounds")
+      ->type_name("LO.. HI..")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            std::vector<double> numbers;
+            return parse_box(text, numbers);
+          },
+          ""));
+}
+
+std::vector<std::string> reversed_arguments(int argc, const char* const* argv) {
+  std::vector<std::string> result;
+  for (int i = 1; i < argc; ++i) {
+    result.emplace_back(argv[i]);
+    if (result.back() != "--box") continue;
+    std::string numbers;
+    double value = 0;
+    while (i + 1 < argc && parse_number(argv[i + 1], Range<double>{}, value).empty()) {
+      numbers += (numbers.empty() ? "" : " ") + std::string(argv[++i]);
+    }
+    if (!numbers.empty()) result.back() += "=" + numbers;
+  }
+  std::reverse(result.begin(), result.end());
+  return result;
+}
+
+}  // namespace ccvt::cli

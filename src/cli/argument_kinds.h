@@ -1,0 +1,72 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ccvt/types.h"
+#include "cli/arguments.h"
+#include "cli/values.h"
+
+/// What the commands' options are made of.
+namespace ccvt::cli {
+
+/// An option whose value is parsed strictly, with messages that say what it must be.
+template <class Number, class Target>
+CLI::Option* add_number(CLI::App& app, const std::string& name, Target& target,
+                        const std::string& description, const char* placeholder,
+                        Range<Number> range) {
+  const auto parse = [&target, range](const std::string& text) {
+    Number value{};
+    const std::string wrong = parse_number(text, range, value);
+    if (!wrong.empty()) throw CLI::ValidationError(wrong);
+    target = value;
+  };
+  auto* const option = app.add_option_function<std::string>(name, parse, description);
+  option->type_name(placeholder);
+  // As a check, so that the message carries the option's name.
+  option->check(CLI::Validator(
+      [range](std::string& text) {
+        Number value{};
+        return parse_number(text, range, value);
+      },
+      ""));
+  return option;
+}
+
+/// An option whose value `parse(text, target)` understands, or says what is wrong with.
+template <class Target, class Parse>
+void add_parsed(CLI::App& app, const std::string& name, Target& target, const Parse& parse,
+                const std::string& description, const char* placeholder) {
+  app.add_option_function<std::string>(
+         name, [&target, parse](const std::string& text) { parse(text, target); }, description)
+      ->type_name(placeholder)
+      ->check(CLI::Validator(
+          [parse](std::string& text) {
+            Target scratch;
+            return parse(text, scratch);
+          },
+          ""));
+}
+
+CLI::Option* add_file(CLI::App& app, const std::string& name, std::filesystem::path& target,
+                      const std::string& description);
+void add_sites(CLI::App& app, Index& target, const std::string& description, bool required);
+void add_points_per_site(CLI::App& app, Index& target);
+void add_seed_and_threads(CLI::App& app, std::uint64_t& seed, int& threads);
+void add_box(CLI::App& app, std::vector<double>& box, const std::string& description);
+
+/// What all commands that iterate have in common.
+void add_run(CLI::App& app, CommonArguments& common);
+
+/// That, and where the sites go: to a file of one of `formats`.
+void add_common(CLI::App& app, CommonArguments& common, const std::string& formats,
+                const std::string& default_scalar);
+
+/// The arguments, last one first, with all numbers that follow --box made its one value: CLI11
+/// would take the file after them for a number, and "-.5" for an option.
+std::vector<std::string> reversed_arguments(int argc, const char* const* argv);
+
+}  // namespace ccvt::cli
