@@ -1,8 +1,11 @@
 #include "cli/arguments.h"
 
+#include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ccvt/version.h"
@@ -277,14 +280,16 @@ int run_command_line(int argc, const char* const* argv) {
   AnalyzeArguments analyze;
   QuantizeArguments quantize;
   EncodeArguments encode;
-  const CLI::App* const sample_command = add_sample(app, sample);
-  const CLI::App* const tessellate_command = add_tessellate(app, tessellate);
-  const CLI::App* const analyze_command = add_analyze(app, analyze);
-  const CLI::App* const quantize_command = add_quantize(app, quantize);
-  const CLI::App* const encode_command = add_encode(app, encode);
   VolumeArguments volume;
-  const CLI::App* const stipple_command = add_stipple(app, stipple);
-  add_volume(app, volume);
+  const std::vector<std::pair<const CLI::App*, std::function<int()>>> commands = {
+      {add_sample(app, sample), [&] { return run_sample(sample); }},
+      {add_tessellate(app, tessellate), [&] { return run_tessellate(tessellate); }},
+      {add_stipple(app, stipple), [&] { return run_stipple(stipple); }},
+      {add_volume(app, volume), [&] { return run_volume(volume); }},
+      {add_analyze(app, analyze), [&] { return run_analyze(analyze); }},
+      {add_quantize(app, quantize), [&] { return run_quantize(quantize); }},
+      {add_encode(app, encode), [&] { return run_encode(encode); }},
+  };
   try {
     app.parse(reversed_arguments(argc, argv));
   } catch (const CLI::Success& success) {  // help, version
@@ -295,13 +300,9 @@ int run_command_line(int argc, const char* const* argv) {
         (unknown.empty() ? error.what() : "unknown argument '" + unknown.front() + "'") +
         "; see ccvt --help, or ccvt COMMAND --help");
   }
-  if (sample_command->parsed()) return run_sample(sample);
-  if (tessellate_command->parsed()) return run_tessellate(tessellate);
-  if (analyze_command->parsed()) return run_analyze(analyze);
-  if (quantize_command->parsed()) return run_quantize(quantize);
-  if (encode_command->parsed()) return run_encode(encode);
-  if (stipple_command->parsed()) return run_stipple(stipple);
-  return run_volume(volume);
+  const auto given = std::find_if(commands.begin(), commands.end(),
+                                  [](const auto& command) { return command.first->parsed(); });
+  return given->second();
 }
 
 }  // namespace ccvt::cli
