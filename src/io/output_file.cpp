@@ -12,8 +12,10 @@
 namespace ccvt {
 
 std::filesystem::path temporary_path(const std::filesystem::path& target) {
-  return target.parent_path() /
-         ("." + target.filename().string() + ".ccvt-" + std::to_string(::getpid()) + ".part");
+  std::string name = ".";
+  name += target.filename().string();
+  name += ".ccvt-" + std::to_string(::getpid()) + ".part";
+  return target.parent_path() / name;
 }
 
 namespace io {
