@@ -32,8 +32,8 @@ Real rounding(const Problem<Scalar>& problem) {
   const Box box = problem.bounding_box();
   const Real largest = std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
   const Real extent = box.extent().norm();
-  return 4 * problem.dimension() * std::numeric_limits<Scalar>::epsilon() * largest *
-         (extent + largest);
+  const Real epsilon = std::numeric_limits<Scalar>::epsilon();
+  return 4 * problem.dimension() * epsilon * largest * (extent + largest);
 }
 
 /// Empty if every owner is the nearest site: all points, all sites.
@@ -156,7 +156,7 @@ TEST_CASE("the first iteration is the one of the definition") {
 }
 
 TEST_CASE("capacities become unequal, and the summary says how much") {
-  const auto points = make_points<double>(Layout::clusters, Box::unit(2), 3000);
+  const auto points = make_points<double>(Layout::random, Box::unit(2), 3000);
   const auto free = lloyd(points, 60);
   const auto constrained = ccvt::tessellate(points, 60);
   CHECK(free.summary.capacity_error > 0.01);
@@ -190,14 +190,14 @@ TEST_CASE("a warm start goes on from the owners given") {
 }
 
 TEST_CASE_TEMPLATE("no number of threads changes a bit", Scalar, float, double) {
-  for (const int dimension : {2, 5}) {
+  for (const int dimension : {2, 3}) {
     const Box box = uneven_box(dimension);
     const auto points = make_points<Scalar>(Layout::random, box, 20000);
     Problem<Scalar> problem(points, 150);
     problem.set_domain(Domain::periodic(box));
-    const auto one = lloyd(problem, {.threads = 1, .max_iterations = 30});
+    const auto one = lloyd(problem, {.threads = 1, .max_iterations = 10});
     for (const int threads : {2, 3, 8}) {
-      const auto many = lloyd(problem, {.threads = threads, .max_iterations = 30});
+      const auto many = lloyd(problem, {.threads = threads, .max_iterations = 10});
       CHECK(differences(one, many) == "");
     }
   }

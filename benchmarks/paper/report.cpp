@@ -27,7 +27,7 @@ Json read_record(const fs::path& file) {
 }
 
 std::string quick_note(const Json& record) {
-  return record["scale"].value("quick", false)
+  return record.at("scale").value("quick", false)
              ? "**A quick run: small problems, once each. Not figures to quote.**\n\n"
              : "";
 }
@@ -72,26 +72,27 @@ std::string picture(const fs::path& directory, const std::string& name, const st
 }
 
 std::string report_clusters(const Json& record, const fs::path& directory) {
-  const Json& runs = record["runs"];
-  const Json& parameters = record["parameters"];
+  const Json& runs = record.at("runs");
+  const Json& parameters = record.at("parameters");
   std::string text = "## Batches of pairs (Figure 2)\n\n" + quick_note(record);
   std::vector<std::vector<std::string>> rows = {
       {"", "pairs", "batches", "lower bound", "mean", "min", "max", "deviation"},
       {"the paper", "", "", "", "600.96", "274", "668", "38.32"}};
   for (const Json& run : runs) {
     rows.push_back(
-        {"pass " + std::to_string(run["pass"].get<int>()), std::to_string(run["pairs"].get<int>()),
-         std::to_string(run["batches"].get<int>()), std::to_string(run["lower_bound"].get<int>()),
-         figure(run["mean"].get<double>(), 5), figure(run["least"].get<double>()),
-         figure(run["most"].get<double>()), figure(run["deviation"].get<double>())});
+        {"pass " + std::to_string(run.at("pass").get<int>()),
+         std::to_string(run.at("pairs").get<int>()), std::to_string(run.at("batches").get<int>()),
+         std::to_string(run.at("lower_bound").get<int>()), figure(run.at("mean").get<double>(), 5),
+         figure(run.at("least").get<double>()), figure(run.at("most").get<double>()),
+         figure(run.at("deviation").get<double>())});
   }
   text += markdown_table(rows);
   text += "The pairs that swapped in a full pass from a coherent start, " +
-          std::to_string(parameters["sites"].get<int>()) + " sites x " +
-          std::to_string(parameters["points_per_site"].get<int>()) +
+          std::to_string(parameters.at("sites").get<int>()) + " sites x " +
+          std::to_string(parameters.at("points_per_site").get<int>()) +
           ", as the cached stage batches them. No schedule has fewer batches than the lower bound, "
           "the highest number of pairs of one site.\n\n";
-  const auto sizes = runs.at(0)["sizes"].get<std::vector<double>>();
+  const auto sizes = runs.at(0).at("sizes").get<std::vector<double>>();
   const Spread spread = spread_of(sizes);
   const double width = std::max(1.0, std::ceil((spread.most - spread.least + 1) / 24));
   Series bars{"batches of pass 1", {}, {}};
@@ -116,24 +117,24 @@ std::string report_scaling(const Json& record, const fs::path& directory) {
   std::vector<std::vector<std::string>> rows = {{"sweep", "D", "sites x points a site", "threads",
                                                  "seconds", "spread", "us a point", "iterations",
                                                  "normalized energy", "peak memory, MB"}};
-  for (const Json& run : record["runs"]) {
-    const auto name = run["sweep"].get<std::string>();
-    const double sites = run["sites"].get<double>();
-    const double points = sites * run["points_per_site"].get<double>();
-    const Json& seconds = run["seconds"];
-    const double median_seconds = seconds["median"].get<double>();
-    rows.push_back({name, std::to_string(run["dimension"].get<int>()),
-                    size_name(run["sites"].get<Index>(), run["points_per_site"].get<Index>()),
-                    std::to_string(run["threads"].get<int>()), seconds_text(median_seconds),
-                    seconds_text(seconds["least"].get<double>()) + " .. " +
-                        seconds_text(seconds["most"].get<double>()),
+  for (const Json& run : record.at("runs")) {
+    const auto name = run.at("sweep").get<std::string>();
+    const double sites = run.at("sites").get<double>();
+    const double points = sites * run.at("points_per_site").get<double>();
+    const Json& seconds = run.at("seconds");
+    const double median_seconds = seconds.at("median").get<double>();
+    rows.push_back({name, std::to_string(run.at("dimension").get<int>()),
+                    size_name(run.at("sites").get<Index>(), run.at("points_per_site").get<Index>()),
+                    std::to_string(run.at("threads").get<int>()), seconds_text(median_seconds),
+                    seconds_text(seconds.at("least").get<double>()) + " .. " +
+                        seconds_text(seconds.at("most").get<double>()),
                     figure(1e6 * median_seconds / points),
-                    std::to_string(run["iterations"].get<int>()),
-                    figure(run["normalized_energy"].get<double>(), 4),
-                    figure(run["peak_memory_bytes"].get<double>() / (1 << 20))});
+                    std::to_string(run.at("iterations").get<int>()),
+                    figure(run.at("normalized_energy").get<double>(), 4),
+                    figure(run.at("peak_memory_bytes").get<double>() / (1 << 20))});
     Sweep& sweep = sweeps[name];
-    sweep.x.push_back(name == "threads"      ? run["threads"].get<double>()
-                      : name == "dimensions" ? run["dimension"].get<double>()
+    sweep.x.push_back(name == "threads"      ? run.at("threads").get<double>()
+                      : name == "dimensions" ? run.at("dimension").get<double>()
                                              : points);
     sweep.seconds.push_back(median_seconds);
   }
@@ -182,11 +183,11 @@ std::string report(const fs::path& directory) {
     const fs::path file = directory / (std::string(name) + ".json");
     if (!fs::exists(file)) continue;
     const Json record = read_record(file);
-    const std::string where = machine_line(record["machine"]);
-    if (where != last_machine) text += "Measured on: " + where + ".\n\n";
-    last_machine = where;
     try {
-      if (!record["runs"].empty()) text += part(record, directory);
+      const std::string where = machine_line(record.at("machine"));
+      if (where != last_machine) text += "Measured on: " + where + ".\n\n";
+      last_machine = where;
+      if (!record.at("runs").empty()) text += part(record, directory);
     } catch (const Json::exception& error) {
       throw InvalidInput(file.string() + ": is not what ccvt-bench writes: " + error.what());
     }

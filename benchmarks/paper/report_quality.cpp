@@ -23,9 +23,9 @@ float& pixel(Image& image, int x, int y) {
 
 /// The spectrum, kTile wide: grey P / (1 + P), so that white noise is mid-grey.
 void draw_spectrum(const Json& run, Image& image, int left, int top) {
-  const auto grey = run["spectrum_grey"].get<std::string>();
-  const int width = 2 * run["half"][0].get<int>() + 1;
-  const int height = 2 * run["half"][1].get<int>() + 1;
+  const auto grey = run.at("spectrum_grey").get<std::string>();
+  const int width = 2 * run.at("half")[0].get<int>() + 1;
+  const int height = 2 * run.at("half")[1].get<int>() + 1;
   for (int y = 0; y < kTile; ++y) {
     for (int x = 0; x < kTile; ++x) {
       const int fx = x * width / kTile;
@@ -41,8 +41,8 @@ void draw_spectrum(const Json& run, Image& image, int left, int top) {
 /// Black dots on white, a fifth of the mean spacing in radius, antialiased.
 void draw_points(const Json& run, Image& image, int left, int top) {
   const double scale = 2.0 * kTile;  // a quarter of the unit square is shown
-  const double radius = 0.2 / std::sqrt(run["sites"].get<double>()) * scale;
-  for (const Json& point : run["first_set"]) {
+  const double radius = 0.2 / std::sqrt(run.at("sites").get<double>()) * scale;
+  for (const Json& point : run.at("first_set")) {
     const double cx = point[0].get<double>() * scale;
     const double cy = kTile - point[1].get<double>() * scale;
     const auto reach = static_cast<int>(radius) + 2;
@@ -61,7 +61,7 @@ void draw_points(const Json& run, Image& image, int left, int top) {
 /// A radial curve in a frame, over frequencies 0 to 2, with a grey line at `guide`.
 void draw_curve(const Json& run, const char* key, double least, double most, double guide,
                 Image& image, int left, int top) {
-  const auto frequency = run["frequency"].get<std::vector<double>>();
+  const auto frequency = run.at("frequency").get<std::vector<double>>();
   const auto value = run[key].get<std::vector<double>>();
   const auto row_of = [&](double v) {
     const double share = std::clamp((v - least) / (most - least), 0.0, 1.0);
@@ -105,8 +105,8 @@ std::string curve_plot(const std::vector<const Json*>& runs, const char* key, co
   plot.y = {label, least, most, false};
   plot.marks = false;
   for (const Json* run : runs) {
-    plot.series.push_back({(*run)["points"].get<std::string>(),
-                           (*run)["frequency"].get<std::vector<double>>(),
+    plot.series.push_back({(*run).at("points").get<std::string>(),
+                           (*run).at("frequency").get<std::vector<double>>(),
                            (*run)[key].get<std::vector<double>>()});
   }
   return draw(plot, 520, 340);
@@ -115,12 +115,12 @@ std::string curve_plot(const std::vector<const Json*>& runs, const char* key, co
 }  // namespace
 
 std::string report_quality(const Json& record, const fs::path& directory) {
-  const Json& runs = record["runs"];
+  const Json& runs = record.at("runs");
   std::vector<std::string> kinds;
   std::vector<int> densities;
   for (const Json& run : runs) {
-    const auto kind = run["points"].get<std::string>();
-    const int density = run["points_per_site"].get<int>();
+    const auto kind = run.at("points").get<std::string>();
+    const int density = run.at("points_per_site").get<int>();
     if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) kinds.push_back(kind);
     if (std::find(densities.begin(), densities.end(), density) == densities.end()) {
       densities.push_back(density);
@@ -132,17 +132,17 @@ std::string report_quality(const Json& record, const fs::path& directory) {
   const int columns = static_cast<int>(densities.size());
   constexpr int kMargin = kGroup - 2 * kTile - kGap;
   Image grid = blank(columns * kGroup - kMargin, static_cast<int>(kinds.size()) * kGroup - kMargin);
-  const int sets = record["parameters"]["sets"].get<int>();
+  const int sets = record.at("parameters").at("sets").get<int>();
   const double noise = -10 * std::log10(sets);
   for (const Json& run : runs) {
-    const auto kind = run["points"].get<std::string>();
-    const int density = run["points_per_site"].get<int>();
+    const auto kind = run.at("points").get<std::string>();
+    const int density = run.at("points_per_site").get<int>();
     rows.push_back({std::to_string(density), kind,
-                    figure(run["low_frequency_power"].get<double>(), 2),
-                    figure(run["worst_anisotropy_db"].get<double>()),
-                    figure(run["normalized_energy"]["median"].get<double>(), 4),
-                    figure(run["smallest_distance"]["median"].get<double>()),
-                    seconds_text(run["seconds"]["median"].get<double>())});
+                    figure(run.at("low_frequency_power").get<double>(), 2),
+                    figure(run.at("worst_anisotropy_db").get<double>()),
+                    figure(run.at("normalized_energy").at("median").get<double>(), 4),
+                    figure(run.at("smallest_distance").at("median").get<double>()),
+                    seconds_text(run.at("seconds").at("median").get<double>())});
     const auto column = static_cast<int>(std::find(densities.begin(), densities.end(), density) -
                                          densities.begin());
     const auto row = static_cast<int>(std::find(kinds.begin(), kinds.end(), kind) - kinds.begin());
@@ -150,16 +150,16 @@ std::string report_quality(const Json& record, const fs::path& directory) {
     const int top = row * kGroup;
     draw_points(run, grid, left, top);
     draw_spectrum(run, grid, left + kTile + kGap, top);
-    draw_curve(run, "power", 0, 2.5, 1, grid, left, top + kTile + kGap);
+    draw_curve(run, "power", 0, 3, 1, grid, left, top + kTile + kGap);
     draw_curve(run, "anisotropy_db", -15, 15, noise, grid, left + kTile + kGap, top + kTile + kGap);
   }
   write_png(directory / "quality.png", grid);
 
   std::string text = "## Quality (Figure 4)\n\n";
-  if (record["scale"]["quick"].get<bool>()) {
+  if (record.at("scale").at("quick").get<bool>()) {
     text += "**A quick run: small problems, once each. Not figures to quote.**\n\n";
   }
-  text += std::to_string(record["parameters"]["sites"].get<int>()) +
+  text += std::to_string(record.at("parameters").at("sites").get<int>()) +
           " sites on the torus, default options, " + std::to_string(sets) +
           " sets each. Unstructured noise has an anisotropy of " + figure(noise) +
           " dB at that many.\n\n" + markdown_table(rows);
@@ -175,19 +175,19 @@ std::string report_quality(const Json& record, const fs::path& directory) {
       ". Of each, a quarter of the first set; the mean spectrum up to 2 sqrt(n), frequency 0 in "
       "the "
       "middle, black no power, mid-grey white noise; the radial mean of the power over the same "
-      "frequencies, 0 to 2.5, with a line at 1; and the anisotropy, -15 to 15 dB, with a line "
+      "frequencies, 0 to 3, with a line at 1; and the anisotropy, -15 to 15 dB, with a line "
       "where "
       "unstructured noise is.\n\n";
   for (const int density : densities) {
     std::vector<const Json*> some;
     for (const Json& run : runs) {
-      if (run["points_per_site"] == density) some.push_back(&run);
+      if (run.at("points_per_site") == density) some.push_back(&run);
     }
     const std::string suffix = std::to_string(density);
     const std::string where = ", " + suffix + " points a site";
     text +=
         picture(directory, "quality_power_" + suffix,
-                curve_plot(some, "power", "mean power", 0, 2.5, "Radial mean of the power" + where),
+                curve_plot(some, "power", "mean power", 0, 3, "Radial mean of the power" + where),
                 "Radial mean of the power" + where);
     text += picture(directory, "quality_anisotropy_" + suffix,
                     curve_plot(some, "anisotropy_db", "dB", -15, 15, "Anisotropy" + where),

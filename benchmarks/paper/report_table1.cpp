@@ -19,7 +19,7 @@ std::vector<std::string> distinct(const Json& runs, const char* key) {
 
 const Json* cell_of(const Json& runs, const std::string& row, const std::string& column) {
   for (const Json& run : runs) {
-    if (run["row"] == row && run["column"] == column) return &run;
+    if (run.at("row") == row && run.at("column") == column) return &run;
   }
   return nullptr;
 }
@@ -27,21 +27,21 @@ const Json* cell_of(const Json& runs, const std::string& row, const std::string&
 /// The median seconds; NaN where the row was only estimated.
 double seconds_of(const Json* cell) {
   if (cell == nullptr || !cell->contains("result")) return NAN;
-  return (*cell)["result"]["seconds"]["median"].get<double>();
+  return (*cell).at("result").at("seconds").at("median").get<double>();
 }
 
 double energy_of(const Json* cell) {
-  return (*cell)["result"]["normalized_energy"]["median"].get<double>();
+  return (*cell).at("result").at("normalized_energy").at("median").get<double>();
 }
 
 std::string cell_text(const Json* cell) {
   if (cell == nullptr) return "";
   if (cell->contains("result")) return seconds_text(seconds_of(cell));
-  const Json& estimate = (*cell)["estimate"];
+  const Json& estimate = (*cell).at("estimate");
   if (estimate.contains("seconds")) {
-    return "N/A, about " + figure(estimate["seconds"].get<double>(), 2);
+    return "N/A, about " + figure(estimate.at("seconds").get<double>(), 2);
   }
-  return "N/A, above " + figure(estimate["seconds_at_least"].get<double>(), 2);
+  return "N/A, above " + figure(estimate.at("seconds_at_least").get<double>(), 2);
 }
 
 /// Seconds of all rows on all sizes, with the paper's beside.
@@ -57,14 +57,14 @@ std::string overview(const Json& runs, bool paper_rows) {
     for (const std::string& column : columns) {
       if (first == nullptr) first = cell_of(runs, name, column);
     }
-    if ((*first)["paper_row"].get<bool>() != paper_rows) continue;
-    rows.push_back({(*first)["description"].get<std::string>(), "`" + name + "`"});
+    if ((*first).at("paper_row").get<bool>() != paper_rows) continue;
+    rows.push_back({(*first).at("description").get<std::string>(), "`" + name + "`"});
     for (const std::string& column : columns) {
       const Json* const cell = cell_of(runs, name, column);
       rows.back().push_back(cell_text(cell));
       if (!paper_rows) continue;
       rows.back().push_back(cell != nullptr && cell->contains("paper_seconds")
-                                ? figure((*cell)["paper_seconds"].get<double>(), 4)
+                                ? figure((*cell).at("paper_seconds").get<double>(), 4)
                                 : "");
     }
   }
@@ -79,21 +79,21 @@ std::string details(const Json& runs, const std::string& column) {
   for (const std::string& name : distinct(runs, "row")) {
     const Json* const cell = cell_of(runs, name, column);
     if (cell == nullptr || !cell->contains("result")) continue;
-    const Json& r = (*cell)["result"];
-    const Json& seconds = r["seconds"];
-    rows.push_back({"`" + name + "`", seconds_text(seconds["median"].get<double>()),
-                    seconds_text(seconds["least"].get<double>()) + " .. " +
-                        seconds_text(seconds["most"].get<double>()),
-                    figure(r["flann_ratio"]["median"].get<double>()),
-                    std::to_string(r["iterations"].get<int>()),
-                    std::to_string(r["pairs"].get<std::int64_t>()),
-                    std::to_string(r["swaps"].get<std::int64_t>()),
-                    figure(r["normalized_energy"]["median"].get<double>(), 4),
-                    figure(r["peak_memory_bytes"]["median"].get<double>() / (1 << 20)),
-                    r["capacities_exact"].get<bool>()
+    const Json& r = (*cell).at("result");
+    const Json& seconds = r.at("seconds");
+    rows.push_back({"`" + name + "`", seconds_text(seconds.at("median").get<double>()),
+                    seconds_text(seconds.at("least").get<double>()) + " .. " +
+                        seconds_text(seconds.at("most").get<double>()),
+                    figure(r.at("flann_ratio").at("median").get<double>()),
+                    std::to_string(r.at("iterations").get<int>()),
+                    std::to_string(r.at("pairs").get<std::int64_t>()),
+                    std::to_string(r.at("swaps").get<std::int64_t>()),
+                    figure(r.at("normalized_energy").at("median").get<double>(), 4),
+                    figure(r.at("peak_memory_bytes").at("median").get<double>() / (1 << 20)),
+                    r.at("capacities_exact").get<bool>()
                         ? "exact"
-                        : "error " + figure(r["capacity_error"].get<double>(), 2),
-                    r["termination"].get<std::string>()});
+                        : "error " + figure(r.at("capacity_error").get<double>(), 2),
+                    r.at("termination").get<std::string>()});
   }
   return "### " + column + "\n\n" + markdown_table(rows);
 }
@@ -133,8 +133,8 @@ std::string steps(const Json& runs) {
       rows.back().push_back(figure(seconds_of(before) / seconds_of(after)));
       const bool in_paper = before != nullptr && after != nullptr &&
                             before->contains("paper_seconds") && after->contains("paper_seconds");
-      rows.back().push_back(in_paper ? figure((*before)["paper_seconds"].get<double>() /
-                                              (*after)["paper_seconds"].get<double>())
+      rows.back().push_back(in_paper ? figure((*before).at("paper_seconds").get<double>() /
+                                              (*after).at("paper_seconds").get<double>())
                                      : "");
     }
   }
@@ -161,17 +161,17 @@ std::string verdicts(const Json& runs) {
         ++missing;
         continue;
       }
-      const Json& result = (*cell)["result"];
-      stable = stable && result["termination"] == "stable";
+      const Json& result = (*cell).at("result");
+      stable = stable && result.at("termination") == "stable";
       if (name == "lloyd") continue;
-      exact = exact && result["capacities_exact"].get<bool>();
+      exact = exact && result.at("capacities_exact").get<bool>();
       // Levels change where a run ends, so rows with and without are apart.
       static const std::set<std::string> levelled = {"multilevel", "parallel", "fast-ccvt"};
       const bool flat =
-          (*cell)["paper_row"].get<bool>() ? levelled.count(name) == 0 : name == "one-level";
+          (*cell).at("paper_row").get<bool>() ? levelled.count(name) == 0 : name == "one-level";
       lowest[flat ? 1 : 0] = std::min(lowest[flat ? 1 : 0], energy_of(cell));
       highest[flat ? 1 : 0] = std::max(highest[flat ? 1 : 0], energy_of(cell));
-      if (result["threads"] == 1 && seconds_of(cell) < least) {
+      if (result.at("threads") == 1 && seconds_of(cell) < least) {
         least = seconds_of(cell);
         fastest = name;
       }
@@ -211,9 +211,9 @@ std::string plot_of(const Json& runs, const std::filesystem::path& directory) {
 }  // namespace
 
 std::string report_table1(const Json& record, const std::filesystem::path& directory) {
-  const Json& runs = record["runs"];
+  const Json& runs = record.at("runs");
   std::string text = "## Table 1\n\n";
-  if (record["scale"]["quick"].get<bool>()) {
+  if (record.at("scale").at("quick").get<bool>()) {
     text += "**A quick run: small problems, once each. Not figures to quote.**\n\n";
   }
   text +=
@@ -221,7 +221,7 @@ std::string report_table1(const Json& record, const std::filesystem::path& direc
       "column, rows in turn. One thread but for `parallel`, `fast-ccvt` and `default-parallel`. "
       "\"paper\": Table 1's own seconds, of a quad-core Core i7 920 of 2010. N/A: rows that would "
       "take longer than the budget of " +
-      figure(record["scale"]["budget_seconds"].get<double>(), 3) +
+      figure(record.at("scale").at("budget_seconds").get<double>(), 3) +
       " s, with an estimate: \"about\": seconds a pair, times the pairs of a pass, times the "
       "passes "
       "that a sixteenth of the sites needs; \"above\": what it takes on a smaller size, in "
