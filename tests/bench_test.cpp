@@ -97,7 +97,9 @@ TEST_CASE("axes hold their values, and plots show each series") {
 
 TEST_CASE("a run of one size becomes tables and plots") {
   const test::TemporaryDirectory directory;
-  Record record("table1", {.quick = true}, directory.path());
+  Scale quick;
+  quick.quick = true;
+  Record record("table1", quick, directory.path());
   const auto add = [&](const char* row, bool paper, double seconds) {
     Json run = {{"column", "256x64"}, {"row", row}, {"description", row}, {"paper_row", paper}};
     if (seconds > 0) {
