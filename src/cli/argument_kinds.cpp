@@ -74,7 +74,8 @@ void add_common(CLI::App& app, CommonArguments& common, const std::string& forma
               find_preset(name);
               return std::string();
             } catch (const InvalidInput& error) {
-              return std::string(error.what());
+              const std::string_view reason = error.what();
+              return std::string(reason.substr(reason.find(' ') + 1));  // "--preset: " precedes it
             }
           },
           ""));
