@@ -228,7 +228,7 @@ Result<Scalar> Lloyd<Scalar>::run() {
   result.sites.resize(summary_.dimension, summary_.sites);
   for (Index s = 0; s < summary_.sites; ++s) {
     for (int d = 0; d < summary_.dimension; ++d) {
-      result.sites(d, s) = static_cast<Scalar>(sites_.at(s)[d]);
+      result.sites(d, s) = metric_.template as<Scalar>(sites_.at(s)[d], d);
     }
   }
   result.owners = std::move(owners_);

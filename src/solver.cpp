@@ -283,7 +283,8 @@ Points<Scalar> Solver<Scalar>::sites() const {
   for (Index k = 0; k < i.problem.site_count(); ++k) {
     const double* position = i.sites.at(k);
     for (int d = 0; d < i.problem.dimension(); ++d) {
-      sites(d, i.site_of[static_cast<std::size_t>(k)]) = static_cast<Scalar>(position[d]);
+      sites(d, i.site_of[static_cast<std::size_t>(k)]) =
+          i.metric.template as<Scalar>(position[d], d);
     }
   }
   return sites;

@@ -222,20 +222,20 @@ TEST_CASE("levels are nested, exact, and each point joins once") {
 TEST_CASE("without multilevel, or with small capacities, there is one level") {
   const std::vector<Index> capacities(10, 100);
   Options options;
-  CHECK(ccvt::make_levels(capacities, 1000, options).size() == 3);  // 7, 25, 100 points a site
+  CHECK(ccvt::make_levels(capacities, 1000, options).size() == 2);  // 25, 100 points a site
   options.multilevel = false;
   CHECK(ccvt::make_levels(capacities, 1000, options).size() == 1);
   CHECK(ccvt::make_levels(std::vector<Index>(10, 15), 150, {}).size() == 1);
 }
 
 TEST_CASE("every point is as likely as any to be on the coarsest level") {
-  const std::vector<Index> capacities(4, 16);
-  std::vector<int> chosen(64, 0);
+  const std::vector<Index> capacities(4, 32);
+  std::vector<int> chosen(128, 0);
   constexpr int trials = 4000;
   for (int t = 0; t < trials; ++t) {
     Options options;
     options.seed = static_cast<std::uint64_t>(t);
-    const auto levels = ccvt::make_levels(capacities, 64, options);
+    const auto levels = ccvt::make_levels(capacities, 128, options);
     REQUIRE(levels.size() == 2);
     for (const Index p : levels[0].joining) ++chosen[static_cast<std::size_t>(p)];
   }

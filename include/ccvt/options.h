@@ -72,7 +72,7 @@ struct CCVT_EXPORT Options {
   /// Multi-level optimisation [5.2]: relax a random subset of `level_points` points per site
   /// first, then `level_factor` times as many, and so on. Ends lower and more even than one level.
   bool multilevel = true;
-  int level_points = 4;
+  int level_points = 8;
   int level_factor = 4;
 
   SwapMethod swap = SwapMethod::median;

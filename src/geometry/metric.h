@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "ccvt/domain.h"
@@ -40,6 +42,17 @@ class Metric {
     const auto k = static_cast<std::size_t>(d);
     const double y = x - extent_[k] * std::floor((x - lower_[k]) / extent_[k]);
     return y < lower_[k] + extent_[k] && y >= lower_[k] ? y : lower_[k];
+  }
+
+  /// A coordinate in [lower, upper) as a Scalar that still is.
+  template <class Scalar>
+  [[nodiscard]] Scalar as(double x, int d) const {
+    const auto y = static_cast<Scalar>(x);
+    if (!periodic()) return y;
+    const auto k = static_cast<std::size_t>(d);
+    constexpr auto infinity = std::numeric_limits<Scalar>::infinity();
+    if (static_cast<double>(y) >= lower_[k] + extent_[k]) return std::nextafter(y, -infinity);
+    return static_cast<double>(y) < lower_[k] ? std::nextafter(y, infinity) : y;
   }
 
   template <class A, class B>

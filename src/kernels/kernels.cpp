@@ -30,12 +30,24 @@ HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int di
   return key;
 }
 
+/// Turns are whole numbers, -1, 0 or 1: fused or not, the bits are the same.
 template <class Tag, class Scalar>
-HWY_INLINE hn::Vec<Tag> wrapped_square(Tag tag, hn::Vec<Tag> difference, Scalar extent,
-                                       Scalar inverse) {
+HWY_INLINE hn::Vec<Tag> wrapped(Tag tag, hn::Vec<Tag> difference, Scalar extent, Scalar inverse) {
   const auto turns = hn::Round(hn::Mul(difference, hn::Set(tag, inverse)));
-  const auto wrapped = hn::Sub(difference, hn::Mul(turns, hn::Set(tag, extent)));
-  return hn::Mul(wrapped, wrapped);
+  return hn::NegMulAdd(turns, hn::Set(tag, extent), difference);
+}
+
+template <class Tag, class Scalar>
+HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
+                               WrappedCut<Scalar> cut, Index k) {
+  auto key = hn::Zero(tag);
+  for (int d = 0; d < dimension; ++d) {
+    const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
+    const auto difference =
+        wrapped(tag, hn::Sub(x, hn::Set(tag, cut.middle[d])), cut.extent[d], cut.inverse_extent[d]);
+    key = hn::Add(key, hn::Mul(difference, hn::Set(tag, cut.normal[d])));
+  }
+  return key;
 }
 
 template <class Tag, class Scalar>
@@ -44,11 +56,12 @@ HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int di
   auto key = hn::Zero(tag);
   for (int d = 0; d < dimension; ++d) {
     const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
-    const auto to_a = wrapped_square(tag, hn::Sub(x, hn::Set(tag, cut.a[d])), cut.extent[d],
-                                     cut.inverse_extent[d]);
-    const auto to_b = wrapped_square(tag, hn::Sub(x, hn::Set(tag, cut.b[d])), cut.extent[d],
-                                     cut.inverse_extent[d]);
-    key = hn::Add(key, hn::Sub(to_a, to_b));
+    const auto to = [&](const Scalar* site) HWY_ATTR {
+      return wrapped(tag, hn::Sub(x, hn::Set(tag, site[d])), cut.extent[d], cut.inverse_extent[d]);
+    };
+    const auto to_a = to(cut.a);
+    const auto to_b = to(cut.b);
+    key = hn::Add(key, hn::Sub(hn::Mul(to_a, to_a), hn::Mul(to_b, to_b)));
   }
   return hn::Mul(key, hn::Set(tag, Scalar{0.5}));
 }
@@ -150,24 +163,39 @@ HWY_INLINE Index places_beyond(const Scalar* values, Index count, Scalar thresho
 /// Eight interleaved partial sums whatever the vector width, so that bits do not depend on it.
 constexpr Index kPartials = 8;
 
-template <class Scalar>
-HWY_INLINE double stream_sum(const Scalar* stream, Index count, double origin) {
+/// Differences as they are.
+struct Straight {
+  double operator()(double difference, int) const { return difference; }
+};
+
+/// The shortest difference on a torus.
+struct Around {
+  const double* extent;
+  double operator()(double difference, int d) const {
+    const double turn = difference > extent[d] / 2 ? extent[d] : 0;
+    const double back = difference < -extent[d] / 2 ? extent[d] : 0;
+    return difference - turn + back;
+  }
+};
+
+template <class Scalar, class Shortest>
+HWY_INLINE double stream_sum(const Scalar* stream, Index count, double origin, Shortest shortest) {
   std::array<double, kPartials> sum{};
   Index k = 0;
   for (; k + kPartials <= count; k += kPartials) {
     for (Index l = 0; l < kPartials; ++l) {
-      sum[static_cast<std::size_t>(l)] += static_cast<double>(stream[k + l]) - origin;
+      sum[static_cast<std::size_t>(l)] += shortest(static_cast<double>(stream[k + l]) - origin, 0);
     }
   }
   for (Index l = 0; k < count; ++k, ++l) {
-    sum[static_cast<std::size_t>(l)] += static_cast<double>(stream[k]) - origin;
+    sum[static_cast<std::size_t>(l)] += shortest(static_cast<double>(stream[k]) - origin, 0);
   }
   return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
 }
 
-template <class Scalar, class Dimension>
+template <class Scalar, class Dimension, class Shortest>
 HWY_INLINE Spread block_spread(const Scalar* block, Index count, Dimension dimension,
-                               const double* centre) {
+                               const double* centre, Shortest shortest) {
   std::array<double, kPartials> energy{};
   std::array<double, kPartials> farthest{};
   const auto add = [&](Index k, Index lanes) HWY_ATTR {
@@ -175,7 +203,7 @@ HWY_INLINE Spread block_spread(const Scalar* block, Index count, Dimension dimen
     for (int d = 0; d < dimension; ++d) {
       const Scalar* x = block + static_cast<std::ptrdiff_t>(d) * count + k;
       for (Index l = 0; l < lanes; ++l) {
-        const double difference = static_cast<double>(x[l]) - centre[d];
+        const double difference = shortest(static_cast<double>(x[l]) - centre[d], d);
         squared[static_cast<std::size_t>(l)] += difference * difference;
       }
     }
@@ -193,57 +221,6 @@ HWY_INLINE Spread block_spread(const Scalar* block, Index count, Dimension dimen
     result.squared_radius = std::max(result.squared_radius, farthest[l]);
   }
   return result;
-}
-
-/// Two vectors of points by six sites stay in registers. Multiplications and additions may fuse:
-/// callers allow for rounding.
-template <class Scalar>
-HWY_INLINE void dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,
-                     const Scalar* sites, Index site_count, Scalar* largest) {
-  const hn::ScalableTag<Scalar> wide;
-  const auto lanes = static_cast<Index>(hn::Lanes(wide));
-  for (Index s = 0; s < site_count; s += kDotSites) {
-    const Scalar* site = sites + static_cast<std::ptrdiff_t>(s) * dimension;
-    const auto lowest = hn::Set(wide, std::numeric_limits<Scalar>::lowest());
-    auto m0 = lowest, m1 = lowest, m2 = lowest, m3 = lowest, m4 = lowest, m5 = lowest;
-    for (Index k = 0; k < stride; k += 2 * lanes) {
-      const auto zero = hn::Zero(wide);
-      auto a0 = zero, a1 = zero, a2 = zero, a3 = zero, a4 = zero, a5 = zero;
-      auto b0 = zero, b1 = zero, b2 = zero, b3 = zero, b4 = zero, b5 = zero;
-      const Scalar* x = block + k;
-      for (int d = 0; d < dimension; ++d, x += stride) {
-        const auto xa = hn::LoadU(wide, x);
-        const auto xb = hn::LoadU(wide, x + lanes);
-        const auto add = [&](auto& a, auto& b, std::ptrdiff_t which) HWY_ATTR {
-          const auto y = hn::Set(wide, site[which * dimension + d]);
-          a = hn::MulAdd(xa, y, a);
-          b = hn::MulAdd(xb, y, b);
-        };
-        add(a0, b0, 0);
-        add(a1, b1, 1);
-        add(a2, b2, 2);
-        add(a3, b3, 3);
-        add(a4, b4, 4);
-        add(a5, b5, 5);
-      }
-      const auto oa = hn::LoadU(wide, offset + k);
-      const auto ob = hn::LoadU(wide, offset + k + lanes);
-      const auto keep = [&](auto& m, const auto& a, const auto& b)
-                            HWY_ATTR { m = hn::Max(m, hn::Max(hn::Sub(a, oa), hn::Sub(b, ob))); };
-      keep(m0, a0, b0);
-      keep(m1, a1, b1);
-      keep(m2, a2, b2);
-      keep(m3, a3, b3);
-      keep(m4, a4, b4);
-      keep(m5, a5, b5);
-    }
-    largest[s] = hn::GetLane(hn::MaxOfLanes(wide, m0));
-    largest[s + 1] = hn::GetLane(hn::MaxOfLanes(wide, m1));
-    largest[s + 2] = hn::GetLane(hn::MaxOfLanes(wide, m2));
-    largest[s + 3] = hn::GetLane(hn::MaxOfLanes(wide, m3));
-    largest[s + 4] = hn::GetLane(hn::MaxOfLanes(wide, m4));
-    largest[s + 5] = hn::GetLane(hn::MaxOfLanes(wide, m5));
-  }
 }
 
 /// A position is left as soon as the dimensions seen so far put it beyond the best. Sums are made
@@ -282,47 +259,40 @@ Index nearest_of_positions(const double* query, const double* positions, Index c
   return nearest;
 }
 
-#define CCVT_FOR_SCALAR(Scalar, Name)                                                              \
-  Extremes<Scalar> Name##_extremes(const Scalar* block, Index count, int dimension,                \
-                                   Cut<Scalar> cut) {                                              \
-    return any_extremes(block, count, dimension, cut);                                             \
-  }                                                                                                \
-  Extremes<Scalar> Name##_torus_extremes(const Scalar* block, Index count, int dimension,          \
-                                         TorusCut<Scalar> cut) {                                   \
-    return any_extremes(block, count, dimension, cut);                                             \
-  }                                                                                                \
-  void Name##_keys(const Scalar* block, Index count, int dimension, Cut<Scalar> cut,               \
-                   Scalar* out) {                                                                  \
-    any_keys(block, count, dimension, cut, out);                                                   \
-  }                                                                                                \
-  void Name##_torus_keys(const Scalar* block, Index count, int dimension, TorusCut<Scalar> cut,    \
-                         Scalar* out) {                                                            \
-    any_keys(block, count, dimension, cut, out);                                                   \
-  }                                                                                                \
-  Index Name##_above(const Scalar* values, Index count, Scalar threshold, Index* places) {         \
-    return places_beyond<true>(values, count, threshold, places);                                  \
-  }                                                                                                \
-  Index Name##_below(const Scalar* values, Index count, Scalar threshold, Index* places) {         \
-    return places_beyond<false>(values, count, threshold, places);                                 \
-  }                                                                                                \
-  void Name##_dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,         \
-                   const Scalar* sites, Index site_count, Scalar* largest) {                       \
-    dots(block, stride, dimension, offset, sites, site_count, largest);                            \
-  }                                                                                                \
-  Index Name##_dot_points() {                                                                      \
-    return 2 * static_cast<Index>(hn::Lanes(hn::ScalableTag<Scalar>()));                           \
-  }                                                                                                \
-  double Name##_sum(const Scalar* stream, Index count, double origin) {                            \
-    return stream_sum(stream, count, origin);                                                      \
-  }                                                                                                \
-  Spread Name##_spread(const Scalar* block, Index count, int dimension, const double* centre) {    \
-    return with_dimension(dimension,                                                               \
-                          [=](auto d) HWY_ATTR { return block_spread(block, count, d, centre); }); \
+#define CCVT_FOR_CUT(Scalar, Name, AnyCut)                                                        \
+  Extremes<Scalar> Name##_extremes(const Scalar* block, Index count, int dimension, AnyCut cut) { \
+    return any_extremes(block, count, dimension, cut);                                            \
+  }                                                                                               \
+  void Name##_keys(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out) {    \
+    any_keys(block, count, dimension, cut, out);                                                  \
+  }
+
+#define CCVT_FOR_SCALAR(Scalar, Name)                                                         \
+  CCVT_FOR_CUT(Scalar, Name, Cut<Scalar>)                                                     \
+  CCVT_FOR_CUT(Scalar, Name##_wrapped, WrappedCut<Scalar>)                                    \
+  CCVT_FOR_CUT(Scalar, Name##_torus, TorusCut<Scalar>)                                        \
+  Index Name##_above(const Scalar* values, Index count, Scalar threshold, Index* places) {    \
+    return places_beyond<true>(values, count, threshold, places);                             \
+  }                                                                                           \
+  Index Name##_below(const Scalar* values, Index count, Scalar threshold, Index* places) {    \
+    return places_beyond<false>(values, count, threshold, places);                            \
+  }                                                                                           \
+  double Name##_sum(const Scalar* stream, Index count, double origin, double extent) {        \
+    return extent > 0 ? stream_sum(stream, count, origin, Around{&extent})                    \
+                      : stream_sum(stream, count, origin, Straight{});                        \
+  }                                                                                           \
+  Spread Name##_spread(const Scalar* block, Index count, int dimension, const double* centre, \
+                       const double* extent) {                                                \
+    return with_dimension(dimension, [=](auto d) HWY_ATTR {                                   \
+      return extent != nullptr ? block_spread(block, count, d, centre, Around{extent})        \
+                               : block_spread(block, count, d, centre, Straight{});           \
+    });                                                                                       \
   }
 
 CCVT_FOR_SCALAR(float, float32)
 CCVT_FOR_SCALAR(double, float64)
 #undef CCVT_FOR_SCALAR
+#undef CCVT_FOR_CUT
 
 }  // namespace HWY_NAMESPACE
 }  // namespace ccvt::kernels
@@ -331,60 +301,42 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ccvt::kernels {
 
-#define CCVT_DISPATCH(Scalar, Name)                                                               \
-  HWY_EXPORT(Name##_extremes);                                                                    \
-  HWY_EXPORT(Name##_torus_extremes);                                                              \
-  HWY_EXPORT(Name##_keys);                                                                        \
-  HWY_EXPORT(Name##_torus_keys);                                                                  \
-  HWY_EXPORT(Name##_above);                                                                       \
-  HWY_EXPORT(Name##_below);                                                                       \
-  HWY_EXPORT(Name##_sum);                                                                         \
-  HWY_EXPORT(Name##_spread);                                                                      \
-  HWY_EXPORT(Name##_dots);                                                                        \
-  HWY_EXPORT(Name##_dot_points);                                                                  \
-  template <>                                                                                     \
-  void largest_dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,       \
-                    const Scalar* sites, Index site_count, Scalar* largest) {                     \
-    HWY_DYNAMIC_DISPATCH(Name##_dots)                                                             \
-    (block, stride, dimension, offset, sites, site_count, largest);                               \
-  }                                                                                               \
-  template <>                                                                                     \
-  Index dot_points<Scalar>() {                                                                    \
-    return HWY_DYNAMIC_DISPATCH(Name##_dot_points)();                                             \
-  }                                                                                               \
-  template <>                                                                                     \
-  Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension,                  \
-                                Cut<Scalar> cut) {                                                \
-    return HWY_DYNAMIC_DISPATCH(Name##_extremes)(block, count, dimension, cut);                   \
-  }                                                                                               \
-  template <>                                                                                     \
-  Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension,                  \
-                                TorusCut<Scalar> cut) {                                           \
-    return HWY_DYNAMIC_DISPATCH(Name##_torus_extremes)(block, count, dimension, cut);             \
-  }                                                                                               \
-  template <>                                                                                     \
-  void keys(const Scalar* block, Index count, int dimension, Cut<Scalar> cut, Scalar* out) {      \
-    HWY_DYNAMIC_DISPATCH(Name##_keys)(block, count, dimension, cut, out);                         \
-  }                                                                                               \
-  template <>                                                                                     \
-  void keys(const Scalar* block, Index count, int dimension, TorusCut<Scalar> cut, Scalar* out) { \
-    HWY_DYNAMIC_DISPATCH(Name##_torus_keys)(block, count, dimension, cut, out);                   \
-  }                                                                                               \
-  template <>                                                                                     \
-  Index places_above(const Scalar* values, Index count, Scalar threshold, Index* places) {        \
-    return HWY_DYNAMIC_DISPATCH(Name##_above)(values, count, threshold, places);                  \
-  }                                                                                               \
-  template <>                                                                                     \
-  Index places_below(const Scalar* values, Index count, Scalar threshold, Index* places) {        \
-    return HWY_DYNAMIC_DISPATCH(Name##_below)(values, count, threshold, places);                  \
-  }                                                                                               \
-  template <>                                                                                     \
-  double sum_from(const Scalar* stream, Index count, double origin) {                             \
-    return HWY_DYNAMIC_DISPATCH(Name##_sum)(stream, count, origin);                               \
-  }                                                                                               \
-  template <>                                                                                     \
-  Spread spread_around(const Scalar* block, Index count, int dimension, const double* centre) {   \
-    return HWY_DYNAMIC_DISPATCH(Name##_spread)(block, count, dimension, centre);                  \
+#define CCVT_DISPATCH_CUT(Scalar, Name, AnyCut)                                                \
+  HWY_EXPORT(Name##_extremes);                                                                 \
+  HWY_EXPORT(Name##_keys);                                                                     \
+  template <>                                                                                  \
+  Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension, AnyCut cut) { \
+    return HWY_DYNAMIC_DISPATCH(Name##_extremes)(block, count, dimension, cut);                \
+  }                                                                                            \
+  template <>                                                                                  \
+  void keys(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out) {        \
+    HWY_DYNAMIC_DISPATCH(Name##_keys)(block, count, dimension, cut, out);                      \
+  }
+
+#define CCVT_DISPATCH(Scalar, Name)                                                           \
+  CCVT_DISPATCH_CUT(Scalar, Name, Cut<Scalar>)                                                \
+  CCVT_DISPATCH_CUT(Scalar, Name##_wrapped, WrappedCut<Scalar>)                               \
+  CCVT_DISPATCH_CUT(Scalar, Name##_torus, TorusCut<Scalar>)                                   \
+  HWY_EXPORT(Name##_above);                                                                   \
+  HWY_EXPORT(Name##_below);                                                                   \
+  HWY_EXPORT(Name##_sum);                                                                     \
+  HWY_EXPORT(Name##_spread);                                                                  \
+  template <>                                                                                 \
+  Index places_above(const Scalar* values, Index count, Scalar threshold, Index* places) {    \
+    return HWY_DYNAMIC_DISPATCH(Name##_above)(values, count, threshold, places);              \
+  }                                                                                           \
+  template <>                                                                                 \
+  Index places_below(const Scalar* values, Index count, Scalar threshold, Index* places) {    \
+    return HWY_DYNAMIC_DISPATCH(Name##_below)(values, count, threshold, places);              \
+  }                                                                                           \
+  template <>                                                                                 \
+  double sum_from(const Scalar* stream, Index count, double origin, double extent) {          \
+    return HWY_DYNAMIC_DISPATCH(Name##_sum)(stream, count, origin, extent);                   \
+  }                                                                                           \
+  template <>                                                                                 \
+  Spread spread_around(const Scalar* block, Index count, int dimension, const double* centre, \
+                       const double* extent) {                                                \
+    return HWY_DYNAMIC_DISPATCH(Name##_spread)(block, count, dimension, centre, extent);      \
   }
 
 HWY_EXPORT(nearest_of_positions);
@@ -395,6 +347,7 @@ Index nearest_position(const double* query, const double* positions, Index count
 CCVT_DISPATCH(float, float32)
 CCVT_DISPATCH(double, float64)
 #undef CCVT_DISPATCH
+#undef CCVT_DISPATCH_CUT
 
 }  // namespace ccvt::kernels
 #endif

@@ -17,6 +17,16 @@ struct Cut {
   const Scalar* normal;
 };
 
+/// The same on a torus for cells that fit in a common frame but cross the box's faces: key(p) = sum
+/// over d of (p_d - middle_d, wrapped) * normal_d.
+template <class Scalar>
+struct WrappedCut {
+  const Scalar* middle;
+  const Scalar* normal;
+  const Scalar* extent;
+  const Scalar* inverse_extent;
+};
+
 /// The same on a torus for cells that have no common frame: key(p) = (|p - a|^2 - |p - b|^2) / 2
 /// with wrapped differences. The larger the key, the more a point belongs to b.
 template <class Scalar>
@@ -33,18 +43,13 @@ struct Extremes {
   Scalar highest;
 };
 
-/// The extreme keys of a block of `count` >= 1 points.
-template <class Scalar>
-Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension, Cut<Scalar> cut);
-template <class Scalar>
-Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension,
-                              TorusCut<Scalar> cut);
+/// The extreme keys of a block of `count` >= 1 points. AnyCut is one of the three.
+template <class Scalar, class AnyCut>
+Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension, AnyCut cut);
 
 /// The keys of a block of points.
-template <class Scalar>
-void keys(const Scalar* block, Index count, int dimension, Cut<Scalar> cut, Scalar* out);
-template <class Scalar>
-void keys(const Scalar* block, Index count, int dimension, TorusCut<Scalar> cut, Scalar* out);
+template <class Scalar, class AnyCut>
+void keys(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out);
 
 /// The places, ascending, of values above (below) a threshold; returns how many there are.
 template <class Scalar>
@@ -52,32 +57,23 @@ Index places_above(const Scalar* values, Index count, Scalar threshold, Index* p
 template <class Scalar>
 Index places_below(const Scalar* values, Index count, Scalar threshold, Index* places);
 
-/// The sums of coordinates[k] - origin over one stream, in eight interleaved partial sums.
+/// The sum of coordinates[k] - origin over one stream, in eight interleaved partial sums; of the
+/// shortest differences on a torus when `extent` is not 0.
 template <class Scalar>
-double sum_from(const Scalar* stream, Index count, double origin);
+double sum_from(const Scalar* stream, Index count, double origin, double extent);
 
 struct Spread {
   double energy;          ///< sum of squared distances to the centre
   double squared_radius;  ///< largest squared distance to the centre
 };
 
-/// How a block is spread around `centre` (Euclidean).
+/// How a block is spread around `centre`; on a torus when `extent` is given.
 template <class Scalar>
-Spread spread_around(const Scalar* block, Index count, int dimension, const double* centre);
+Spread spread_around(const Scalar* block, Index count, int dimension, const double* centre,
+                     const double* extent);
 
 /// The number of the position nearest to `query` (Euclidean), the first of several. `positions`:
 /// `count` >= 1 of them, `dimension` values each, one after the other.
 Index nearest_position(const double* query, const double* positions, Index count, int dimension);
-
-/// For each of `sites` sites (a multiple of kDotSites, `dimension` values each, one after the
-/// other) the largest over the points of (point . site) - offset[point]. `block` has `stride`
-/// points (a multiple of dot_points<Scalar>()). The inner loop of a matrix product, without the
-/// product.
-template <class Scalar>
-void largest_dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,
-                  const Scalar* sites, Index site_count, Scalar* largest);
-constexpr Index kDotSites = 6;
-template <class Scalar>
-Index dot_points();
 
 }  // namespace ccvt::kernels

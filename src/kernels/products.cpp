@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
@@ -149,6 +150,68 @@ double sum_lowered(const float* block, Index stride, Index count, int dimension,
   return total;
 }
 
+/// Two vectors of points by six sites stay in registers.
+template <class Scalar>
+HWY_INLINE void dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,
+                     const Scalar* sites, Index site_count, Scalar* largest) {
+  const hn::ScalableTag<Scalar> wide;
+  const auto lanes = static_cast<Index>(hn::Lanes(wide));
+  for (Index s = 0; s < site_count; s += kDotSites) {
+    const Scalar* site = sites + static_cast<std::ptrdiff_t>(s) * dimension;
+    const auto lowest = hn::Set(wide, std::numeric_limits<Scalar>::lowest());
+    auto m0 = lowest, m1 = lowest, m2 = lowest, m3 = lowest, m4 = lowest, m5 = lowest;
+    for (Index k = 0; k < stride; k += 2 * lanes) {
+      const auto zero = hn::Zero(wide);
+      auto a0 = zero, a1 = zero, a2 = zero, a3 = zero, a4 = zero, a5 = zero;
+      auto b0 = zero, b1 = zero, b2 = zero, b3 = zero, b4 = zero, b5 = zero;
+      const Scalar* x = block + k;
+      for (int d = 0; d < dimension; ++d, x += stride) {
+        const auto xa = hn::LoadU(wide, x);
+        const auto xb = hn::LoadU(wide, x + lanes);
+        const auto add = [&](auto& a, auto& b, std::ptrdiff_t which) HWY_ATTR {
+          const auto y = hn::Set(wide, site[which * dimension + d]);
+          a = hn::MulAdd(xa, y, a);
+          b = hn::MulAdd(xb, y, b);
+        };
+        add(a0, b0, 0);
+        add(a1, b1, 1);
+        add(a2, b2, 2);
+        add(a3, b3, 3);
+        add(a4, b4, 4);
+        add(a5, b5, 5);
+      }
+      const auto oa = hn::LoadU(wide, offset + k);
+      const auto ob = hn::LoadU(wide, offset + k + lanes);
+      const auto keep = [&](auto& m, const auto& a, const auto& b)
+                            HWY_ATTR { m = hn::Max(m, hn::Max(hn::Sub(a, oa), hn::Sub(b, ob))); };
+      keep(m0, a0, b0);
+      keep(m1, a1, b1);
+      keep(m2, a2, b2);
+      keep(m3, a3, b3);
+      keep(m4, a4, b4);
+      keep(m5, a5, b5);
+    }
+    largest[s] = hn::GetLane(hn::MaxOfLanes(wide, m0));
+    largest[s + 1] = hn::GetLane(hn::MaxOfLanes(wide, m1));
+    largest[s + 2] = hn::GetLane(hn::MaxOfLanes(wide, m2));
+    largest[s + 3] = hn::GetLane(hn::MaxOfLanes(wide, m3));
+    largest[s + 4] = hn::GetLane(hn::MaxOfLanes(wide, m4));
+    largest[s + 5] = hn::GetLane(hn::MaxOfLanes(wide, m5));
+  }
+}
+
+void float32_dots(const float* block, Index stride, int dimension, const float* offset,
+                  const float* sites, Index site_count, float* largest) {
+  dots(block, stride, dimension, offset, sites, site_count, largest);
+}
+
+void float64_dots(const double* block, Index stride, int dimension, const double* offset,
+                  const double* sites, Index site_count, double* largest) {
+  dots(block, stride, dimension, offset, sites, site_count, largest);
+}
+
+Index float64_points() { return 2 * static_cast<Index>(hn::Lanes(hn::ScalableTag<double>())); }
+
 }  // namespace HWY_NAMESPACE
 }  // namespace ccvt::kernels
 HWY_AFTER_NAMESPACE();
@@ -182,6 +245,34 @@ void lower_squares(const float* block, Index stride, int dimension, const float*
 double lowered_sum(const float* block, Index stride, Index count, int dimension, const float* q,
                    const float* squared) {
   return HWY_DYNAMIC_DISPATCH(sum_lowered)(block, stride, count, dimension, q, squared);
+}
+
+HWY_EXPORT(float32_dots);
+HWY_EXPORT(float64_dots);
+HWY_EXPORT(float64_points);
+
+template <>
+void largest_dots(const float* block, Index stride, int dimension, const float* offset,
+                  const float* sites, Index site_count, float* largest) {
+  HWY_DYNAMIC_DISPATCH(float32_dots)
+  (block, stride, dimension, offset, sites, site_count, largest);
+}
+
+template <>
+void largest_dots(const double* block, Index stride, int dimension, const double* offset,
+                  const double* sites, Index site_count, double* largest) {
+  HWY_DYNAMIC_DISPATCH(float64_dots)
+  (block, stride, dimension, offset, sites, site_count, largest);
+}
+
+template <>
+Index dot_points<float>() {
+  return product_points();
+}
+
+template <>
+Index dot_points<double>() {
+  return HWY_DYNAMIC_DISPATCH(float64_points)();
 }
 
 }  // namespace ccvt::kernels

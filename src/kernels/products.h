@@ -28,4 +28,15 @@ void lower_squares(const float* block, Index stride, int dimension, const float*
 double lowered_sum(const float* block, Index stride, Index count, int dimension, const float* q,
                    const float* squared);
 
+/// For each of `sites` sites (a multiple of kDotSites, `dimension` values each, one after the
+/// other) the largest over the points of (point . site) - offset[point]. `block` has `stride`
+/// points (a multiple of dot_points<Scalar>()). The inner loop of a matrix product, without the
+/// product.
+template <class Scalar>
+void largest_dots(const Scalar* block, Index stride, int dimension, const Scalar* offset,
+                  const Scalar* sites, Index site_count, Scalar* largest);
+constexpr Index kDotSites = 6;
+template <class Scalar>
+Index dot_points();
+
 }  // namespace ccvt::kernels

@@ -85,33 +85,30 @@ class Mover {
     const double* a = sites_.at(from);
     const double* b = sites_.at(to);
     for (std::size_t d = 0; d < middle_.size(); ++d) {
-      if (metric_.periodic()) {
-        middle_[d] = static_cast<Scalar>(a[d]);
-        normal_[d] = static_cast<Scalar>(b[d]);
-      } else {
-        middle_[d] = static_cast<Scalar>((a[d] + b[d]) / 2);
-        normal_[d] = static_cast<Scalar>(b[d] - a[d]);
-      }
+      const double u = metric_.wrap(b[d] - a[d], static_cast<int>(d));
+      middle_[d] = static_cast<Scalar>(a[d] + u / 2);
+      normal_[d] = static_cast<Scalar>(u);
     }
   }
 
   void keys_of(const Scalar* block, Index count) {
+    const int dimension = metric_.dimension();
     if (metric_.periodic()) {
-      kernels::keys(block, count, metric_.dimension(),
-                    kernels::TorusCut<Scalar>{middle_.data(), normal_.data(), extent_.data(),
-                                              inverse_extent_.data()},
+      kernels::keys(block, count, dimension,
+                    kernels::WrappedCut<Scalar>{middle_.data(), normal_.data(), extent_.data(),
+                                                inverse_extent_.data()},
                     keys_.data());
     } else {
-      kernels::keys(block, count, metric_.dimension(),
-                    kernels::Cut<Scalar>{middle_.data(), normal_.data()}, keys_.data());
+      kernels::keys(block, count, dimension, kernels::Cut<Scalar>{middle_.data(), normal_.data()},
+                    keys_.data());
     }
   }
 
   const Metric& metric_;
   const SiteState& sites_;
   Filling<Scalar>& filling_;
-  std::vector<Scalar> middle_;  ///< on a torus: site a
-  std::vector<Scalar> normal_;  ///< on a torus: site b
+  std::vector<Scalar> middle_;
+  std::vector<Scalar> normal_;
   std::vector<Scalar> extent_;
   std::vector<Scalar> inverse_extent_;
   std::vector<Scalar> keys_;

@@ -53,10 +53,9 @@ void NearestSites<Scalar>::for_ring(const Index* centre, Index ring, Visit visit
     const Index step = d == 0 && !on_ring && ring > 0 ? 2 * ring : 1;
     for (Index offset = -ring; offset <= ring; offset += step) {
       Index k = centre[d] + offset;
-      if (metric_.periodic()) {
-        k = (k + count) % count;
-      } else if (k < 0 || k >= count) {
-        continue;
+      if (k < 0 || k >= count) {
+        if (!metric_.periodic()) continue;
+        k += k < 0 ? count : -count;
       }
       const bool reaches = on_ring || offset == ring || offset == -ring;
       const std::size_t next =
@@ -86,7 +85,7 @@ void NearestSites<Scalar>::sites_around(const SitesByBlock& sites, const Index* 
         Offset found{sites.site[k], 0, {}};
         for (std::size_t d = 0; d < dimension; ++d) {
           found.from_centre[d] =
-              metric_.wrap(sites_.at(found.site)[d] - centre[d], static_cast<int>(d));
+              metric_.wrap(sites.position[k * dimension + d] - centre[d], static_cast<int>(d));
           found.squared += found.from_centre[d] * found.from_centre[d];
         }
         nearest = std::min(nearest, found.squared);
@@ -110,20 +109,19 @@ void NearestSites<Scalar>::sites_around(const SitesByBlock& sites, const Index* 
   around.clear();
 }
 
-/// Of the sites around a block, those that no other keeps from being nearest in the cell at
-/// `cell_centre` (from the block's centre): s is out when the nearest to the cell's centre, c, is
-/// nearer than s in all of the cell, which is when it is at each of its corners, as
-/// |x - s|^2 - |x - c|^2 is linear in x.
+/// Of the sites around a block, those that no other keeps from being nearest in the region
+/// `cells_wide` around `centre` (from the block's centre): s is out when the nearest to the
+/// region's centre, c, is nearer than s in all of it, which is when it is at each of its corners,
+/// as |x - s|^2 - |x - c|^2 is linear in x.
 template <class Scalar>
-void NearestSites<Scalar>::candidates_of(const std::vector<Offset>& around,
-                                         const double* cell_centre,
-                                         std::vector<const Offset*>& near) const {
+void NearestSites<Scalar>::candidates_of(const std::vector<Offset>& around, const double* centre,
+                                         double cells_wide, std::vector<Offset>& near) const {
   near.clear();
   const std::size_t dimension = blocks_.size();
   const auto squared = [&](const Offset& o) {
     double sum = 0;
     for (std::size_t d = 0; d < dimension; ++d) {
-      const double difference = o.from_centre[d] - cell_centre[d];
+      const double difference = o.from_centre[d] - centre[d];
       sum += difference * difference;
     }
     return sum;
@@ -140,11 +138,11 @@ void NearestSites<Scalar>::candidates_of(const std::vector<Offset>& around,
   for (const Offset& o : around) {
     double at_best_corner = squared(o) - least;
     for (std::size_t d = 0; d < dimension; ++d) {
-      at_best_corner -= slack_width_[d] * std::abs(o.from_centre[d] - central->from_centre[d]);
+      at_best_corner -=
+          cells_wide * slack_width_[d] * std::abs(o.from_centre[d] - central->from_centre[d]);
     }
-    if (at_best_corner <= 0) near.push_back(&o);
+    if (at_best_corner <= 0) near.push_back(o);
   }
-  if (near.size() > kMostCandidates) near.clear();
 }
 
 /// False when there are too few blocks for the rings, or too many for the memory.
@@ -186,9 +184,12 @@ auto NearestSites<Scalar>::sort_by_block(std::size_t blocks) const -> SitesByBlo
   }
   for (std::size_t b = 0; b < blocks; ++b) sorted.first[b + 1] += sorted.first[b];
   sorted.site.resize(block_of.size());
+  sorted.position.resize(sites_.position.size());
   std::vector<std::size_t> next(sorted.first.begin(), sorted.first.end() - 1);
   for (Index s = 0; s < sites_.count(); ++s) {
-    sorted.site[next[block_of[static_cast<std::size_t>(s)]]++] = s;
+    const std::size_t place = next[block_of[static_cast<std::size_t>(s)]]++;
+    sorted.site[place] = s;
+    std::copy_n(sites_.at(s), blocks_.size(), &sorted.position[place * blocks_.size()]);
   }
   return sorted;
 }
@@ -214,9 +215,11 @@ void NearestSites<Scalar>::make_grid(const Box& box, const Arena& arena) {
   begin_.assign(blocks * children + 1, 0);
   arena.for_each(chunks.size(), 1, [&](std::size_t c) {
     std::vector<Offset> around;
-    std::vector<const Offset*> near;
+    std::vector<Offset> in_block;
+    std::vector<Offset> in_cell;
     std::array<Index, kMostDimensions> place{};
     std::array<double, kMostDimensions> centre{};
+    const std::array<double, kMostDimensions> here{};
     std::array<double, kMostDimensions> cell_centre{};
     for (std::size_t b = c * kChunk; b < std::min((c + 1) * kChunk, blocks); ++b) {
       std::size_t rest = b;
@@ -227,16 +230,18 @@ void NearestSites<Scalar>::make_grid(const Box& box, const Arena& arena) {
         centre[d] = lower_[d] + (2 * static_cast<double>(place[d]) + 1) * width_[d];
       }
       sites_around(sites, place.data(), centre.data(), around);
+      candidates_of(around, here.data(), 2, in_block);
       for (std::size_t child = 0; child < children; ++child) {
         for (std::size_t d = 0; d < dimension; ++d) {
           cell_centre[d] = ((child >> d) % 2 == 0 ? -0.5 : 0.5) * width_[d];
         }
-        candidates_of(around, cell_centre.data(), near);
-        begin_[b * children + child + 1] = static_cast<std::uint32_t>(near.size());
-        for (const Offset* o : near) {
-          chunks[c].site.push_back(o->site);
+        candidates_of(in_block, cell_centre.data(), 1, in_cell);
+        if (in_cell.size() > kMostCandidates) in_cell.clear();
+        begin_[b * children + child + 1] = static_cast<std::uint32_t>(in_cell.size());
+        for (const Offset& o : in_cell) {
+          chunks[c].site.push_back(o.site);
           for (std::size_t d = 0; d < dimension; ++d) {
-            chunks[c].position.push_back(centre[d] + o->from_centre[d]);
+            chunks[c].position.push_back(centre[d] + o.from_centre[d]);
           }
         }
       }

@@ -35,6 +35,7 @@ class NearestSites {
   struct SitesByBlock {
     std::vector<std::size_t> first;  ///< of block b: site[first[b]] .. site[first[b + 1] - 1]
     std::vector<Index> site;
+    std::vector<double> position;
   };
   /// A site, as seen from the centre of a block.
   struct Offset {
@@ -52,8 +53,8 @@ class NearestSites {
   [[nodiscard]] std::size_t cell_of(const double* position) const;
   void sites_around(const SitesByBlock& sites, const Index* place, const double* centre,
                     std::vector<Offset>& around) const;
-  void candidates_of(const std::vector<Offset>& around, const double* cell_centre,
-                     std::vector<const Offset*>& near) const;
+  void candidates_of(const std::vector<Offset>& around, const double* centre, double cells_wide,
+                     std::vector<Offset>& near) const;
   template <class Visit>
   void for_ring(const Index* centre, Index ring, Visit visit) const;
 

@@ -39,16 +39,22 @@ std::vector<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
                                 std::span<const Pair> pairs) {
   const SiteGraph graph(sites.count(), pairs);
   std::vector<Pair> kept;
-  for (const auto& [a, b] : pairs) {
-    const double length = metric.squared_distance(sites.at(a), sites.at(b));
-    const auto between = [&, i = a, j = b](Index k) {
-      return k != i && k != j &&
-             metric.squared_distance(sites.at(i), sites.at(k)) +
-                     metric.squared_distance(sites.at(j), sites.at(k)) <
-                 length;
-    };
-    const auto around = graph.neighbours(a);
-    if (std::none_of(around.begin(), around.end(), between)) kept.emplace_back(a, b);
+  std::vector<std::pair<double, Index>> nearest_first;
+  for (Index a = 0; a < sites.count(); ++a) {
+    nearest_first.clear();
+    for (const Index b : graph.neighbours(a)) {
+      nearest_first.emplace_back(metric.squared_distance(sites.at(a), sites.at(b)), b);
+    }
+    std::sort(nearest_first.begin(), nearest_first.end());
+    for (auto next = nearest_first.begin(); next != nearest_first.end(); ++next) {
+      const auto [length, b] = *next;
+      if (b < a) continue;
+      const auto between = [&, length = length, b = b](const std::pair<double, Index>& other) {
+        const auto& [squared, k] = other;
+        return squared + metric.squared_distance(sites.at(b), sites.at(k)) < length;
+      };
+      if (std::none_of(nearest_first.begin(), next, between)) kept.emplace_back(a, b);
+    }
   }
   return kept;
 }

@@ -11,6 +11,8 @@ namespace ccvt {
 namespace {
 
 constexpr double kHalfUlp = 0x1p-53;
+/// Of the torus's extent. Not one half: rounding must not decide which image is the nearest.
+constexpr double kLargestFrame = 0.499;
 
 }  // namespace
 
@@ -50,8 +52,9 @@ void PairSwapper<Scalar>::place_cut(const SiteState& sites, Index i, Index j) {
   const auto a = static_cast<std::size_t>(i);
   const auto b = static_cast<std::size_t>(j);
   const double radius = std::max(sites.radius[a], sites.radius[b]);
-  one_frame_ = !metric_.periodic() || (sites.compact[a] != 0 && sites.compact[b] != 0);
-  shifted_ = false;
+  const bool compact = !metric_.periodic() || (sites.compact[a] != 0 && sites.compact[b] != 0);
+  frame_ = compact ? Frame::plain : Frame::wrapped;
+  shifted_ = !compact;
   double squared_length = 0;
   for (std::size_t d = 0; d < normal_.size(); ++d) {
     const double raw = site_j_[d] - site_i_[d];
@@ -61,7 +64,9 @@ void PairSwapper<Scalar>::place_cut(const SiteState& sites, Index i, Index j) {
     middle_i_[d] = site_i_[d] + u / 2;
     middle_j_[d] = u == raw ? middle_i_[d] : site_j_[d] - u / 2;
     shifted_ = shifted_ || u != raw;
-    if (metric_.periodic() && std::abs(u) + radius > metric_.extent()[d] / 2) one_frame_ = false;
+    if (metric_.periodic() && std::abs(u) + radius > kLargestFrame * metric_.extent()[d]) {
+      frame_ = Frame::none;
+    }
   }
   length_ = std::sqrt(squared_length);
   const auto terms = static_cast<double>(normal_.size() + 4);
@@ -69,20 +74,16 @@ void PairSwapper<Scalar>::place_cut(const SiteState& sites, Index i, Index j) {
   // much as coordinates are; else both see the same one, and its rounding does not matter.
   const double placement = metric_.largest_extent() + coordinate_bound_;
   const double reach = length_ + radius;
-  const double size =
-      one_frame_ ? length_ * (reach + (shifted_ ? placement : 0)) : reach * (reach + placement);
+  const double size = frame_ != Frame::none ? length_ * (reach + (shifted_ ? placement : 0))
+                                            : reach * (reach + placement);
   rounding_ = 4 * terms * kHalfUlp * size;
   tolerance_ = 2 * terms * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * size +
                terms * static_cast<double>(std::numeric_limits<Scalar>::min());
   for (std::size_t d = 0; d < normal_.size(); ++d) {
-    if (one_frame_) {
-      scalar_normal_[d] = static_cast<Scalar>(normal_[d]);
-      scalar_middle_i_[d] = static_cast<Scalar>(middle_i_[d]);
-      scalar_middle_j_[d] = static_cast<Scalar>(middle_j_[d]);
-    } else {
-      scalar_middle_i_[d] = static_cast<Scalar>(site_i_[d]);
-      scalar_middle_j_[d] = static_cast<Scalar>(site_j_[d]);
-    }
+    const bool plane = frame_ != Frame::none;
+    scalar_normal_[d] = static_cast<Scalar>(normal_[d]);
+    scalar_middle_i_[d] = static_cast<Scalar>(plane ? middle_i_[d] : site_i_[d]);
+    scalar_middle_j_[d] = static_cast<Scalar>(plane ? middle_j_[d] : site_j_[d]);
   }
 }
 
@@ -92,11 +93,14 @@ double PairSwapper<Scalar>::exact_key(const Scalar* block, Index count, Index pl
   double key = 0;
   const Scalar* x = block + place;
   for (std::size_t d = 0; d < normal_.size(); ++d, x += count) {
-    if (one_frame_) {
+    const auto k = static_cast<int>(d);
+    if (frame_ == Frame::plain) {
       key += (static_cast<double>(*x) - middle[d]) * normal_[d];
+    } else if (frame_ == Frame::wrapped) {
+      key += metric_.wrap(static_cast<double>(*x) - middle_i_[d], k) * normal_[d];
     } else {
-      const double to_i = metric_.wrap(static_cast<double>(*x) - site_i_[d], static_cast<int>(d));
-      const double to_j = metric_.wrap(static_cast<double>(*x) - site_j_[d], static_cast<int>(d));
+      const double to_i = metric_.wrap(static_cast<double>(*x) - site_i_[d], k);
+      const double to_j = metric_.wrap(static_cast<double>(*x) - site_j_[d], k);
       key += (to_i * to_i - to_j * to_j) / 2;
     }
   }
@@ -107,32 +111,50 @@ double PairSwapper<Scalar>::exact_key(const Scalar* block, Index count, Index pl
 template <class Scalar>
 void PairSwapper<Scalar>::exact_keys(const Scalar* block, Index count,
                                      const std::vector<double>& middle) {
-  const auto size = static_cast<std::size_t>(count);
-  per_point_.assign(size, 0.0);
-  if (!one_frame_) {
-    for (std::size_t d = 0; d < normal_.size(); ++d, block += count) {
-      const double extent = metric_.extent()[d];
-      const auto squared = [extent](double difference) {
-        const double short_way = std::abs(difference) > extent / 2 ? extent - std::abs(difference)
-                                                                   : std::abs(difference);
-        return short_way * short_way;
-      };
-      const double at_i = site_i_[d];
-      const double at_j = site_j_[d];
-      for (std::size_t k = 0; k < size; ++k) {
-        const auto x = static_cast<double>(block[k]);
-        per_point_[k] += (squared(x - at_i) - squared(x - at_j)) / 2;
-      }
-    }
-    return;
-  }
+  per_point_.assign(static_cast<std::size_t>(count), 0.0);
   for (std::size_t d = 0; d < normal_.size(); ++d, block += count) {
-    const double origin = middle[d];
     const double along = normal_[d];
-    for (std::size_t k = 0; k < size; ++k) {
-      per_point_[k] += (static_cast<double>(block[k]) - origin) * along;
+    const auto add = [&](auto term) {
+      for (std::size_t k = 0; k < per_point_.size(); ++k) {
+        per_point_[k] += term(static_cast<double>(block[k]));
+      }
+    };
+    if (frame_ == Frame::plain) {
+      add([along, origin = middle[d]](double x) { return (x - origin) * along; });
+      continue;
+    }
+    const auto shortest = [extent = metric_.extent()[d]](double difference) {
+      const double turn = difference > extent / 2 ? extent : 0;
+      const double back = difference < -extent / 2 ? extent : 0;
+      return difference - turn + back;
+    };
+    if (frame_ == Frame::wrapped) {
+      add([=, origin = middle_i_[d]](double x) { return shortest(x - origin) * along; });
+    } else {
+      add([=, at_i = site_i_[d], at_j = site_j_[d]](double x) {
+        const double to_i = shortest(x - at_i);
+        const double to_j = shortest(x - at_j);
+        return (to_i * to_i - to_j * to_j) / 2;
+      });
     }
   }
+}
+
+/// Calls `visit` with the cut as the kernels see it from one cell.
+template <class Scalar>
+template <class Visit>
+auto PairSwapper<Scalar>::with_cut(const std::vector<Scalar>& middle, Visit visit) const {
+  switch (frame_) {
+    case Frame::plain:
+      break;
+    case Frame::wrapped:
+      return visit(kernels::WrappedCut<Scalar>{scalar_middle_i_.data(), scalar_normal_.data(),
+                                               extent_.data(), inverse_extent_.data()});
+    case Frame::none:
+      return visit(kernels::TorusCut<Scalar>{scalar_middle_i_.data(), scalar_middle_j_.data(),
+                                             extent_.data(), inverse_extent_.data()});
+  }
+  return visit(kernels::Cut<Scalar>{middle.data(), scalar_normal_.data()});
 }
 
 template <class Scalar>
@@ -140,31 +162,17 @@ void PairSwapper<Scalar>::compute_keys(const Scalar* block, Index count,
                                        const std::vector<Scalar>& middle,
                                        std::vector<Scalar>& keys) const {
   keys.resize(static_cast<std::size_t>(count));
-  if (one_frame_) {
-    kernels::keys(block, count, metric_.dimension(),
-                  kernels::Cut<Scalar>{middle.data(), scalar_normal_.data()}, keys.data());
-  } else {
-    kernels::keys(block, count, metric_.dimension(),
-                  kernels::TorusCut<Scalar>{scalar_middle_i_.data(), scalar_middle_j_.data(),
-                                            extent_.data(), inverse_extent_.data()},
-                  keys.data());
-  }
+  with_cut(middle,
+           [&](auto cut) { kernels::keys(block, count, metric_.dimension(), cut, keys.data()); });
 }
 
 /// Median-cut pruning [5.2]: no key of cell i is above any key of cell j.
 template <class Scalar>
 bool PairSwapper<Scalar>::already_separated(const Cells<Scalar>& cells, Index i, Index j) {
   const auto extremes = [&](Index cell, const std::vector<Scalar>& middle) {
-    const Scalar* block = cells.block(cell);
-    const Index count = cells.size(cell);
-    if (one_frame_) {
-      return kernels::key_extremes(block, count, metric_.dimension(),
-                                   kernels::Cut<Scalar>{middle.data(), scalar_normal_.data()});
-    }
-    return kernels::key_extremes(
-        block, count, metric_.dimension(),
-        kernels::TorusCut<Scalar>{scalar_middle_i_.data(), scalar_middle_j_.data(), extent_.data(),
-                                  inverse_extent_.data()});
+    return with_cut(middle, [&](auto cut) {
+      return kernels::key_extremes(cells.block(cell), cells.size(cell), metric_.dimension(), cut);
+    });
   };
   highest_i_ = static_cast<double>(extremes(i, scalar_middle_i_).highest) + tolerance_;
   lowest_j_ = static_cast<double>(extremes(j, scalar_middle_j_).lowest) - tolerance_;
@@ -273,7 +281,7 @@ void PairSwapper<Scalar>::exchange(Cells<Scalar>& cells, SiteState& sites, Index
     grow(i, moves_.from_i[k].place);
     grow(j, moves_.from_j[k].place);
   }
-  if (!one_frame_ || shifted_) {
+  if (shifted_ || frame_ == Frame::none) {
     sites.compact[static_cast<std::size_t>(i)] = 0;
     sites.compact[static_cast<std::size_t>(j)] = 0;
   }

@@ -70,6 +70,8 @@ class PairSwapper {
   void within_reach(const Cells<Scalar>& cells, const SiteState& sites, Index cell, Index other,
                     std::vector<Index>& places);
   void exchange(Cells<Scalar>& cells, SiteState& sites, Index i, Index j);
+  template <class Visit>
+  auto with_cut(const std::vector<Scalar>& middle, Visit visit) const;
   void compute_keys(const Scalar* block, Index count, const std::vector<Scalar>& middle,
                     std::vector<Scalar>& keys) const;
 
@@ -79,8 +81,12 @@ class PairSwapper {
   bool median_cut_;
   double coordinate_bound_;
 
-  // The cut between the current pair: a line where both cells fit in one frame, else wrapped.
-  bool one_frame_ = true;
+  /// How the two cells of the current pair lie: as they stand in one frame; in one frame, but
+  /// across the faces of the box; or in none, being too large for the torus.
+  enum class Frame { plain, wrapped, none };
+
+  // The cut between the current pair: a plane where both cells fit in one frame.
+  Frame frame_ = Frame::plain;
   bool shifted_ = false;
   double length_ = 0;
   double tolerance_ = 0;  ///< bounds the error of keys in Scalar

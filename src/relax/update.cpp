@@ -8,41 +8,59 @@
 namespace ccvt {
 namespace {
 
-/// Whether `holds(d, low, high)` for the range of the cell's coordinates along each dimension d.
-template <class Scalar, class Predicate>
-bool ranges_satisfy(const Cells<Scalar>& cells, Index site, int dimension, Predicate holds) {
+template <class Scalar>
+kernels::Extremes<Scalar> range(const Scalar* stream, Index count) {
   const Scalar zero = 0;
   const Scalar one = 1;
-  const Index count = cells.size(site);
-  const Scalar* stream = cells.block(site);
-  for (int d = 0; d < dimension; ++d, stream += count) {
-    const auto range = kernels::key_extremes(stream, count, 1, kernels::Cut<Scalar>{&zero, &one});
-    if (!holds(d, static_cast<double>(range.lowest), static_cast<double>(range.highest))) {
-      return false;
-    }
-  }
-  return true;
+  return kernels::key_extremes(stream, count, 1, kernels::Cut<Scalar>{&zero, &one});
+}
+
+/// The range of the shortest differences on a torus to the stream's first coordinate.
+template <class Scalar>
+kernels::Extremes<Scalar> wrapped_range(const Scalar* stream, Index count, double extent) {
+  const Scalar one = 1;
+  const auto scalar_extent = static_cast<Scalar>(extent);
+  const Scalar inverse = 1 / scalar_extent;
+  return kernels::key_extremes(stream, count, 1,
+                               kernels::WrappedCut<Scalar>{stream, &one, &scalar_extent, &inverse});
 }
 
 /// Whether no point of the cell is nearer to another image of `site`.
 template <class Scalar>
 bool is_compact(const Metric& metric, const Cells<Scalar>& cells, const double* position,
                 Index site) {
-  return ranges_satisfy(cells, site, metric.dimension(), [&](int d, double low, double high) {
+  const Index count = cells.size(site);
+  const Scalar* stream = cells.block(site);
+  for (int d = 0; d < metric.dimension(); ++d, stream += count) {
+    const auto [low, high] = range(stream, count);
     const double half = metric.extent()[d] / 2;
-    return high - position[d] <= half && position[d] - low <= half;
-  });
+    if (static_cast<double>(high) - position[d] > half) return false;
+    if (position[d] - static_cast<double>(low) > half) return false;
+  }
+  return true;
 }
 
-/// Whether the cell is so small, and so far inside the box, that no difference of its points needs
-/// wrapping. Then its centroid is the mean of its coordinates as they stand: the energy around a
-/// mean is half the mean squared distance of all pairs of points, and no choice of images makes any
-/// of these shorter. The bound leaves room for rounding.
+enum class Size { small, small_across_faces, large };
+
+/// Whether the cell is so small that the shortest differences between its points are differences
+/// in one frame. Then its centroid is the mean in that frame: the energy around a mean is half the
+/// mean squared distance of all pairs of points, and no choice of images makes any of these
+/// shorter. The bound leaves room for rounding.
 template <class Scalar>
-bool is_small(const Metric& metric, const Cells<Scalar>& cells, Index site) {
-  return ranges_satisfy(cells, site, metric.dimension(), [&](int d, double low, double high) {
-    return high - low < metric.extent()[d] * 0.49;
-  });
+Size size_on_torus(const Metric& metric, const Cells<Scalar>& cells, Index site) {
+  const Index count = cells.size(site);
+  const Scalar* stream = cells.block(site);
+  Size size = Size::small;
+  for (int d = 0; d < metric.dimension(); ++d, stream += count) {
+    const double extent = metric.extent()[d];
+    const auto is_narrow = [extent](const kernels::Extremes<Scalar>& r) {
+      return static_cast<double>(r.highest) - static_cast<double>(r.lowest) < extent * 0.49;
+    };
+    if (is_narrow(range(stream, count))) continue;
+    size = Size::small_across_faces;
+    if (!is_narrow(wrapped_range(stream, count, extent))) return Size::large;
+  }
+  return size;
 }
 
 /// One move of a site to the centroid of its points' nearest images. Returns whether that made
@@ -85,25 +103,25 @@ void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& si
   const auto s = static_cast<std::size_t>(site);
   double* position = sites.at(site);
   kernels::Spread spread{0, 0};
-  const bool small = !metric.periodic() || is_small(metric, cells, site);
-  const bool plain = small || is_compact(metric, cells, position, site);
-  if (plain) {
-    const Scalar* stream = cells.block(site);
-    for (int d = 0; d < dimension; ++d, stream += count) {
-      // From a point of the cell: a site that is still far away would cost digits.
-      const auto origin = static_cast<double>(stream[0]);
-      position[d] = origin + kernels::sum_from(stream, count, origin) / count;
-    }
-  }
-  if (small || (plain && is_compact(metric, cells, position, site))) {
-    sites.compact[s] = 1;
-    spread = kernels::spread_around(cells.block(site), count, dimension, position);
-  } else {
+  const Size size = metric.periodic() ? size_on_torus(metric, cells, site) : Size::small;
+  if (size == Size::large) {
     double energy = std::numeric_limits<double>::infinity();
     while (move_wrapped(metric, cells, position, site, spread) && spread.energy < energy) {
       energy = spread.energy;
     }
     sites.compact[s] = is_compact(metric, cells, position, site) ? 1 : 0;
+  } else {
+    const double* extent = size == Size::small ? nullptr : metric.extent();
+    const Scalar* stream = cells.block(site);
+    for (int d = 0; d < dimension; ++d, stream += count) {
+      // From a point of the cell: a site that is still far away would cost digits.
+      const auto origin = static_cast<double>(stream[0]);
+      const double around = extent != nullptr ? extent[d] : 0;
+      position[d] =
+          metric.into_box(origin + kernels::sum_from(stream, count, origin, around) / count, d);
+    }
+    spread = kernels::spread_around(cells.block(site), count, dimension, position, extent);
+    sites.compact[s] = size == Size::small ? 1 : 0;
   }
   sites.energy[s] = spread.energy;
   sites.radius[s] = upper_radius(spread.squared_radius, dimension);
