@@ -63,7 +63,7 @@ struct Result {
 
   /// The points of each site.
   [[nodiscard]] Tessellation tessellation() const {
-    return Tessellation(owners, static_cast<Index>(sites.cols()));
+    return {owners, static_cast<Index>(sites.cols())};
   }
 };
 

@@ -121,7 +121,7 @@ std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64
   // Several draws pay where distances are cheap.
   const int draws = dimension <= 8 ? 2 + static_cast<int>(std::log(sites)) : 1;
   for (Index s = 0; s < sites; ++s) {
-    Index chosen = static_cast<Index>(random.below(static_cast<std::uint64_t>(count)));
+    auto chosen = static_cast<Index>(random.below(static_cast<std::uint64_t>(count)));
     if (s > 0) {
       std::transform_inclusive_scan(squared.begin(), squared.begin() + count, sum.begin(),
                                     std::plus<>(), [](float x) { return static_cast<double>(x); });

@@ -20,6 +20,8 @@ ExchangeGraph::ExchangeGraph(std::vector<Index>& capacities, bool floating,
       owners_(owners),
       weights_(weights),
       cells_(capacities.size()),
+      first_option_(owners.size(), -1),
+      own_key_(owners.size(), 0.0),
       count_(capacities.size(), 0),
       start_(weights),
       distance_(capacities.size() + 1, kNone),
@@ -48,65 +50,83 @@ Index ExchangeGraph::slot_of(Cell& cell, Index to) {
     cell.to.push_back(to);
     cell.least.push_back(kNone);
     cell.least_point.push_back(-1);
+    cell.heap.emplace_back();
   }
   return slot;
 }
 
-void ExchangeGraph::insert(Cell& cell, Index point, Index to, double key) {
-  const Index slot = slot_of(cell, to);
-  cell.entries.push_back({point, slot, key});
-  if (key < cell.least[at(slot)]) {
-    cell.least[at(slot)] = key;
-    cell.least_point[at(slot)] = point;
+void ExchangeGraph::insert(Index site, Index to, const Entry& entry) {
+  Cell& c = cell(site);
+  const std::size_t slot = at(slot_of(c, to));
+  c.heap[slot].push_back(entry);
+  std::push_heap(c.heap[slot].begin(), c.heap[slot].end(), std::greater<>());
+  ++c.entries;
+  if (entry < Entry{c.least[slot], c.least_point[slot]} || c.least_point[slot] < 0) {
+    c.least[slot] = entry.key;
+    c.least_point[slot] = entry.point;
+  }
+}
+
+/// Drops what is stale in front of a heap.
+void ExchangeGraph::refresh(Index site, std::size_t slot) {
+  Cell& c = cell(site);
+  std::vector<Entry>& heap = c.heap[slot];
+  while (!heap.empty() && owners_[at(heap.front().point)] != site) {
+    std::pop_heap(heap.begin(), heap.end(), std::greater<>());
+    heap.pop_back();
+    --c.entries;
+    --c.stale;
+  }
+  c.least[slot] = heap.empty() ? kNone : heap.front().key;
+  c.least_point[slot] = heap.empty() ? -1 : heap.front().point;
+}
+
+/// Drops all that is stale in a cell, and all but one entry of points that have come back to it.
+void ExchangeGraph::sweep(Index site) {
+  Cell& c = cell(site);
+  c.entries = 0;
+  c.stale = 0;
+  for (std::vector<Entry>& heap : c.heap) {
+    std::erase_if(heap, [&](const Entry& entry) { return owners_[at(entry.point)] != site; });
+    std::sort(heap.begin(), heap.end());
+    heap.erase(std::unique(heap.begin(), heap.end()), heap.end());
+    c.entries += heap.size();
   }
 }
 
 void ExchangeGraph::add(const Offer& offer) {
-  insert(cell(offer.owner), offer.point, offer.to, offer.key);
+  Index& first = first_option_[at(offer.point)];
+  if (first < 0) {
+    first = static_cast<Index>(options_.size());
+    options_.push_back({offer.owner, -1, 0});
+  }
+  Option& owner = options_[at(first)];
+  const Option option{offer.to, owner.next, own_key_[at(offer.point)] + offer.key};
+  owner.next = static_cast<Index>(options_.size());
+  options_.push_back(option);
+  insert(offer.owner, offer.to, {offer.key, offer.point});
 }
 
 void ExchangeGraph::move(Index point, Index from, Index to) {
-  Cell& source = cell(from);
-  moving_.clear();
-  double key_to = 0;
-  for (std::size_t e = 0; e < source.entries.size();) {
-    const Entry entry = source.entries[e];
-    if (entry.point != point) {
-      ++e;
-      continue;
-    }
-    const Index target = source.to[at(entry.slot)];
-    if (target == to) {
-      key_to = entry.key;
-    } else {
-      moving_.emplace_back(target, entry.key);
-    }
-    if (source.least_point[at(entry.slot)] == point) {
-      source.least[at(entry.slot)] = kNone;
-      source.least_point[at(entry.slot)] = -1;
-      stale_.push_back(entry.slot);
-    }
-    source.entries[e] = source.entries.back();
-    source.entries.pop_back();
-  }
-  if (!stale_.empty()) {
-    // A slot is stale exactly when it has entries but no least point.
-    for (const Entry& entry : source.entries) {
-      double& least = source.least[at(entry.slot)];
-      Index& least_point = source.least_point[at(entry.slot)];
-      if (entry.key < least || (entry.key == least && entry.point < least_point)) {
-        least = entry.key;
-        least_point = entry.point;
-      }
-    }
-    stale_.clear();
-  }
-  Cell& target = cell(to);
-  insert(target, point, from, -key_to);
-  for (const auto& [other, key] : moving_) insert(target, point, other, key - key_to);
   owners_[at(point)] = to;
   --count_[at(from)];
   ++count_[at(to)];
+  double& own_key = own_key_[at(point)];
+  const Index first = first_option_[at(point)];
+  for (Index o = first; o >= 0; o = options_[at(o)].next) {
+    if (options_[at(o)].to == to) own_key = options_[at(o)].key;
+  }
+  Cell& source = cell(from);
+  for (Index o = first; o >= 0; o = options_[at(o)].next) {
+    const Option& option = options_[at(o)];
+    if (option.to != from) {
+      ++source.stale;
+      const std::size_t slot = at(slot_of(source, option.to));
+      if (source.least_point[slot] == point) refresh(from, slot);
+    }
+    if (option.to != to) insert(to, option.to, {option.key - own_key, point});
+  }
+  if (source.stale > source.entries / 2) sweep(from);
 }
 
 /// Reaches `to` along an edge of `from`, if that is the shortest way so far.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -51,22 +52,33 @@ class ExchangeGraph {
   [[nodiscard]] std::int64_t augmentations() const { return augmentations_; }
 
  private:
+  /// An offer of a point, in a list of its own; the first offer is of the owner it came with.
+  struct Option {
+    Index to;
+    Index next;  ///< option of the point, -1: none
+    double key;  ///< what `to` costs more than that first owner
+  };
+  /// What moving a point along an edge costs; stale when the point has moved on.
   struct Entry {
-    Index point;
-    Index slot;
     double key;
+    Index point;
+    friend auto operator<=>(const Entry&, const Entry&) = default;
   };
   struct Cell {
     // Edges, one in each slot.
     std::vector<Index> to;
-    std::vector<double> least;
+    std::vector<double> least;  ///< infinite: no point has an offer left
     std::vector<Index> least_point;
-    std::vector<Entry> entries;
+    std::vector<std::vector<Entry>> heap;  ///< the least in front
+    std::size_t entries = 0;
+    std::size_t stale = 0;
   };
 
   [[nodiscard]] Cell& cell(Index site) { return cells_[static_cast<std::size_t>(site)]; }
   static Index slot_of(Cell& cell, Index to);
-  static void insert(Cell& cell, Index point, Index to, double key);
+  void insert(Index site, Index to, const Entry& entry);
+  void refresh(Index site, std::size_t slot);
+  void sweep(Index site);
   void move(Index point, Index from, Index to);
   enum class Search { found, exhausted, closed };
   /// Shortest paths from `source`, up to the first site with too few points: settled_.back().
@@ -86,6 +98,9 @@ class ExchangeGraph {
   std::vector<Index>& owners_;
   std::vector<double>& weights_;
   std::vector<Cell> cells_;
+  std::vector<Option> options_;
+  std::vector<Index> first_option_;  ///< of each point, -1: none
+  std::vector<double> own_key_;      ///< of each point: what its owner costs more than its first
   std::vector<Index> count_;
   std::vector<double> start_;  ///< the weights that budgets count from
   std::int64_t augmentations_ = 0;
@@ -96,8 +111,6 @@ class ExchangeGraph {
   std::vector<Index> seen_;
   std::vector<Index> settled_;
   std::vector<std::pair<double, Index>> heap_;
-  std::vector<std::pair<Index, double>> moving_;  ///< offers of the point that moves
-  std::vector<Index> stale_;                      ///< slots whose least point leaves
 };
 
 }  // namespace ccvt

@@ -317,7 +317,8 @@ void Pricer<Scalar>::price_block(const Task& task, std::span<const Index> member
   for (Index k = 0; k < count; ++k) {
     const std::vector<Index>& found = scratch.found[static_cast<std::size_t>(k)];
     if (found.size() == 1 && scratch.near[static_cast<std::size_t>(found[0])] == site) continue;
-    decide(task, members[static_cast<std::size_t>(first + k)], site, found, scratch, result);
+    decide(task, members[static_cast<std::size_t>(first) + static_cast<std::size_t>(k)], site,
+           found, scratch, result);
   }
 }
 
