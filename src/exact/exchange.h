@@ -1,6 +1,5 @@
 #pragma once
 
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -62,7 +61,11 @@ class ExchangeGraph {
   struct Entry {
     double key;
     Index point;
-    friend auto operator<=>(const Entry&, const Entry&) = default;
+    bool operator==(const Entry& other) const { return key == other.key && point == other.point; }
+    bool operator<(const Entry& other) const {
+      return key != other.key ? key < other.key : point < other.point;
+    }
+    bool operator>(const Entry& other) const { return other < *this; }
   };
   struct Cell {
     // Edges, one in each slot.

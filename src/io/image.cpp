@@ -47,8 +47,7 @@ void to_colour(const Sample* samples, std::uint64_t full, int channels,
     for (std::size_t c = 0; c < 3; ++c) {
       const std::uint64_t composited =
           samples[channels >= 3 ? c : 0] * opaque + full * (full - opaque);
-      rgb[k + c] =
-          static_cast<std::uint8_t>((2 * 255 * composited + full * full) / (2 * full * full));
+      rgb[k + c] = static_cast<std::uint8_t>((510 * composited + full * full) / (2 * full * full));
     }
   }
 }
