@@ -47,7 +47,7 @@ CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
       ->type_name("NAME")
       ->check(CLI::Validator(
           [](std::string& name) {
-            if (names.count(name) != 0) return std::string();
+            if (names.contains(name)) return std::string();
             return "'" + name + "' is not one of white, jittered, square, hexagonal";
           },
           ""));
@@ -216,7 +216,7 @@ CLI::App* add_quantize(CLI::App& app, QuantizeArguments& arguments) {
       ->type_name("NAME")
       ->check(CLI::Validator(
           [](std::string& name) {
-            if (names.count(name) != 0) return std::string();
+            if (names.contains(name)) return std::string();
             return "'" + name + "' is not one of exact, pairwise, lloyd";
           },
           ""));

@@ -68,7 +68,7 @@ ColourImage picture_of(const Points<double>& blocks, int width, int height, int 
 double peak_signal_to_noise(const ColourImage& a, const ColourImage& b) {
   double sum = 0;
   for (std::size_t k = 0; k < a.rgb.size(); ++k) {
-    sum += std::pow(double{a.rgb[k]} - double{b.rgb[k]}, 2);
+    sum += std::pow(a.rgb[k] - b.rgb[k], 2);
   }
   return 10 * std::log10(255.0 * 255.0 * static_cast<double>(a.rgb.size()) / sum);
 }

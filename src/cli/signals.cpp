@@ -1,6 +1,6 @@
 #include "cli/signals.h"
 
-#include <time.h>
+#include <time.h>  // NOLINT(modernize-deprecated-headers): <ctime> lacks POSIX's clock_gettime()
 #include <unistd.h>
 
 #include <csignal>

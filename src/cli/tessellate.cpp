@@ -13,7 +13,7 @@ namespace ccvt::cli {
 namespace {
 
 Domain make_domain(const TessellateArguments& arguments, int dimension) {
-  if (arguments.box.empty()) return Domain();
+  if (arguments.box.empty()) return {};
   Box box = make_box(arguments.box, dimension, arguments.points.string());
   return arguments.periodic ? Domain::periodic(std::move(box)) : Domain::euclidean(std::move(box));
 }

@@ -26,8 +26,8 @@ std::string parse_list(const std::string& text, std::size_t count, const Range<N
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     const std::string field = text.substr(begin, end - begin);
-    const std::string wrong = field.empty() ? "'" + text + "' has an empty entry"
-                                            : parse_number(field, range, values.emplace_back());
+    std::string wrong = field.empty() ? "'" + text + "' has an empty entry"
+                                      : parse_number(field, range, values.emplace_back());
     if (!wrong.empty()) return wrong;
     begin = end + 1;
   }

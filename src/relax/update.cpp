@@ -79,7 +79,7 @@ bool move_wrapped(const Metric& metric, const Cells<Scalar>& cells, double* posi
     const double shift = sum / count;
     position[d] = metric.into_box(old + shift, d);
     for (Index k = 0; k < count; ++k) {
-      const double x = static_cast<double>(stream[k]);
+      const auto x = static_cast<double>(stream[k]);
       const double before = metric.wrap(x - old, d);
       const double after = metric.wrap(x - position[d], d);
       changed = changed || std::abs(before - shift - after) > metric.extent()[d] / 2;

@@ -45,7 +45,7 @@ Strata::Strata(const Eigen::VectorXd& extent, Index count) : extent_(extent), co
   std::int64_t exact = count;                      // that number while it is whole, else 0
   for (std::size_t i = 0; i + 1 < dimensions; ++i) {
     const double log_side = std::log(extent[order[i]]);
-    const double remaining = static_cast<double>(dimensions - i);
+    const auto remaining = static_cast<double>(dimensions - i);
     const double ideal = std::exp(log_side + (log_mean - log_volume) / remaining);
     log_volume -= log_side;
     std::int64_t parts = exact > 0 ? divisor_near(exact, ideal) : 0;

@@ -95,9 +95,10 @@ void write_array(io::OutputFile& file, const char* name, int components, Eigen::
   std::string bytes;
   append_little(bytes, static_cast<std::uint64_t>(count) * sizeof(Number));
   for (Eigen::Index i = 0; i < count; ++i) append_little(bytes, value(i));
-  file.write("<DataArray type=\"" + type + "\" Name=\"" + name + "\" NumberOfComponents=\"" +
-             std::to_string(components) + "\" format=\"binary\">" + base64(bytes) +
-             "</DataArray>\n");
+  const auto quoted = [](const std::string& text) { return '"' + text + '"'; };
+  file.write("<DataArray type=" + quoted(type) + " Name=" + quoted(name) +
+             " NumberOfComponents=" + quoted(std::to_string(components)) +
+             " format=" + quoted("binary") + '>' + base64(bytes) + "</DataArray>\n");
 }
 
 template <class Scalar>
