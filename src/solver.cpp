@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "ccvt/metrics.h"
 #include "parallel/arena.h"
 #include "relax/initial_sites.h"
 #include "relax/initialize.h"
@@ -197,15 +198,12 @@ void Solver<Scalar>::Implementation::finish(Termination termination) {
     enter_level(level + 1);
   }
   summary.termination = termination;
-  // By logarithms: a volume in high dimension is soon beyond the range of a double.
-  const Eigen::VectorXd extent = box.extent();
-  const double n = problem.site_count();
-  if (extent.minCoeff() > 0) {
-    const double cell_volume_log = extent.array().log().sum() - std::log(n);
-    summary.normalized_energy = summary.energy / problem.point_count() *
-                                std::exp(-2.0 / problem.dimension() * cell_volume_log);
+  if (box.extent().minCoeff() > 0) {
+    summary.normalized_energy =
+        normalized_energy(summary.energy, summary.points, summary.sites, box);
   }
   double capacity_error_sum = 0;
+  const double n = problem.site_count();
   const double mean = problem.point_count() / n;
   for (const Index c : problem.capacities()) {
     capacity_error_sum += std::pow(c / mean - 1, 2);

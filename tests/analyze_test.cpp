@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -21,19 +19,6 @@ namespace ccvt::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Ran {
-  int status;
-  std::string output;
-  std::string errors;
-};
-
-Ran run(const TemporaryDirectory& directory, const std::string& line) {
-  std::istringstream stream(line);
-  Process process(CCVT_PROGRAM, {std::istream_iterator<std::string>(stream), {}}, directory.path());
-  const int status = process.wait();
-  return {status, process.output(), process.errors()};
-}
 
 nlohmann::json json_of(const fs::path& path) { return nlohmann::json::parse(get(path)); }
 

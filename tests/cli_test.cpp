@@ -8,10 +8,8 @@
 #include <cmath>
 #include <csignal>
 #include <cstdint>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,27 +29,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
-
-/// Splits at blanks, as a shell does.
-Arguments words(const std::string& line) {
-  std::istringstream stream(line);
-  return {std::istream_iterator<std::string>(stream), {}};
-}
-
-struct Ran {
-  int status;
-  std::string output;
-  std::string errors;
-};
-
-Ran run(const TemporaryDirectory& directory, const Arguments& arguments) {
-  Process process(CCVT_PROGRAM, arguments, directory.path());
-  const int status = process.wait();
-  return {status, process.output(), process.errors()};
-}
-Ran run(const TemporaryDirectory& directory, const std::string& line) {
-  return run(directory, words(line));
-}
 
 nlohmann::json json_of(const fs::path& path) { return nlohmann::json::parse(get(path)); }
 

@@ -86,8 +86,10 @@ std::vector<PointSet> white_sets(int dimension, Index count, int sets) {
 TEST_SUITE_BEGIN("spectrum");
 
 TEST_CASE("the periodogram is the sum that defines it, at every frequency") {
-  for (const auto& [dimension, count, highest] :
-       {std::tuple{1, 70, 2.0}, {2, 300, 1.2}, {2, 7, 2.0}, {3, 120, 1.1}}) {
+  for (const auto& row : {std::tuple{1, 70, 2.0}, {2, 300, 1.2}, {2, 7, 2.0}, {3, 120, 1.1}}) {
+    const auto dimension = std::get<0>(row);
+    const auto count = std::get<1>(row);
+    const auto highest = std::get<2>(row);
     CAPTURE(dimension);
     CAPTURE(count);
     const auto sets = random_sets(dimension, count, 2);
@@ -198,7 +200,9 @@ TEST_CASE("drawn frequencies estimate the rings") {
 }
 
 TEST_CASE("white noise is flat at 1") {
-  for (const auto& [dimension, count] : {std::pair{2, 1024}, {3, 512}, {4, 625}}) {
+  for (const auto& row : {std::pair{2, 1024}, {3, 512}, {4, 625}}) {
+    const auto dimension = std::get<0>(row);
+    const auto count = std::get<1>(row);
     CAPTURE(dimension);
     const auto sets = white_sets(dimension, count, 8);
     const Spectrum spectrum = power_spectrum(sets);
@@ -226,10 +230,12 @@ TEST_CASE("white noise is flat at 1") {
 TEST_CASE("lattices peak where their reciprocal lattice lies, and nowhere else") {
   const double hexagonal_peak = std::sqrt(2 / std::sqrt(3.0));
   const double fcc_peak = std::sqrt(3.0) / std::cbrt(4.0);
-  for (const auto& [set, peak] : {std::pair{cubic(2, 16), 1.0},
-                                  {hexagonal(16, 9), hexagonal_peak},
-                                  {cubic(3, 8), 1.0},
-                                  {checkerboard(3, 4), fcc_peak}}) {
+  for (const auto& row : {std::pair{cubic(2, 16), 1.0},
+                          {hexagonal(16, 9), hexagonal_peak},
+                          {cubic(3, 8), 1.0},
+                          {checkerboard(3, 4), fcc_peak}}) {
+    const PointSet& set = std::get<0>(row);
+    const auto peak = std::get<1>(row);
     const std::vector<PointSet> sets = {set};
     const Spectrum spectrum = power_spectrum(sets);
     CHECK(spectrum.low_frequency_power < 1e-12);
@@ -255,7 +261,9 @@ TEST_CASE("lattices peak where their reciprocal lattice lies, and nowhere else")
 
 TEST_CASE("jittered grids have the spectrum that theory gives them") {
   // One uniform point in each of m^D cells: P = 1 - prod sinc^2(k_d / m), for k not in m Z^D.
-  for (const auto& [dimension, cells] : {std::pair{2, 16}, {3, 7}, {4, 5}}) {
+  for (const auto& row : {std::pair{2, 16}, {3, 7}, {4, 5}}) {
+    const auto dimension = std::get<0>(row);
+    const auto cells = std::get<1>(row);
     CAPTURE(dimension);
     std::vector<PointSet> sets;
     const PointSet corners = cubic(dimension, cells);
@@ -294,8 +302,10 @@ TEST_CASE("jittered grids have the spectrum that theory gives them") {
 
 TEST_CASE("effective Nyquist frequency and oscillation of a known radial power") {
   // Poisson-disk points: nothing at low frequencies, a first peak, then ripples around 1.
-  for (const auto& [dimension, count, radius] :
-       {std::tuple{2, 400, 0.037}, {3, 400, 0.105}, {4, 400, 0.17}}) {
+  for (const auto& row : {std::tuple{2, 400, 0.037}, {3, 400, 0.105}, {4, 400, 0.17}}) {
+    const auto dimension = std::get<0>(row);
+    const auto count = std::get<1>(row);
+    const auto radius = std::get<2>(row);
     const std::vector<PointSet> sets = {darts(dimension, count, radius, 1),
                                         darts(dimension, count, radius, 2)};
     const Spectrum spectrum = power_spectrum(sets);

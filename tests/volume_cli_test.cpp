@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -18,19 +16,6 @@
 
 namespace ccvt::test {
 namespace {
-
-struct Ran {
-  int status;
-  std::string output;
-  std::string errors;
-};
-
-Ran run(const TemporaryDirectory& directory, const std::string& line) {
-  std::istringstream stream(line);
-  Process process(CCVT_PROGRAM, {std::istream_iterator<std::string>(stream), {}}, directory.path());
-  const int status = process.wait();
-  return {status, process.output(), process.errors()};
-}
 
 // 16 x 16 x 8 voxels of 1 x 2 x 3 mm; bright where i is 8 and above.
 std::string half_bright() {

@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <iterator>
+#include <sstream>
 
 #include "support/files.h"
 
@@ -65,5 +67,22 @@ int Process::wait() {
 
 std::string Process::output() const { return get(output_); }
 std::string Process::errors() const { return get(errors_); }
+
+#ifdef CCVT_PROGRAM
+std::vector<std::string> words(const std::string& line) {
+  std::istringstream stream(line);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+Ran run(const TemporaryDirectory& directory, const std::vector<std::string>& arguments) {
+  Process process(CCVT_PROGRAM, arguments, directory.path());
+  const int status = process.wait();
+  return {status, process.output(), process.errors()};
+}
+
+Ran run(const TemporaryDirectory& directory, const std::string& line) {
+  return run(directory, words(line));
+}
+#endif
 
 }  // namespace ccvt::test

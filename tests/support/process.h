@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "support/files.h"
+
 namespace ccvt::test {
 
 /// A program that runs in `directory`, with what it prints.
@@ -32,5 +34,20 @@ class Process {
   pid_t id_ = -1;
   int status_ = -1;
 };
+
+#ifdef CCVT_PROGRAM
+/// Splits at blanks, as a shell does.
+std::vector<std::string> words(const std::string& line);
+
+struct Ran {
+  int status;
+  std::string output;
+  std::string errors;
+};
+
+/// Runs the program in `directory` to its end.
+Ran run(const TemporaryDirectory& directory, const std::vector<std::string>& arguments);
+Ran run(const TemporaryDirectory& directory, const std::string& line);
+#endif
 
 }  // namespace ccvt::test

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -17,7 +18,7 @@ void put_at(std::string& bytes, std::size_t offset, Value value, bool swapped = 
   std::array<char, sizeof(Value)> raw{};
   std::memcpy(raw.data(), &value, sizeof(Value));
   if (swapped) std::reverse(raw.begin(), raw.end());
-  bytes.replace(offset, sizeof(Value), raw.data(), sizeof(Value));
+  std::copy(raw.begin(), raw.end(), bytes.begin() + static_cast<std::ptrdiff_t>(offset));
 }
 
 /// The numbers, one behind the other.
