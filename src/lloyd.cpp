@@ -145,6 +145,7 @@ template <class Scalar>
 void Lloyd<Scalar>::gather() {
   std::vector<Index> sizes(changed_.size(), 0);
   for (const Index owner : owners_) ++sizes[static_cast<std::size_t>(owner)];
+  cells_ = {};  // before there is another copy of the coordinates
   cells_ = Cells<Scalar>(metric_.dimension(), sizes);
   std::vector<Index> filled(sizes.size(), 0);
   for (const Index p : points_) {

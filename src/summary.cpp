@@ -21,10 +21,14 @@ const char* to_string(Termination termination) {
 }
 
 std::string Summary::brief() const {
+  // A box without volume has no normalized energy.
+  const bool has_volume = normalized_energy > 0 || !(energy > 0);
   return std::string(to_string(termination)) + " after " + std::to_string(iterations) +
          " iterations: " + std::to_string(points) + " points, " + std::to_string(sites) +
-         " sites, normalized energy " + text(normalized_energy, 6) + ", " + text(seconds_total, 3) +
-         " s";
+         " sites, " +
+         (has_volume ? "normalized energy " + text(normalized_energy, 6)
+                     : "energy " + text(energy, 6)) +
+         ", " + text(seconds_total, 3) + " s";
 }
 
 std::string Summary::full() const {

@@ -5,6 +5,9 @@
 execute_process(COMMAND ${program} --list-test-cases --reporters=xml
   OUTPUT_VARIABLE xml COMMAND_ERROR_IS_FATAL ANY)
 
+string(REGEX MATCHALL "<TestCase " all "${xml}")
+list(LENGTH all expected)
+set(found 0)
 while(xml MATCHES "<TestCase name=\"([^\"]*)\" testsuite=\"([^\"]*)\"")
   set(case "${CMAKE_MATCH_1}")
   set(suite "${CMAKE_MATCH_2}")
@@ -24,4 +27,8 @@ while(xml MATCHES "<TestCase name=\"([^\"]*)\" testsuite=\"([^\"]*)\"")
     LABELS "${suite}"
     TIMEOUT 600
     FAIL_REGULAR_EXPRESSION "test cases: +0 ")  # doctest takes no match for a success
+  math(EXPR found "${found} + 1")
 endwhile()
+if(NOT found EQUAL expected)
+  message(FATAL_ERROR "${expected} test cases, but only ${found} are in a test suite")
+endif()

@@ -63,6 +63,8 @@ Quality measure(Distribution distribution) {
   return quality;
 }
 
+TEST_SUITE_BEGIN("quality");
+
 TEST_CASE("white points give clean blue noise") {
   const Quality quality = measure(Distribution::white);
   CHECK(quality.worst_anisotropy < -7);
@@ -84,6 +86,8 @@ TEST_CASE("jittered points give cleaner blue noise") {
   CHECK(quality.low_frequency_power <= 0.0005);
   CHECK(quality.smallest_distance >= 0.68);
 }
+
+TEST_SUITE_END();
 
 }  // namespace
 }  // namespace ccvt

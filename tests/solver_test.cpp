@@ -292,4 +292,22 @@ TEST_CASE_TEMPLATE("huge and tiny coordinates", Scalar, float, double) {
   }
 }
 
+TEST_CASE_TEMPLATE("points on both faces of a periodic box", Scalar, float, double) {
+  // Opposite faces are one: a site on the upper one stands on the lower one, at no distance.
+  Points<Scalar> points(2, 25);
+  for (Eigen::Index k = 0; k < 25; ++k) {
+    points.col(k) << static_cast<Scalar>(k % 5) / 4, static_cast<Scalar>(k / 5) / 4;
+  }
+  Problem<Scalar> each(points, 25);
+  each.set_domain(Domain::periodic(Box::unit(2)));
+  CHECK(ccvt::tessellate(each).summary.energy == 0);
+
+  const Points<Scalar> corner = Points<Scalar>::Ones(2, 12);
+  Problem<Scalar> one_place(corner, 4);
+  one_place.set_domain(Domain::periodic(Box::unit(2)));
+  const auto result = ccvt::tessellate(one_place);
+  CHECK(result.summary.energy == 0);
+  CHECK(result.sites.isZero());
+}
+
 TEST_SUITE_END();

@@ -204,6 +204,8 @@ TEST_CASE("values become densities by their map") {
   CHECK(at({.kind = Kind::threshold, .low = 3, .invert = true}, 3) == 0);
   CHECK(at({.kind = Kind::gamma, .gamma = 2}, 4) == 0.25);
   CHECK(at({.kind = Kind::gamma, .gamma = 2, .invert = true}, 6) == 0.0625);
+  // Refused as a density, where a square would be taken for one.
+  CHECK(at({.kind = Kind::gamma, .gamma = 2}, -4) == -4);
   CHECK(std::isnan(at(window, NAN)));
   CHECK(std::isnan(at({.kind = Kind::threshold}, NAN)));
   CHECK(mentions(refusal([] { ValueMap{.kind = Kind::window, .low = 2, .high = 2}.validate(); }),

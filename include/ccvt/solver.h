@@ -37,7 +37,7 @@ class CCVT_EXPORT Solver {
   void cancel();
 
   /// #dimensions by n: where the sites are now, rounded to Scalar. In a periodic domain inside the
-  /// box, its faces included.
+  /// box, its lower faces included and its upper ones not.
   [[nodiscard]] Points<Scalar> sites() const;
   /// The owner of every point. While a coarse level is being relaxed, points that have not yet
   /// joined have the owner -1.

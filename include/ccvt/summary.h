@@ -20,7 +20,7 @@ enum class Termination {
   energy_tolerance,
   /// Options::max_iterations passes were made.
   iteration_limit,
-  /// Options::on_iteration returned false.
+  /// Options::on_iteration returned false, Options::cancelled true, or Solver::cancel() was called.
   cancelled,
 };
 

@@ -56,6 +56,19 @@ void check_unit_box(const fs::path& path, const Points<double>& points) {
   }
 }
 
+/// Of what can be read, the report only writes radial.csv, radial_2.csv and so on.
+void check_not_overwritten(const fs::path& input, const fs::path& directory) {
+  if (input.extension() != ".csv" || input.filename().string().rfind("radial", 0) != 0) return;
+  std::error_code error;
+  const fs::path parent = fs::absolute(input, error).parent_path();
+  if (fs::weakly_canonical(parent, error) !=
+      fs::weakly_canonical(fs::absolute(directory, error), error)) {
+    return;
+  }
+  throw InvalidInput(input.string() + ": would be written over by the report in '" +
+                     directory.string() + "'; choose another directory");
+}
+
 AnalyzedSet read_set(const AnalyzeArguments& arguments, const PointFiles& given, int dimension) {
   AnalyzedSet set;
   set.name = given.name;
@@ -65,6 +78,7 @@ AnalyzedSet read_set(const AnalyzeArguments& arguments, const PointFiles& given,
                                                    arguments.sets.front().files.front().string());
   for (const fs::path& path : given.files) {
     stop_if_interrupted();
+    check_not_overwritten(path, arguments.output);
     const PointsHeader header = inspect_points(path);
     check_memory(path.string(), header.count, static_cast<std::uint64_t>(header.dimension),
                  sizeof(double));

@@ -65,8 +65,10 @@ void add_common(CLI::App& app, CommonArguments& common, const std::string& forma
                 const std::string& default_scalar) {
   add_file(app, "-o,--output", common.output, "Where the sites go: " + formats)->required();
   add_run(app, common);
-  app.add_option("--preset", common.preset,
-                 "The method: a row of the benchmarks' table, such as fast-ccvt [default]")
+  app.add_option(
+         "--preset", common.preset,
+         "The method: a row of the benchmarks' table, such as fast-ccvt; threads are as --threads "
+         "says [default]")
       ->type_name("NAME")
       ->check(CLI::Validator(
           [](std::string& name) {

@@ -77,6 +77,8 @@ void Outputs::check() const {
   std::vector<fs::path> outputs;
   for (const File& file : files_) {
     if (file.input) continue;
+    if (file.path == "-")
+      throw InvalidInput(file.option + ": '-' is no file; standard output is not written to");
     check_extension(file.path, file.extensions);
     for (const File& other : files_) {
       if (&other == &file) continue;

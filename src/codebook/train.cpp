@@ -178,14 +178,15 @@ void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index>
   bool comparable = false;  // the owners before met the capacities
   bool centred = false;     // the sites are their centroids
   while (!ended()) {
+    const std::vector<Index> given = owners_;
     Round round = assignment.improve(sites_, weights_, owners_);
+    const bool optimal = round == Round::optimal;
     // What the owners given, those of the iteration before, cost at their own centroids.
     const double energy = assignment.last().energy;
     for (int k = 0; round == Round::incomplete && k < kMoreRounds; ++k) {
       round = assignment.improve(sites_, weights_, owners_);
     }
-    if ((round == Round::optimal && centred) ||
-        (comparable && before - energy < kRounding * before)) {
+    if ((optimal && centred) || (comparable && before - energy < kRounding * before)) {
       if (finest) summary_.termination = Termination::stable;
       break;
     }
@@ -196,7 +197,9 @@ void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index>
     if (comparable) before = energy;
     comparable = round != Round::incomplete;
     centred = true;
-    if (!go_on(vectors.count, energy, assignment.last().augmentations)) break;
+    std::int64_t moved = 0;
+    for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
+    if (!go_on(vectors.count, energy, moved)) break;
     move_to_centroids(metric_, vectors, Grouping(owners_, n), arena_, sites_);
   }
 }

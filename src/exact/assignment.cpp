@@ -99,12 +99,13 @@ auto ExactAssignment<Scalar>::improve(std::span<const double> sites, std::vector
     const Prices first = pricer_.price(weighted(sites, weights), 0, 0, owners);
     slack_ = 0.1 / std::sqrt(points_.dimension) * first.cheapest_energy / points_.count;
     // All points at sites: any slack will do that is not nothing beside the distances.
-    if (slack_ == 0) slack_ = 1e-3 * first.energy / points_.count;
+    const double negligible = 1e-12 * first.energy / points_.count;
+    if (!(slack_ > negligible)) slack_ = 1e-3 * first.energy / points_.count;
     if (slack_ == 0) slack_ = 1;
   }
   std::vector<Index> given = owners;
   const Prices prices =
-      pricer_.price(weighted(sites, weights), slack_, static_cast<int>(sites.size()), owners);
+      pricer_.price(weighted(sites, weights), slack_, static_cast<int>(weights.size()), owners);
   ++certificate_.rounds;
   certificate_.energy = prices.energy;
   certificate_.gap = prices.gap;

@@ -53,7 +53,7 @@ class ExactAssignment {
   Certificate solve(std::span<const double> sites, std::vector<double>& weights,
                     std::vector<Index>& owners);
 
-  /// Of the last round: what the owners given to it cost.
+  /// Of the last round: what the owners given to it cost; in the very first, the cheapest ones.
   [[nodiscard]] const Certificate& last() const { return certificate_; }
 
  private:

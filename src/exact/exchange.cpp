@@ -75,7 +75,7 @@ void ExchangeGraph::refresh(Index site, std::size_t slot) {
     std::pop_heap(heap.begin(), heap.end(), std::greater<>());
     heap.pop_back();
     --c.entries;
-    --c.stale;
+    if (c.stale > 0) --c.stale;  // of a point that came back twice, one entry is counted
   }
   c.least[slot] = heap.empty() ? kNone : heap.front().key;
   c.least_point[slot] = heap.empty() ? -1 : heap.front().point;
@@ -95,14 +95,14 @@ void ExchangeGraph::sweep(Index site) {
 }
 
 void ExchangeGraph::add(const Offer& offer) {
-  Index& first = first_option_[at(offer.point)];
+  std::int64_t& first = first_option_[at(offer.point)];
   if (first < 0) {
-    first = static_cast<Index>(options_.size());
+    first = static_cast<std::int64_t>(options_.size());
     options_.push_back({offer.owner, -1, 0});
   }
-  Option& owner = options_[at(first)];
+  Option& owner = options_[static_cast<std::size_t>(first)];
   const Option option{offer.to, owner.next, own_key_[at(offer.point)] + offer.key};
-  owner.next = static_cast<Index>(options_.size());
+  owner.next = static_cast<std::int64_t>(options_.size());
   options_.push_back(option);
   insert(offer.owner, offer.to, {offer.key, offer.point});
 }
@@ -112,20 +112,25 @@ void ExchangeGraph::move(Index point, Index from, Index to) {
   --count_[at(from)];
   ++count_[at(to)];
   double& own_key = own_key_[at(point)];
-  const Index first = first_option_[at(point)];
-  for (Index o = first; o >= 0; o = options_[at(o)].next) {
-    if (options_[at(o)].to == to) own_key = options_[at(o)].key;
-  }
+  const auto for_options = [&](auto visit) {
+    for (std::int64_t o = first_option_[at(point)]; o >= 0;) {
+      const Option& option = options_[static_cast<std::size_t>(o)];
+      o = option.next;
+      visit(option);
+    }
+  };
+  for_options([&](const Option& option) {
+    if (option.to == to) own_key = option.key;
+  });
   Cell& source = cell(from);
-  for (Index o = first; o >= 0; o = options_[at(o)].next) {
-    const Option& option = options_[at(o)];
+  for_options([&](const Option& option) {
     if (option.to != from) {
       ++source.stale;
       const std::size_t slot = at(slot_of(source, option.to));
       if (source.least_point[slot] == point) refresh(from, slot);
     }
     if (option.to != to) insert(to, option.to, {option.key - own_key, point});
-  }
+  });
   if (source.stale > source.entries / 2) sweep(from);
 }
 

@@ -54,8 +54,8 @@ class ExchangeGraph {
   /// An offer of a point, in a list of its own; the first offer is of the owner it came with.
   struct Option {
     Index to;
-    Index next;  ///< option of the point, -1: none
-    double key;  ///< what `to` costs more than that first owner
+    std::int64_t next;  ///< option of the point, -1: none
+    double key;         ///< what `to` costs more than that first owner
   };
   /// What moving a point along an edge costs; stale when the point has moved on.
   struct Entry {
@@ -102,8 +102,8 @@ class ExchangeGraph {
   std::vector<double>& weights_;
   std::vector<Cell> cells_;
   std::vector<Option> options_;
-  std::vector<Index> first_option_;  ///< of each point, -1: none
-  std::vector<double> own_key_;      ///< of each point: what its owner costs more than its first
+  std::vector<std::int64_t> first_option_;  ///< of each point, -1: none
+  std::vector<double> own_key_;  ///< of each point: what its owner costs more than its first
   std::vector<Index> count_;
   std::vector<double> start_;  ///< the weights that budgets count from
   std::int64_t augmentations_ = 0;

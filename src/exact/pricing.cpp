@@ -174,7 +174,8 @@ void Pricer<Scalar>::select_sites(const Task& task, Index site, double radius,
     const double constant = squared + task.weight(site) - task.weight(j);
     const double reach = 2 * radius * std::sqrt(squared);
     const double rounding =
-        1e-14 * (squared + reach + std::abs(task.weight(site)) + std::abs(task.weight(j)));
+        1e-14 * (1 + sites.dimension / 64.0) *
+        (squared + reach + std::abs(task.weight(site)) + std::abs(task.weight(j)));
     return std::pair(constant - reach - rounding, constant + reach + rounding);
   };
   for (Index j = 0; j < count; ++j) {

@@ -80,8 +80,8 @@ class Pricer {
   Prices price(const WeightedSites& sites, double slack, int most_offers,
                std::vector<Index>& owners) const;
 
-  /// For the points of the sites marked `inside`: the cheapest site outside, and others outside
-  /// that cost at most `slack` more. `owners` stay as they are.
+  /// For the points of the sites marked `inside`: the cheapest site outside, searched among those
+  /// that cost at most `slack` more than a bound. `owners` stay as they are.
   std::vector<Offer> offers_outside(const WeightedSites& sites, double slack,
                                     std::span<const std::uint8_t> inside,
                                     const std::vector<Index>& owners) const;

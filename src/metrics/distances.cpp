@@ -19,14 +19,6 @@ std::span<const double> values_of(const Points<double>& points) {
   return {points.data(), static_cast<std::size_t>(points.size())};
 }
 
-/// The volume of the ball of radius r in D dimensions.
-double ball_volume(int dimension, double r) {
-  const double half = dimension / 2.0;
-  return r <= 0 ? 0
-                : std::exp(half * std::log(std::acos(-1.0)) - std::lgamma(half + 1) +
-                           dimension * std::log(r));
-}
-
 constexpr std::size_t kChunk = 256;  ///< points a task; fixed, as sums are made by chunk
 
 /// Adds to bins the pairs (p, q), p in [begin, end), p != q.
@@ -58,6 +50,14 @@ void count_pairs(const PointSet& set, const Metric& metric, const SiteTree& tree
 }
 
 }  // namespace
+
+double ball_volume(int dimension, double r) {
+  double volume = dimension % 2 == 0 ? 1 : 2 * r;
+  for (int d = dimension % 2 == 0 ? 2 : 3; d <= dimension; d += 2) {
+    volume *= 2 * std::acos(-1.0) * r * r / d;
+  }
+  return volume;
+}
 
 double packing_distance(int dimension) {
   if (dimension < 1) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ccvt/metrics.h"
+#include "metrics/sets.h"
 #include "parallel/arena.h"
 #include "random.h"
 
@@ -85,9 +86,7 @@ class Functions {
     return product;
   }
   [[nodiscard]] double disk_volume() const {
-    const double half = static_cast<double>(c_.size()) / 2;
-    return std::exp(half * std::log(std::numbers::pi) - std::lgamma(half + 1) +
-                    2 * half * std::log(kRadius));
+    return ball_volume(static_cast<int>(c_.size()), kRadius);
   }
 
   bool periodic_;

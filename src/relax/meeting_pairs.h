@@ -28,6 +28,9 @@ class MeetingPairs {
   Refreshed refresh(const Metric& metric, const SiteState& sites, const Arena& arena,
                     std::size_t limit);
 
+  /// The next refresh() builds the list anew.
+  void forget() { tree_.reset(); }
+
   /// Pairs listed when the list was made, and those added since; first site < second site, sorted.
   [[nodiscard]] std::span<const Pair> pairs() const { return pairs_; }
   [[nodiscard]] std::span<const Pair> added() const { return added_; }

@@ -247,6 +247,13 @@ void NearestSites<Scalar>::make_grid(const Box& box, const Arena& arena) {
       }
     }
   });
+  std::size_t candidates = 0;
+  for (const Chunk& chunk : chunks) candidates += chunk.site.size();
+  if (candidates > std::numeric_limits<std::uint32_t>::max()) {
+    blocks_.clear();
+    begin_ = {};
+    return;
+  }
   std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
   candidate_.reserve(begin_.back());
   position_.reserve(candidate_.capacity() * dimension);

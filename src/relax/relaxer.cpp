@@ -217,6 +217,10 @@ PassCount Relaxer<Scalar>::step() {
   } catch (...) {
     // Swaps have been made: whoever goes on must find the sites where their cells are.
     cache_.clear();
+    meeting_.forget();
+    schedule_ = {};
+    added_schedule_ = {};
+    dense_ = false;
     std::fill(touched_.begin(), touched_.end(), std::uint8_t{1});
     update_all();
     throw;

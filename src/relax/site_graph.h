@@ -10,7 +10,7 @@
 
 namespace ccvt {
 
-/// Those of `pairs` whose diametral ball holds no third site that is paired with either: the
+/// Those of `pairs` whose diametral ball holds no third site that is paired with the first: the
 /// Gabriel graph, a connected part of the Delaunay graph, when `pairs` holds all of that. O(pairs *
 /// degree).
 std::vector<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,

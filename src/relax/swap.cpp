@@ -28,6 +28,10 @@ PairSwapper<Scalar>::PairSwapper(const Metric& metric, const Options& options,
   for (auto* vector : {&normal_, &middle_i_, &middle_j_}) vector->resize(size);
   for (auto* vector : {&scalar_normal_, &scalar_middle_i_, &scalar_middle_j_}) vector->resize(size);
   if (metric.periodic()) {
+    const double least = *std::min_element(metric.extent(), metric.extent() + size);
+    largest_wrapped_ =
+        kLargestFrame - 2 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) *
+                            (1 + coordinate_bound / least);
     for (std::size_t d = 0; d < size; ++d) {
       extent_.push_back(static_cast<Scalar>(metric.extent()[d]));
       inverse_extent_.push_back(static_cast<Scalar>(1 / metric.extent()[d]));
@@ -64,18 +68,22 @@ void PairSwapper<Scalar>::place_cut(const SiteState& sites, Index i, Index j) {
     middle_i_[d] = site_i_[d] + u / 2;
     middle_j_[d] = u == raw ? middle_i_[d] : site_j_[d] - u / 2;
     shifted_ = shifted_ || u != raw;
-    if (metric_.periodic() && std::abs(u) + radius > kLargestFrame * metric_.extent()[d]) {
+    const double largest = compact ? kLargestFrame : largest_wrapped_;
+    if (metric_.periodic() && std::abs(u) + radius > largest * metric_.extent()[d]) {
       frame_ = Frame::none;
     }
   }
   length_ = std::sqrt(squared_length);
   const auto terms = static_cast<double>(normal_.size() + 4);
-  // On a torus the two cells see the cut from places that are rounded apart from each other, by as
-  // much as coordinates are; else both see the same one, and its rounding does not matter.
+  // Across faces a difference to the cut is rounded as coordinates are, and the normal as extents
+  // are; else both cells see the same cut, and the rounding of its place does not matter.
   const double placement = metric_.largest_extent() + coordinate_bound_;
   const double reach = length_ + radius;
-  const double size = frame_ != Frame::none ? length_ * (reach + (shifted_ ? placement : 0))
-                                            : reach * (reach + placement);
+  double size = length_ * reach;
+  if (frame_ == Frame::none) size = reach * (reach + placement);
+  if (frame_ != Frame::none && shifted_) {
+    size += length_ * placement + reach * metric_.largest_extent();
+  }
   rounding_ = 4 * terms * kHalfUlp * size;
   tolerance_ = 2 * terms * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * size +
                terms * static_cast<double>(std::numeric_limits<Scalar>::min());

@@ -80,6 +80,7 @@ class PairSwapper {
   PointPruning pruning_;
   bool median_cut_;
   double coordinate_bound_;
+  double largest_wrapped_ = 0;  ///< of the extent: two cells in a wrapped frame
 
   /// How the two cells of the current pair lie: as they stand in one frame; in one frame, but
   /// across the faces of the box; or in none, being too large for the torus.

@@ -112,16 +112,19 @@ void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& si
     sites.compact[s] = is_compact(metric, cells, position, site) ? 1 : 0;
   } else {
     const double* extent = size == Size::small ? nullptr : metric.extent();
+    bool moved_over = false;  // a cell on the upper face has its site on the lower one
     const Scalar* stream = cells.block(site);
     for (int d = 0; d < dimension; ++d, stream += count) {
       // From a point of the cell: a site that is still far away would cost digits.
       const auto origin = static_cast<double>(stream[0]);
       const double around = extent != nullptr ? extent[d] : 0;
-      position[d] =
-          metric.into_box(origin + kernels::sum_from(stream, count, origin, around) / count, d);
+      const double mean = origin + kernels::sum_from(stream, count, origin, around) / count;
+      position[d] = metric.into_box(mean, d);
+      moved_over = moved_over || position[d] != mean;
     }
+    if (moved_over) extent = metric.extent();
     spread = kernels::spread_around(cells.block(site), count, dimension, position, extent);
-    sites.compact[s] = size == Size::small ? 1 : 0;
+    sites.compact[s] = extent == nullptr ? 1 : 0;
   }
   sites.energy[s] = spread.energy;
   sites.radius[s] = upper_radius(spread.squared_radius, dimension);

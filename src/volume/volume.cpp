@@ -85,8 +85,11 @@ double ValueMap::operator()(double value, double greatest) const {
     case Kind::threshold:
       if (std::isnan(value)) return value;
       return (value >= low) != invert ? 1 : 0;
-    case Kind::gamma:
-      return std::pow((invert ? greatest - value : value) / greatest, gamma);
+    case Kind::gamma: {
+      const double inverted = invert ? greatest - value : value;
+      // A negative value stays one, and is refused as a density.
+      return inverted < 0 ? inverted : std::pow(inverted / greatest, gamma);
+    }
   }
   return value;
 }
