@@ -55,7 +55,8 @@ struct CCVT_EXPORT CodebookOptions {
   std::vector<Index> capacities = {};
   /// Called after each iteration, from the thread that trains; false cancels.
   std::function<bool(const IterationRecord&)> on_iteration = {};
-  /// Asked from time to time, from the thread that trains; true ends training with what there is.
+  /// Asked from time to time, from the thread that trains; true ends training with what there is,
+  /// of which an exact assignment is still made, since it must keep the capacities.
   std::function<bool()> cancelled = {};
 
   /// Throws InvalidInput naming the first field outside its bounds.

@@ -7,6 +7,7 @@
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
+#include "cli/signals.h"
 
 namespace ccvt::cli {
 
@@ -26,6 +27,7 @@ int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header)
   });
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  stop_if_interrupted();
   write_owners(arguments.output, codes);
   if (!arguments.quiet) {
     const CodeUsage usage = code_usage(codes, codebook.size());
@@ -34,6 +36,7 @@ int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header)
         "%.5g bits, %.3g s\n",
         codes.size(), codebook.size(), codebook.distortion(vectors, codes), usage.smallest,
         usage.largest, usage.imbalance, usage.entropy, seconds);
+    if (std::fflush(stdout) != 0) throw IoError("standard output: cannot be written");
   }
   return 0;
 }

@@ -95,8 +95,9 @@ int finish_training(const QuantizeArguments& arguments, const Training& training
     std::printf("%s", training.summary.brief().c_str());
     if (psnr) std::printf(", PSNR %.2f dB", *psnr);
     std::printf("\n");
+    if (std::fflush(stdout) != 0) throw IoError("standard output: cannot be written");
   }
-  return training.summary.termination == Termination::cancelled ? 130 : 0;
+  return interrupted() ? 130 : 0;
 }
 
 template <class Scalar>

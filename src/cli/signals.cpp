@@ -84,6 +84,7 @@ void handle_signals() {
 bool interrupted() { return interrupt_count != 0; }
 
 void protect_outputs(const std::vector<std::filesystem::path>& outputs) {
+  temporary_count = 0;  // a name that is being written is not read
   int count = 0;
   for (const auto& output : outputs) {
     const std::string name = temporary_path(output).string();

@@ -169,7 +169,9 @@ double sampled_energy(PointsView<Scalar> points, const std::vector<double>& site
 
 template <class Scalar>
 std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int restarts,
-                               std::uint64_t seed, const Arena& arena) {
+                               std::uint64_t seed, const Arena& arena,
+                               const std::function<bool()>& cancelled) {
+  const auto stopped = [&] { return cancelled && cancelled(); };
   const std::int64_t wanted = std::max(kLeastSample, kSamplePerSite * sites);
   const auto count = static_cast<Index>(std::min<std::int64_t>(points.count, wanted));
   const Sample sample = draw_sample(points, count, seed);
@@ -177,12 +179,12 @@ std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int resta
   const Metric metric(points.dimension, Domain());
   Seeds best;
   best.energy = std::numeric_limits<double>::infinity();
-  for (int r = 0; r < restarts; ++r) {
+  for (int r = 0; r < restarts && (r == 0 || !stopped()); ++r) {
     Seeds seeds;
     seeds.sites = plus_plus(view, sites, seed, kFirstSeedStream + static_cast<std::uint64_t>(r));
     seeds.owners = nearest_sites(metric, view, seeds.sites, arena);
     relax(metric, view, arena, seeds);
-    for (int k = 0; k < kReseatings; ++k) {
+    for (int k = 0; k < kReseatings && !stopped(); ++k) {
       Seeds changed = seeds;
       if (!reseat_sites(view, seeds.owners, changed.sites)) break;
       changed.owners = nearest_sites(metric, view, changed.sites, arena);
@@ -202,8 +204,9 @@ template double sampled_energy(PointsView<float>, const std::vector<double>&, st
                                const Arena&);
 template double sampled_energy(PointsView<double>, const std::vector<double>&, std::uint64_t,
                                const Arena&);
-template std::vector<double> seed_sites(PointsView<float>, Index, int, std::uint64_t, const Arena&);
-template std::vector<double> seed_sites(PointsView<double>, Index, int, std::uint64_t,
-                                        const Arena&);
+template std::vector<double> seed_sites(PointsView<float>, Index, int, std::uint64_t, const Arena&,
+                                        const std::function<bool()>&);
+template std::vector<double> seed_sites(PointsView<double>, Index, int, std::uint64_t, const Arena&,
+                                        const std::function<bool()>&);
 
 }  // namespace ccvt

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "ccvt/types.h"
@@ -10,10 +11,12 @@ namespace ccvt {
 
 /// Good first codewords for Euclidean `points`: of `restarts` seedings, each improved on a sample
 /// by Lloyd iterations and by merging and splitting cells, the one of least energy. One after the
-/// other, `dimension` values each.
+/// other, `dimension` values each. `cancelled`, when given, is asked between the steps; true takes
+/// the best there is.
 template <class Scalar>
 std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int restarts,
-                               std::uint64_t seed, const Arena& arena);
+                               std::uint64_t seed, const Arena& arena,
+                               const std::function<bool()>& cancelled = {});
 
 /// The sum of squared distances to the nearest of `sites` over a sample of the points.
 template <class Scalar>

@@ -83,7 +83,7 @@ template <class Scalar>
 void Trainer<Scalar>::seed() {
   const Index n = problem_.site_count();
   if (options_.seeding == Seeding::kmeans_plus_plus) {
-    sites_ = seed_sites(vectors_, n, options_.restarts, options_.seed, arena_);
+    sites_ = seed_sites(vectors_, n, options_.restarts, options_.seed, arena_, options_.cancelled);
     return;
   }
   double least = std::numeric_limits<double>::infinity();
@@ -239,9 +239,6 @@ void Trainer<Scalar>::exact() {
   }
   exact_level(vectors_, capacities, true);
   ExactAssignment<Scalar> assignment(metric_, vectors_, problem_.site_count(), capacities, arena_);
-  if (owners_.size() != static_cast<std::size_t>(m)) {
-    owners_ = nearest_sites(metric_, vectors_, sites_, arena_);
-  }
   const Certificate certificate = assignment.solve(sites_, weights_, owners_);
   summary_.gap = certificate.energy > 0 ? certificate.gap / certificate.energy : 0;
 }

@@ -17,6 +17,9 @@ namespace {
 constexpr int kGap = 8;  // pixels between the pictures
 constexpr std::array<double, 3> kDot = {255, 140, 0};
 constexpr double kOpacity = 0.75;
+/// Of a picture: what dots may cover. Few samples get larger dots, up to 5 pixels wide.
+constexpr double kCovered = 0.1;
+constexpr int kMostHalfWidth = 2;
 constexpr double kBrightest = 150;  // of the field, so that dots stand out
 
 /// A projection along one axis: `across` runs to the right, `up` upwards.
@@ -101,6 +104,13 @@ void draw_field(const Projection& projection, const Line& across, const Line& up
   }
 }
 
+/// Pixels on each side of a dot's middle.
+int half_width_of_dots(Eigen::Index samples, int width, int height) {
+  const double each =
+      kCovered * width * height / static_cast<double>(std::max<Eigen::Index>(1, samples));
+  return std::clamp(static_cast<int>(std::sqrt(each) / 2), 0, kMostHalfWidth);
+}
+
 }  // namespace
 
 template <class Scalar>
@@ -144,6 +154,7 @@ ColourImage preview(const DensityGrid& density, const Points<Scalar>& sites, int
     const Line& across = lines[p.across];
     const Line& up = lines[p.up];
     draw_field(p, across, up, left, image);
+    const int half = half_width_of_dots(sites.cols(), across.pixels, up.pixels);
     for (Eigen::Index s = 0; s < sites.cols(); ++s) {
       const Eigen::Vector3d place =
           (to_box * (sites.col(s).template cast<double>() - offset) - density.box.lower)
@@ -152,10 +163,15 @@ ColourImage preview(const DensityGrid& density, const Points<Scalar>& sites, int
           static_cast<int>(place[static_cast<Eigen::Index>(p.across)] * across.pixels);
       const auto row = static_cast<int>((1 - place[static_cast<Eigen::Index>(p.up)]) * up.pixels);
       if (column < 0 || column >= across.pixels || row < 0 || row >= up.pixels) continue;
-      const std::size_t pixel = address(image, left, up.pixels, column, row);
-      for (std::size_t c = 0; c < 3; ++c) {
-        image.rgb[pixel + c] =
-            static_cast<std::uint8_t>((1 - kOpacity) * image.rgb[pixel + c] + kOpacity * kDot[c]);
+      for (int y = std::max(0, row - half); y <= std::min(up.pixels - 1, row + half); ++y) {
+        for (int x = std::max(0, column - half); x <= std::min(across.pixels - 1, column + half);
+             ++x) {
+          const std::size_t pixel = address(image, left, up.pixels, x, y);
+          for (std::size_t c = 0; c < 3; ++c) {
+            image.rgb[pixel + c] = static_cast<std::uint8_t>((1 - kOpacity) * image.rgb[pixel + c] +
+                                                             kOpacity * kDot[c]);
+          }
+        }
       }
     }
     left += across.pixels + kGap;
