@@ -44,6 +44,18 @@ void MeetingPairs::enter(const SiteState& sites, Index site) {
       sites.radius[static_cast<std::size_t>(site)] * (1 + kSkin);
 }
 
+/// Some of the sites, to be searched where they have been entered.
+MeetingPairs::Group MeetingPairs::group(const Metric& metric,
+                                        const std::vector<Index>& sites) const {
+  std::vector<double> positions;
+  double largest_reach = 0;
+  for (const Index s : sites) {
+    positions.insert(positions.end(), at(s), at(s) + dimension_);
+    largest_reach = std::max(largest_reach, reach_[static_cast<std::size_t>(s)]);
+  }
+  return {SiteTree(metric, positions), largest_reach};
+}
+
 bool MeetingPairs::may_meet(const Metric& metric, Index a, Index b) const {
   const double both = reach_[static_cast<std::size_t>(a)] + reach_[static_cast<std::size_t>(b)];
   return metric.squared_distance(at(a), at(b)) <= both * both * kRounding;
@@ -83,6 +95,8 @@ bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Are
   for (Index s = 0; s < sites.count(); ++s) {
     if (reach_[static_cast<std::size_t>(s)] > usual_reach_) far_.push_back(s);
   }
+  far_group_.reset();
+  if (!far_.empty()) far_group_.emplace(group(metric, far_));
 
   constexpr std::size_t kChunk = 256;
   const std::size_t chunks = (count + kChunk - 1) / kChunk;
@@ -128,13 +142,21 @@ void MeetingPairs::extend(const Metric& metric, const SiteState& sites,
   std::sort(moved_.begin(), moved_.end());
   moved_.erase(std::unique(moved_.begin(), moved_.end()), moved_.end());
 
+  const Group moved = group(metric, moved_);
   std::vector<Index> near;
+  std::vector<Index> members;
   std::vector<Pair> fresh;
   for (const Index site : left) {
+    const double reach = reach_[static_cast<std::size_t>(site)];
     near.clear();
-    tree_->within(at(site), reach_[static_cast<std::size_t>(site)] + usual_reach_, near);
-    near.insert(near.end(), far_.begin(), far_.end());
-    near.insert(near.end(), moved_.begin(), moved_.end());
+    tree_->within(at(site), reach + usual_reach_, near);
+    const auto add = [&](const std::vector<Index>& sites_of_group, const Group& group) {
+      members.clear();
+      group.tree.within(at(site), (reach + group.largest_reach) * kRounding, members);
+      for (const Index k : members) near.push_back(sites_of_group[static_cast<std::size_t>(k)]);
+    };
+    if (far_group_) add(far_, *far_group_);
+    add(moved_, moved);
     for (const Index other : near) {
       if (other == site || !may_meet(metric, site, other)) continue;
       const Pair pair(std::min(site, other), std::max(site, other));

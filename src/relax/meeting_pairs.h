@@ -36,6 +36,12 @@ class MeetingPairs {
   [[nodiscard]] std::span<const Pair> added() const { return added_; }
 
  private:
+  struct Group {
+    SiteTree tree;
+    double largest_reach;
+  };
+
+  [[nodiscard]] Group group(const Metric& metric, const std::vector<Index>& sites) const;
   [[nodiscard]] std::vector<Index> outgrown(const Metric& metric, const SiteState& sites) const;
   void enter(const SiteState& sites, Index site);
   [[nodiscard]] bool may_meet(const Metric& metric, Index a, Index b) const;
@@ -53,6 +59,7 @@ class MeetingPairs {
   std::optional<SiteTree> tree_;  ///< of the sites when the list was made
   std::vector<Index> moved_;      ///< entered since: the tree has them where they were
   std::vector<Index> far_;        ///< spheres that reach farther than usual_reach_
+  std::optional<Group> far_group_;
   double usual_reach_ = 0;
 };
 
