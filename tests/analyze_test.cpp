@@ -129,6 +129,7 @@ TEST_CASE("analyze: bad input: one line, status 2, nothing written") {
   write_points(directory / "p.csv", white(2, 9, 1).points());
   write_points(directory / "ten.csv", white(2, 10, 1).points());
   write_points(directory / "solid.csv", white(3, 9, 1).points());
+  write_points(directory / "radial.csv", white(2, 9, 1).points());
   put(directory / "one.csv", "0.5 0.5\n");
   put(directory / "equal.csv", "0.5 0.5\n0.5 0.5\n");
   put(directory / "out.csv", "0.5 0.5\n0.5 1.5\n");
@@ -142,6 +143,7 @@ TEST_CASE("analyze: bad input: one line, status 2, nothing written") {
       {"analyze -o dir", {"POINTS", "--compare"}},
       {"analyze p.csv", {"--output"}},
       {"analyze p.csv -o p.csv", {"p.csv", "no directory"}},
+      {"analyze radial.csv -o .", {"radial.csv", "written over", "another directory"}},
       {"analyze p.csv -o none/dir", {"none/dir", "cannot be written", "No such file"}},
       {"analyze p.csv -o /proc/dir", {"/proc/dir", "cannot be written"}},
       {"analyze none.csv -o dir", {"none.csv", "no such file"}},

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "support/files.h"
+#include "support/message.h"
 
 using namespace std::string_literals;
 
@@ -39,18 +40,6 @@ std::string bytes_of(const std::vector<Number>& numbers) {
   std::string bytes(numbers.size() * sizeof(Number), '\0');
   std::memcpy(bytes.data(), numbers.data(), bytes.size());
   return bytes;
-}
-
-template <class Call>
-std::string message_of(Call&& call) {
-  try {
-    call();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  } catch (const IoError& error) {
-    return "IoError: "s + error.what();
-  }
-  return "nothing thrown";
 }
 
 bool contains(const std::string& text, const std::string& part) {

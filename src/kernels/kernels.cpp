@@ -10,6 +10,8 @@
 #include <array>
 #include <limits>
 
+#include "geometry/metric.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace ccvt::kernels {
 namespace HWY_NAMESPACE {
@@ -172,9 +174,7 @@ struct Straight {
 struct Around {
   const double* extent;
   double operator()(double difference, int d) const {
-    const double turn = difference > extent[d] / 2 ? extent[d] : 0;
-    const double back = difference < -extent[d] / 2 ? extent[d] : 0;
-    return difference - turn + back;
+    return shortest_difference(difference, extent[d]);
   }
 };
 

@@ -132,9 +132,7 @@ void PairSwapper<Scalar>::exact_keys(const Scalar* block, Index count,
       continue;
     }
     const auto shortest = [extent = metric_.extent()[d]](double difference) {
-      const double turn = difference > extent / 2 ? extent : 0;
-      const double back = difference < -extent / 2 ? extent : 0;
-      return difference - turn + back;
+      return shortest_difference(difference, extent);
     };
     if (frame_ == Frame::wrapped) {
       add([=, origin = middle_i_[d]](double x) { return shortest(x - origin) * along; });
