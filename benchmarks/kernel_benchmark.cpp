@@ -187,12 +187,11 @@ BENCHMARK(screening)->Arg(16)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 void nearest_sites(benchmark::State& state) {
   const auto dimension = static_cast<int>(state.range(0));
   const Start start(dimension, kSites, kPointsPerSite);
-  std::vector<Index> owner(start.all.size());
+  NearestSites<float>::Found found;
   for (auto _ : state) {
-    const NearestSites<float> nearest(start.metric, start.sites, Box::unit(dimension),
-                                      start.all.size(), start.arena);
-    nearest(start.problem.points(), start.all, owner.data());
-    benchmark::DoNotOptimize(owner.data());
+    const NearestSites<float> nearest(start.metric, start.sites, Box::unit(dimension));
+    nearest(start.problem.points(), start.all, start.arena, found);
+    benchmark::DoNotOptimize(found.site.data());
   }
   count_points(state, start.points.cols(), dimension);
 }

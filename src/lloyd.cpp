@@ -110,32 +110,25 @@ bool Lloyd<Scalar>::gains(Index point, Index site) const {
 /// Gives every point to its nearest site [eq. 3]; returns how many change their owner.
 template <class Scalar>
 Index Lloyd<Scalar>::assign() {
-  const NearestSites<Scalar> nearest(metric_, sites_, box_, points_.size(), arena_);
-  // Workers meet at no point, but at sites: they note the points that move, a range each.
-  const std::size_t ranges = (points_.size() + kPointsPerGrain - 1) / kPointsPerGrain;
-  std::vector<std::vector<std::pair<Index, Index>>> moves(ranges);
-  arena_.for_each(ranges, 1, [&](std::size_t r) {
-    const std::size_t begin = r * kPointsPerGrain;
-    const auto which =
-        std::span(points_).subspan(begin, std::min(kPointsPerGrain, points_.size() - begin));
-    std::vector<Index> found(which.size());
-    nearest(problem_.points(), which, found.data());
-    for (std::size_t k = 0; k < which.size(); ++k) {
-      const Index owner = owners_[begin + k];
-      if (found[k] != owner && (owner < 0 || gains(which[k], found[k]))) {
-        moves[r].emplace_back(which[k], found[k]);
+  typename NearestSites<Scalar>::Found found;
+  NearestSites<Scalar>(metric_, sites_, box_)(problem_.points(), points_, arena_, found);
+  arena_.for_ranges(points_.size(), kPointsPerGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Index owner = owners_[static_cast<std::size_t>(found.point[k])];
+      if (owner >= 0 && found.site[k] != owner && !gains(found.point[k], found.site[k])) {
+        found.site[k] = owner;
       }
     }
   });
   Index count = 0;
-  for (const auto& range : moves) {
-    for (const auto& [point, site] : range) {
-      Index& owner = owners_[static_cast<std::size_t>(point)];
-      if (owner >= 0) changed_[static_cast<std::size_t>(owner)] = 1;
-      changed_[static_cast<std::size_t>(site)] = 1;
-      owner = site;
-    }
-    count += static_cast<Index>(range.size());
+  for (std::size_t k = 0; k < found.point.size(); ++k) {
+    Index& owner = owners_[static_cast<std::size_t>(found.point[k])];
+    const Index site = found.site[k];
+    if (site == owner) continue;
+    if (owner >= 0) changed_[static_cast<std::size_t>(owner)] = 1;
+    changed_[static_cast<std::size_t>(site)] = 1;
+    owner = site;
+    ++count;
   }
   return count;
 }

@@ -223,42 +223,6 @@ HWY_INLINE Spread block_spread(const Scalar* block, Index count, Dimension dimen
   return result;
 }
 
-/// A position is left as soon as the dimensions seen so far put it beyond the best. Sums are made
-/// of eight interleaved parts whatever the vector width, so that bits do not depend on it.
-HWY_INLINE double squared_distance_up_to(const double* a, const double* b, int dimension,
-                                         double limit) {
-  std::array<double, kPartials> part{};
-  double sum = 0;
-  int d = 0;
-  while (d + kPartials <= dimension) {
-    const int stop = std::min(dimension - kPartials, d + 3 * kPartials);
-    for (; d <= stop; d += kPartials) {
-      for (int l = 0; l < kPartials; ++l) {
-        const double difference = a[d + l] - b[d + l];
-        part[static_cast<std::size_t>(l)] += difference * difference;
-      }
-    }
-    sum = ((part[0] + part[4]) + (part[1] + part[5])) + ((part[2] + part[6]) + (part[3] + part[7]));
-    if (sum > limit) return sum;
-  }
-  for (; d < dimension; ++d) sum += (a[d] - b[d]) * (a[d] - b[d]);
-  return sum;
-}
-
-Index nearest_of_positions(const double* query, const double* positions, Index count,
-                           int dimension) {
-  double best = std::numeric_limits<double>::infinity();
-  Index nearest = 0;
-  for (Index k = 0; k < count; ++k, positions += dimension) {
-    const double squared = squared_distance_up_to(query, positions, dimension, best);
-    if (squared < best) {
-      best = squared;
-      nearest = k;
-    }
-  }
-  return nearest;
-}
-
 #define CCVT_FOR_CUT(Scalar, Name, AnyCut)                                                        \
   Extremes<Scalar> Name##_extremes(const Scalar* block, Index count, int dimension, AnyCut cut) { \
     return any_extremes(block, count, dimension, cut);                                            \
@@ -338,11 +302,6 @@ namespace ccvt::kernels {
                        const double* extent) {                                                \
     return HWY_DYNAMIC_DISPATCH(Name##_spread)(block, count, dimension, centre, extent);      \
   }
-
-HWY_EXPORT(nearest_of_positions);
-Index nearest_position(const double* query, const double* positions, Index count, int dimension) {
-  return HWY_DYNAMIC_DISPATCH(nearest_of_positions)(query, positions, count, dimension);
-}
 
 CCVT_DISPATCH(float, float32)
 CCVT_DISPATCH(double, float64)

@@ -72,8 +72,4 @@ template <class Scalar>
 Spread spread_around(const Scalar* block, Index count, int dimension, const double* centre,
                      const double* extent);
 
-/// The number of the position nearest to `query` (Euclidean), the first of several. `positions`:
-/// `count` >= 1 of them, `dimension` values each, one after the other.
-Index nearest_position(const double* query, const double* positions, Index count, int dimension);
-
 }  // namespace ccvt::kernels

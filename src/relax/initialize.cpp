@@ -64,15 +64,16 @@ void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
                    std::span<const Index> joining, std::span<const Pair> near, const Arena& arena,
                    Filling<Scalar>& filling) {
   {
-    const NearestSites<Scalar> nearest(metric, sites, box, joining.size(), arena);
-    constexpr std::size_t kChunk = 1 << 18;  // bounds the memory for owners
-    std::vector<Index> owner(std::min(kChunk, joining.size()));
-    for (std::size_t begin = 0; begin < joining.size(); begin += kChunk) {
-      const std::size_t count = std::min(kChunk, joining.size() - begin);
-      arena.for_ranges(count, 4096, [&](std::size_t first, std::size_t last, int) {
-        nearest(filling.points, joining.subspan(begin + first, last - first), &owner[first]);
-      });
-      for (std::size_t k = 0; k < count; ++k) filling.add(owner[k], joining[begin + k]);
+    const NearestSites<Scalar> nearest(metric, sites, box);
+    typename NearestSites<Scalar>::Found found;
+    // Bounds the memory, yet leaves each bin many points.
+    const std::size_t chunk = std::max(std::size_t{1} << 18, 64 * sites.radius.size());
+    for (std::size_t begin = 0; begin < joining.size(); begin += chunk) {
+      nearest(filling.points, joining.subspan(begin, std::min(chunk, joining.size() - begin)),
+              arena, found);
+      for (std::size_t k = 0; k < found.point.size(); ++k) {
+        filling.add(found.site[k], found.point[k]);
+      }
     }
   }
   if (near.empty()) {

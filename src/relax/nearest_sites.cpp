@@ -3,325 +3,277 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+
+#include "kernels/nearest.h"
 
 namespace ccvt {
 namespace {
 
-/// Blocks a site. A block has 2^D cells.
-constexpr double kBlocksPerSite = 1;
-/// A cell with more sites to choose from asks the tree, and so does a block that has more around
-/// it, or finds none within so many rings of blocks.
-constexpr std::size_t kMostCandidates = 24;
-constexpr std::size_t kMostAround = 160;
-constexpr Index kMostRings = 3;
-/// Rings that wrap around onto themselves would find sites twice.
-constexpr Index kFewestBlocks = 2 * kMostRings + 1;
+/// A bin that has more sites around it asks the tree.
+constexpr std::size_t kMostAround = 512;
+/// Of a bin's width: how far from its centre sites are looked for first.
+constexpr double kFirstReach = 2.2;
+constexpr int kTries = 3;
+/// With fewer points a cell, the sites that can be nearest in a bin are not told apart by cells.
+constexpr std::size_t kPointsPerCell = 24;
+/// Points that are on their way from memory while others are placed.
+constexpr std::size_t kAhead = 24;
 
 }  // namespace
 
+/// Sites by their offset from the centre of a bin.
 template <class Scalar>
-NearestSites<Scalar>::NearestSites(const Metric& metric, const SiteState& sites, const Box& box,
-                                   std::size_t queries, const Arena& arena)
-    : metric_(metric), sites_(sites), tree_(metric, sites.position) {
-  const bool pays = static_cast<double>(queries) > 8.0 * sites.count();
-  const bool flat = metric.dimension() == 2 || metric.dimension() == 3;
-  if (flat && pays && box.extent().minCoeff() > 0) make_grid(box, arena);
+struct NearestSites<Scalar>::Around {
+  std::size_t count = 0;
+  std::array<Index, kMostAround> site;
+  std::array<std::array<double, kMostAround>, kMostDimensions> offset;
+};
+
+template <class Scalar>
+struct NearestSites<Scalar>::Worker {
+  Around around;
+  Around in_bin;
+  Around in_cell;
+  std::vector<double> coordinates;   ///< of points, a stream for each dimension
+  std::vector<double> positions;     ///< of candidates
+  std::vector<std::int32_t> chosen;  ///< candidate of each point
+};
+
+template <class Scalar>
+NearestSites<Scalar>::NearestSites(const Metric& metric, const SiteState& sites, const Box& box)
+    : metric_(metric),
+      dimension_(static_cast<std::size_t>(metric.dimension())),
+      tree_(metric, sites.position),
+      bins_(SiteBins::sort(metric, sites.position, box.lower.data(), box.upper.data())) {
+  if (!bins_) return;
+  for (std::size_t d = 0; d < dimension_; ++d) {
+    lower_[d] = bins_->lower(d);
+    inverse_width_[d] = 2 / bins_->width(d);
+    last_[d] = static_cast<double>(2 * bins_->bins(d) - 1);
+    half_[d] = bins_->width(d) / 2 + bins_->rounding();
+  }
 }
 
 template <class Scalar>
-std::size_t NearestSites<Scalar>::cell_of(const double* position) const {
-  std::size_t block = 0;
-  std::size_t child = 0;
-  for (std::size_t d = blocks_.size(); d-- > 0;) {
-    const auto k =
-        static_cast<std::size_t>(std::clamp((position[d] - lower_[d]) * inverse_width_[d], 0.0,
-                                            static_cast<double>(2 * blocks_[d] - 1)));
-    block = block * static_cast<std::size_t>(blocks_[d]) + k / 2;
+std::uint32_t NearestSites<Scalar>::cell_of(const Scalar* position) const {
+  std::uint32_t bin = 0;
+  std::uint32_t child = 0;
+  for (std::size_t d = dimension_; d-- > 0;) {
+    const double along = (static_cast<double>(position[d]) - lower_[d]) * inverse_width_[d];
+    const auto k = static_cast<std::uint32_t>(std::clamp(along, 0.0, last_[d]));
+    bin = bin * static_cast<std::uint32_t>(bins_->bins(d)) + k / 2;
     child = 2 * child + k % 2;
   }
-  return (block << blocks_.size()) + child;
+  return (bin << dimension_) + child;
 }
 
-/// Visits the blocks whose largest offset from `centre` along any dimension is `ring`.
+/// Counting sort: the points of cell g become those from first[g] to first[g + 1].
 template <class Scalar>
-template <class Visit>
-void NearestSites<Scalar>::for_ring(const Index* centre, Index ring, Visit visit) const {
-  const auto recurse = [&](auto& self, std::size_t d, std::size_t block, bool on_ring) -> void {
-    const Index count = blocks_[d];
-    // Only the two ends reach the ring when no other dimension can.
-    const Index step = d == 0 && !on_ring && ring > 0 ? 2 * ring : 1;
-    for (Index offset = -ring; offset <= ring; offset += step) {
-      Index k = centre[d] + offset;
-      if (k < 0 || k >= count) {
-        if (!metric_.periodic()) continue;
-        k += k < 0 ? count : -count;
-      }
-      const bool reaches = on_ring || offset == ring || offset == -ring;
-      const std::size_t next =
-          block * static_cast<std::size_t>(count) + static_cast<std::size_t>(k);
-      if (d > 0) {
-        self(self, d - 1, next, reaches);
-      } else {
-        visit(next);
-      }
-    }
-  };
-  recurse(recurse, blocks_.size() - 1, 0, false);
+void NearestSites<Scalar>::sort_by_cell(const PointsView<Scalar>& points,
+                                        std::span<const Index> which, const Arena& arena,
+                                        std::vector<std::size_t>& first, Found& found) const {
+  std::vector<std::uint32_t> cell(which.size());
+  arena.for_ranges(which.size(), 4096, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) cell[k] = cell_of(points[which[k]]);
+  });
+  // One place further on, so that filling the cells leaves each with its own beginning.
+  first.assign((bins_->bin_count() << dimension_) + 2, 0);
+  for (const std::uint32_t g : cell) ++first[g + 2];
+  for (std::size_t g = 2; g < first.size(); ++g) first[g] += first[g - 1];
+  for (std::size_t k = 0; k < which.size(); ++k) found.point[first[cell[k] + 1]++] = which[k];
 }
 
-/// The sites that can be nearest to a point of a block, by their offset from its centre: with the
-/// nearest to the centre at distance r, those within r and the block's diagonal. None when there
-/// are too many or they are too far.
 template <class Scalar>
-void NearestSites<Scalar>::sites_around(const SitesByBlock& sites, const Index* place,
-                                        const double* centre, std::vector<Offset>& around) const {
-  around.clear();
-  const std::size_t dimension = blocks_.size();
-  double nearest = std::numeric_limits<double>::infinity();
-  for (Index ring = 0; ring <= kMostRings; ++ring) {
-    for_ring(place, ring, [&](std::size_t block) {
-      for (std::size_t k = sites.first[block]; k < sites.first[block + 1]; ++k) {
-        Offset found{sites.site[k], 0, {}};
-        for (std::size_t d = 0; d < dimension; ++d) {
-          found.from_centre[d] =
-              metric_.wrap(sites.position[k * dimension + d] - centre[d], static_cast<int>(d));
-          found.squared += found.from_centre[d] * found.from_centre[d];
+auto NearestSites<Scalar>::centre_of(std::size_t bin) const -> Vector {
+  Vector centre{};
+  for (std::size_t d = 0; d < dimension_; ++d) {
+    const std::size_t along = bin % bins_->bins(d);
+    bin /= bins_->bins(d);
+    centre[d] = lower_[d] + (static_cast<double>(along) + 0.5) * bins_->width(d);
+  }
+  return centre;
+}
+
+/// The sites around a bin: all that can be nearest to a point of it, by their image nearest to its
+/// centre. False when there are too many, or none near enough.
+///
+/// Let c be the site nearest to the centre, and r its distance from the corner farthest from it: a
+/// site nearer than c to a point of the bin is at most r from that point.
+template <class Scalar>
+bool NearestSites<Scalar>::gather(const Vector& centre, Around& around) const {
+  const double widest = 2 * *std::max_element(half_.begin(), half_.end());
+  double reach = kFirstReach * widest;
+  for (int attempt = 0; attempt < kTries; ++attempt) {
+    around.count = 0;
+    bool fits = true;
+    bins_->for_each_run(centre.data(), reach, [&](std::size_t first, std::size_t last) {
+      fits = fits && around.count + (last - first) <= kMostAround;
+      for (std::size_t place = first; fits && place < last; ++place) {
+        const double* position = bins_->position(place);
+        for (std::size_t d = 0; d < dimension_; ++d) {
+          around.offset[d][around.count] =
+              metric_.wrap(position[d] - centre[d], static_cast<int>(d));
         }
-        nearest = std::min(nearest, found.squared);
-        around.push_back(found);
+        around.site[around.count++] = bins_->site(place);
       }
     });
-    if (around.size() > kMostAround) break;
-    const double reach = std::sqrt(nearest) + diagonal_;
-    if ((static_cast<double>(ring) + 0.5) * 2 * least_width_ < reach) continue;
-    std::erase_if(around, [&](const Offset& o) { return o.squared > reach * reach; });
-    // Of a site farther than this another image may be the nearer one at the block's far side.
-    const auto ambiguous = [&](const Offset& o) {
-      for (std::size_t d = 0; d < dimension; ++d) {
-        if (std::abs(o.from_centre[d]) + 2 * width_[d] > metric_.extent()[d] / 2) return true;
+    if (!fits) return false;
+    double nearest = std::numeric_limits<double>::infinity();
+    std::size_t c = 0;
+    for (std::size_t k = 0; k < around.count; ++k) {
+      double squared = 0;
+      for (std::size_t d = 0; d < dimension_; ++d) squared += std::pow(around.offset[d][k], 2);
+      if (squared < nearest) {
+        nearest = squared;
+        c = k;
       }
-      return false;
-    };
-    if (metric_.periodic() && std::any_of(around.begin(), around.end(), ambiguous)) break;
-    return;
+    }
+    if (around.count == 0) {
+      reach *= 2;
+      continue;
+    }
+    double to_corner = 0;
+    for (std::size_t d = 0; d < dimension_; ++d) {
+      to_corner += std::pow(std::abs(around.offset[d][c]) + half_[d], 2);
+    }
+    const double needed = (std::sqrt(to_corner) + widest / 2) * (1 + 1e-9);
+    // Farther away, another image of a site may be the nearer one.
+    const double most = metric_.periodic()
+                            ? *std::min_element(metric_.extent(), metric_.extent() + dimension_) / 2
+                            : std::numeric_limits<double>::infinity();
+    if (needed >= most) return false;
+    if (needed <= reach) return true;
+    reach = needed;
   }
-  around.clear();
+  return false;
 }
 
-/// Of the sites around a block, those that no other keeps from being nearest in the region
-/// `cells_wide` around `centre` (from the block's centre): s is out when the nearest to the
+/// Of the sites around a bin, those that no other keeps from being nearest in the region of so many
+/// half widths on each side of `centre` (from the bin's centre): s is out when the nearest to the
 /// region's centre, c, is nearer than s in all of it, which is when it is at each of its corners,
 /// as |x - s|^2 - |x - c|^2 is linear in x.
 template <class Scalar>
-void NearestSites<Scalar>::candidates_of(const std::vector<Offset>& around, const double* centre,
-                                         double cells_wide, std::vector<Offset>& near) const {
-  near.clear();
-  const std::size_t dimension = blocks_.size();
-  const auto squared = [&](const Offset& o) {
-    double sum = 0;
-    for (std::size_t d = 0; d < dimension; ++d) {
-      const double difference = o.from_centre[d] - centre[d];
-      sum += difference * difference;
+void NearestSites<Scalar>::keep_candidates(const Around& around, const Vector& centre,
+                                           double halves, Around& candidates) const {
+  std::array<double, kMostAround> squared;
+  std::size_t c = 0;
+  for (std::size_t k = 0; k < around.count; ++k) {
+    squared[k] = 0;
+    for (std::size_t d = 0; d < dimension_; ++d) {
+      const double difference = around.offset[d][k] - centre[d];
+      squared[k] += difference * difference;
     }
-    return sum;
-  };
-  const Offset* central = nullptr;
-  double least = std::numeric_limits<double>::infinity();
-  for (const Offset& o : around) {
-    const double distance = squared(o);
-    if (distance < least) {
-      least = distance;
-      central = &o;
-    }
+    c = squared[k] < squared[c] ? k : c;
   }
-  for (const Offset& o : around) {
-    double at_best_corner = squared(o) - least;
-    for (std::size_t d = 0; d < dimension; ++d) {
-      at_best_corner -=
-          cells_wide * slack_width_[d] * std::abs(o.from_centre[d] - central->from_centre[d]);
+  candidates.count = 0;
+  for (std::size_t k = 0; k < around.count; ++k) {
+    double at_best_corner = squared[k] - squared[c];
+    for (std::size_t d = 0; d < dimension_; ++d) {
+      at_best_corner -= 2 * halves * half_[d] * std::abs(around.offset[d][k] - around.offset[d][c]);
     }
-    if (at_best_corner <= 0) near.push_back(o);
+    for (std::size_t d = 0; d < dimension_; ++d) {
+      candidates.offset[d][candidates.count] = around.offset[d][k];
+    }
+    candidates.site[candidates.count] = around.site[k];
+    candidates.count += at_best_corner <= 0 ? 1 : 0;
   }
 }
 
-/// False when there are too few blocks for the rings, or too many for the memory.
 template <class Scalar>
-bool NearestSites<Scalar>::cut_into_blocks(const Box& box) {
-  const Eigen::VectorXd extent = box.extent();
-  const double most = std::max(1.0, kBlocksPerSite * sites_.count());
-  const double block_width = std::pow(box.volume() / most, 1.0 / metric_.dimension());
-  double all = 1;
-  double diagonal_squared = 0;
-  double farthest = 0;
-  for (int d = 0; d < metric_.dimension(); ++d) {
-    const double count = std::clamp(std::round(extent[d] / block_width), 1.0, most);
-    blocks_.push_back(static_cast<Index>(count));
-    lower_.push_back(box.lower[d]);
-    width_.push_back(extent[d] / (2 * count));
-    inverse_width_.push_back(2 * count / extent[d]);
-    all *= count;
-    diagonal_squared += 4 * width_.back() * width_.back();
-    farthest = std::max({farthest, std::abs(box.lower[d]), std::abs(box.upper[d])});
-    if ((metric_.periodic() && count < kFewestBlocks) || all > 4 * most) return false;
-  }
-  // Rounding may put a point into the cell next to its own.
-  diagonal_ = std::sqrt(diagonal_squared) * (1 + 1e-9) + 1e-15 * farthest;
-  least_width_ = *std::min_element(width_.begin(), width_.end());
-  for (const double width : width_) slack_width_.push_back(width * (1 + 1e-9) + 1e-15 * farthest);
-  return true;
-}
-
-template <class Scalar>
-auto NearestSites<Scalar>::sort_by_block(std::size_t blocks) const -> SitesByBlock {
-  SitesByBlock sorted;
-  sorted.first.assign(blocks + 1, 0);
-  std::vector<std::size_t> block_of(static_cast<std::size_t>(sites_.count()));
-  for (Index s = 0; s < sites_.count(); ++s) {
-    const std::size_t block = cell_of(sites_.at(s)) >> blocks_.size();
-    block_of[static_cast<std::size_t>(s)] = block;
-    ++sorted.first[block + 1];
-  }
-  for (std::size_t b = 0; b < blocks; ++b) sorted.first[b + 1] += sorted.first[b];
-  sorted.site.resize(block_of.size());
-  sorted.position.resize(sites_.position.size());
-  std::vector<std::size_t> next(sorted.first.begin(), sorted.first.end() - 1);
-  for (Index s = 0; s < sites_.count(); ++s) {
-    const std::size_t place = next[block_of[static_cast<std::size_t>(s)]]++;
-    sorted.site[place] = s;
-    std::copy_n(sites_.at(s), blocks_.size(), &sorted.position[place * blocks_.size()]);
-  }
-  return sorted;
-}
-
-template <class Scalar>
-void NearestSites<Scalar>::make_grid(const Box& box, const Arena& arena) {
-  if (!cut_into_blocks(box)) {
-    blocks_.clear();
+void NearestSites<Scalar>::find_among(const PointsView<Scalar>& points, const Around& candidates,
+                                      const Vector& centre, std::size_t begin, std::size_t end,
+                                      Worker& worker, Found& found) const {
+  if (begin == end) return;
+  if (candidates.count == 1) {
+    std::fill(&found.site[begin], &found.site[begin] + (end - begin), candidates.site[0]);
     return;
   }
-  const std::size_t dimension = blocks_.size();
-  const std::size_t children = std::size_t{1} << dimension;
-  std::size_t blocks = 1;
-  for (const Index count : blocks_) blocks *= static_cast<std::size_t>(count);
-  const SitesByBlock sites = sort_by_block(blocks);
-
-  constexpr std::size_t kChunk = 256;
-  struct Chunk {
-    std::vector<Index> site;
-    std::vector<double> position;
-  };
-  std::vector<Chunk> chunks((blocks + kChunk - 1) / kChunk);
-  begin_.assign(blocks * children + 1, 0);
-  arena.for_each(chunks.size(), 1, [&](std::size_t c) {
-    std::vector<Offset> around;
-    std::vector<Offset> in_block;
-    std::vector<Offset> in_cell;
-    std::array<Index, kMostDimensions> place{};
-    std::array<double, kMostDimensions> centre{};
-    const std::array<double, kMostDimensions> here{};
-    std::array<double, kMostDimensions> cell_centre{};
-    for (std::size_t b = c * kChunk; b < std::min((c + 1) * kChunk, blocks); ++b) {
-      std::size_t rest = b;
-      for (std::size_t d = 0; d < dimension; ++d) {
-        const auto count = static_cast<std::size_t>(blocks_[d]);
-        place[d] = static_cast<Index>(rest % count);
-        rest /= count;
-        centre[d] = lower_[d] + (2 * static_cast<double>(place[d]) + 1) * width_[d];
-      }
-      sites_around(sites, place.data(), centre.data(), around);
-      candidates_of(around, here.data(), 2, in_block);
-      for (std::size_t child = 0; child < children; ++child) {
-        for (std::size_t d = 0; d < dimension; ++d) {
-          cell_centre[d] = ((child >> d) % 2 == 0 ? -0.5 : 0.5) * width_[d];
-        }
-        candidates_of(in_block, cell_centre.data(), 1, in_cell);
-        if (in_cell.size() > kMostCandidates) in_cell.clear();
-        begin_[b * children + child + 1] = static_cast<std::uint32_t>(in_cell.size());
-        for (const Offset& o : in_cell) {
-          chunks[c].site.push_back(o.site);
-          for (std::size_t d = 0; d < dimension; ++d) {
-            chunks[c].position.push_back(centre[d] + o.from_centre[d]);
-          }
-        }
-      }
+  constexpr auto kStep = static_cast<std::size_t>(kernels::kNearestPoints);
+  const std::size_t stride = (end - begin + kStep - 1) / kStep * kStep;
+  worker.coordinates.resize(stride * dimension_);
+  worker.chosen.resize(stride);
+  worker.positions.resize(candidates.count * dimension_);
+  for (std::size_t k = begin; k < end; ++k) {
+    if (k + kAhead < found.point.size()) __builtin_prefetch(points[found.point[k + kAhead]]);
+    const Scalar* point = points[found.point[k]];
+    for (std::size_t d = 0; d < dimension_; ++d) {
+      worker.coordinates[d * stride + k - begin] = static_cast<double>(point[d]);
     }
-  });
-  std::size_t candidates = 0;
-  for (const Chunk& chunk : chunks) candidates += chunk.site.size();
-  if (candidates > std::numeric_limits<std::uint32_t>::max()) {
-    blocks_.clear();
-    begin_ = {};
-    return;
   }
-  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-  candidate_.reserve(begin_.back());
-  position_.reserve(candidate_.capacity() * dimension);
-  for (const Chunk& chunk : chunks) {
-    candidate_.insert(candidate_.end(), chunk.site.begin(), chunk.site.end());
-    position_.insert(position_.end(), chunk.position.begin(), chunk.position.end());
+  for (std::size_t d = 0; d < dimension_; ++d) {
+    double* stream = &worker.coordinates[d * stride];
+    std::fill(stream + (end - begin), stream + stride, stream[0]);
+    for (std::size_t c = 0; c < candidates.count; ++c) {
+      worker.positions[c * dimension_ + d] = centre[d] + candidates.offset[d][c];
+    }
+  }
+  kernels::nearest_positions(worker.coordinates.data(), static_cast<Index>(stride),
+                             static_cast<int>(dimension_), worker.positions.data(),
+                             static_cast<Index>(candidates.count), worker.chosen.data());
+  for (std::size_t k = begin; k < end; ++k) {
+    found.site[k] = candidates.site[static_cast<std::size_t>(worker.chosen[k - begin])];
   }
 }
 
-/// Looks points up in the grid, a batch at a time: the candidates of a batch are on their way from
-/// memory while its points are placed.
 template <class Scalar>
-template <int Dimension>
-void NearestSites<Scalar>::look_up(const PointsView<Scalar>& points, std::span<const Index> which,
-                                   Index* owner) const {
-  constexpr std::size_t kBatch = 32;
-  constexpr auto kWidth = static_cast<std::size_t>(Dimension);
-  std::array<std::array<double, kWidth>, kBatch> query;
-  std::array<std::size_t, kBatch> cell;
-  for (std::size_t first = 0; first < which.size(); first += kBatch) {
-    const std::size_t count = std::min(kBatch, which.size() - first);
-    for (std::size_t k = 0; k < count; ++k) {
-      std::copy_n(points[which[first + k]], kWidth, query[k].begin());
-      cell[k] = cell_of(query[k].data());
-      __builtin_prefetch(&begin_[cell[k]]);
+void NearestSites<Scalar>::ask_tree(const PointsView<Scalar>& points, std::size_t begin,
+                                    std::size_t end, Found& found) const {
+  std::vector<double> query(dimension_);
+  for (std::size_t k = begin; k < end; ++k) {
+    std::copy_n(points[found.point[k]], dimension_, query.begin());
+    found.site[k] = tree_.nearest(query.data());
+  }
+}
+
+/// `first`: of the cells of the bin, and one more.
+template <class Scalar>
+void NearestSites<Scalar>::find_in_bin(const PointsView<Scalar>& points,
+                                       std::span<const std::size_t> first, std::size_t bin,
+                                       Worker& worker, Found& found) const {
+  const std::size_t begin = first.front();
+  const std::size_t end = first.back();
+  if (begin == end) return;
+  const Vector centre = centre_of(bin);
+  if (!gather(centre, worker.around)) return ask_tree(points, begin, end, found);
+  keep_candidates(worker.around, {}, 1, worker.in_bin);
+  const std::size_t cells = std::size_t{1} << dimension_;
+  if (end - begin < kPointsPerCell * cells) {
+    return find_among(points, worker.in_bin, centre, begin, end, worker, found);
+  }
+  for (std::size_t g = 0; g < cells; ++g) {
+    Vector cell_centre{};
+    for (std::size_t d = 0; d < dimension_; ++d) {
+      cell_centre[d] = ((g >> d) % 2 == 0 ? -0.5 : 0.5) * half_[d];
     }
-    for (std::size_t k = 0; k < count; ++k) {
-      __builtin_prefetch(position_.data() + begin_[cell[k]] * kWidth);
-      __builtin_prefetch(candidate_.data() + begin_[cell[k]]);
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::uint32_t begin = begin_[cell[k]];
-      const std::uint32_t end = begin_[cell[k] + 1];
-      if (begin == end) {
-        owner[first + k] = tree_.nearest(query[k].data());
-        continue;
-      }
-      std::uint32_t best = begin;
-      double best_squared = std::numeric_limits<double>::infinity();
-      for (std::uint32_t c = begin; c < end; ++c) {
-        const double* position = &position_[c * kWidth];
-        double squared = 0;
-        for (std::size_t d = 0; d < kWidth; ++d) {
-          const double difference = query[k][d] - position[d];
-          squared += difference * difference;
-        }
-        best = squared < best_squared ? c : best;
-        best_squared = squared < best_squared ? squared : best_squared;
-      }
-      owner[first + k] = candidate_[best];
-    }
+    keep_candidates(worker.in_bin, cell_centre, 0.5, worker.in_cell);
+    find_among(points, worker.in_cell, centre, first[g], first[g + 1], worker, found);
   }
 }
 
 template <class Scalar>
 void NearestSites<Scalar>::operator()(const PointsView<Scalar>& points,
-                                      std::span<const Index> which, Index* owner) const {
-  if (blocks_.empty()) {
-    std::vector<double> query(static_cast<std::size_t>(metric_.dimension()));
-    for (const Index point : which) {
-      std::copy_n(points[point], query.size(), query.begin());
-      *owner++ = tree_.nearest(query.data());
-    }
-  } else if (metric_.dimension() == 2) {
-    look_up<2>(points, which, owner);
-  } else {
-    look_up<3>(points, which, owner);
+                                      std::span<const Index> which, const Arena& arena,
+                                      Found& found) const {
+  found.point.resize(which.size());
+  found.site.resize(which.size());
+  if (!bins_) {
+    std::copy(which.begin(), which.end(), found.point.begin());
+    arena.for_ranges(which.size(), 4096, [&](std::size_t begin, std::size_t end, int) {
+      ask_tree(points, begin, end, found);
+    });
+    return;
   }
+  std::vector<std::size_t> first;
+  sort_by_cell(points, which, arena, first, found);
+  std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(arena.threads()));
+  const std::size_t cells = std::size_t{1} << dimension_;
+  arena.for_ranges(bins_->bin_count(), 64, [&](std::size_t begin, std::size_t end, int w) {
+    auto& worker = workers[static_cast<std::size_t>(w)];
+    if (!worker) worker = std::make_unique<Worker>();
+    for (std::size_t bin = begin; bin < end; ++bin) {
+      find_in_bin(points, std::span(first).subspan(bin * cells, cells + 1), bin, *worker, found);
+    }
+  });
 }
 
 template class NearestSites<float>;

@@ -11,7 +11,7 @@
 #include <limits>
 #include <numeric>
 
-#include "kernels/kernels.h"
+#include "kernels/nearest.h"
 
 namespace ccvt {
 namespace {

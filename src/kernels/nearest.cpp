@@ -1,0 +1,126 @@
+#include "kernels/nearest.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/nearest.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, as Highway asks.
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <type_traits>
+
+HWY_BEFORE_NAMESPACE();
+namespace ccvt::kernels {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Eight interleaved partial sums whatever the vector width, so that bits do not depend on it.
+constexpr int kPartials = 8;
+
+/// A position is left as soon as the dimensions seen so far put it beyond the best. Sums are made
+/// of eight interleaved parts whatever the vector width, so that bits do not depend on it.
+HWY_INLINE double squared_distance_up_to(const double* a, const double* b, int dimension,
+                                         double limit) {
+  std::array<double, kPartials> part{};
+  double sum = 0;
+  int d = 0;
+  while (d + kPartials <= dimension) {
+    const int stop = std::min(dimension - kPartials, d + 3 * kPartials);
+    for (; d <= stop; d += kPartials) {
+      for (int l = 0; l < kPartials; ++l) {
+        const double difference = a[d + l] - b[d + l];
+        part[static_cast<std::size_t>(l)] += difference * difference;
+      }
+    }
+    sum = ((part[0] + part[4]) + (part[1] + part[5])) + ((part[2] + part[6]) + (part[3] + part[7]));
+    if (sum > limit) return sum;
+  }
+  for (; d < dimension; ++d) sum += (a[d] - b[d]) * (a[d] - b[d]);
+  return sum;
+}
+
+Index nearest_of(const double* query, const double* positions, Index count, int dimension) {
+  double best = std::numeric_limits<double>::infinity();
+  Index nearest = 0;
+  for (Index k = 0; k < count; ++k, positions += dimension) {
+    const double squared = squared_distance_up_to(query, positions, dimension, best);
+    if (squared < best) {
+      best = squared;
+      nearest = k;
+    }
+  }
+  return nearest;
+}
+
+/// The squared distances of a vector of points to a position. Mul and Add are kept apart, as fused
+/// ones would change bits between instruction sets.
+template <class Tag, class Dimension>
+HWY_INLINE hn::Vec<Tag> squared_distances(Tag tag, Dimension dimension, const double* points,
+                                          Index stride, const double* position) {
+  auto squared = hn::Zero(tag);
+  for (int d = 0; d < dimension; ++d) {
+    const auto x = hn::LoadU(tag, points + static_cast<std::ptrdiff_t>(d) * stride);
+    const auto difference = hn::Sub(x, hn::Set(tag, position[d]));
+    squared = hn::Add(squared, hn::Mul(difference, difference));
+  }
+  return squared;
+}
+
+/// Two vectors of points at a time, as each waits for its own last comparison.
+template <class Dimension>
+HWY_INLINE void nearest_of_few(const double* points, Index stride, Dimension dimension,
+                               const double* positions, Index count, std::int32_t* nearest) {
+  const hn::CappedTag<double, kNearestPoints / 2> tag;
+  const hn::Rebind<std::int32_t, decltype(tag)> whole;
+  const auto lanes = static_cast<Index>(hn::Lanes(tag));
+  for (Index k = 0; k < stride; k += 2 * lanes) {
+    auto best0 = hn::Set(tag, std::numeric_limits<double>::infinity());
+    auto best1 = best0;
+    auto which0 = hn::Zero(tag);
+    auto which1 = which0;
+    const double* position = positions;
+    for (Index c = 0; c < count; ++c, position += dimension) {
+      const auto number = hn::Set(tag, static_cast<double>(c));
+      const auto squared0 = squared_distances(tag, dimension, points + k, stride, position);
+      const auto squared1 = squared_distances(tag, dimension, points + k + lanes, stride, position);
+      which0 = hn::IfThenElse(hn::Lt(squared0, best0), number, which0);
+      which1 = hn::IfThenElse(hn::Lt(squared1, best1), number, which1);
+      best0 = hn::Min(squared0, best0);
+      best1 = hn::Min(squared1, best1);
+    }
+    hn::StoreU(hn::DemoteTo(whole, which0), whole, nearest + k);
+    hn::StoreU(hn::DemoteTo(whole, which1), whole, nearest + k + lanes);
+  }
+}
+
+void nearest_of_each(const double* points, Index stride, int dimension, const double* positions,
+                     Index count, std::int32_t* nearest) {
+  if (dimension == 2) {
+    nearest_of_few(points, stride, std::integral_constant<int, 2>{}, positions, count, nearest);
+  } else {
+    nearest_of_few(points, stride, std::integral_constant<int, 3>{}, positions, count, nearest);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ccvt::kernels
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ccvt::kernels {
+
+HWY_EXPORT(nearest_of);
+Index nearest_position(const double* query, const double* positions, Index count, int dimension) {
+  return HWY_DYNAMIC_DISPATCH(nearest_of)(query, positions, count, dimension);
+}
+
+HWY_EXPORT(nearest_of_each);
+void nearest_positions(const double* points, Index stride, int dimension, const double* positions,
+                       Index count, std::int32_t* nearest) {
+  HWY_DYNAMIC_DISPATCH(nearest_of_each)(points, stride, dimension, positions, count, nearest);
+}
+
+}  // namespace ccvt::kernels
+#endif

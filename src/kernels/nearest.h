@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+
+#include "ccvt/types.h"
+
+namespace ccvt::kernels {
+
+/// The number of the position nearest to `query` (Euclidean), the first of several. `positions`:
+/// `count` >= 1 of them, `dimension` values each, one after the other.
+Index nearest_position(const double* query, const double* positions, Index count, int dimension);
+
+/// The stride of nearest_positions() is a multiple of this.
+constexpr Index kNearestPoints = 16;
+
+/// For each of `stride` points the number of the position nearest to it, the first of several, in
+/// two or three dimensions. `points`: a stream for each dimension, one every `stride` values.
+/// `positions`: `count` >= 1 of them, `dimension` values each, one after the other.
+void nearest_positions(const double* points, Index stride, int dimension, const double* positions,
+                       Index count, std::int32_t* nearest);
+
+}  // namespace ccvt::kernels
