@@ -148,6 +148,7 @@ void Lloyd<Scalar>::gather() {
   arena_.for_each(sizes.size(), kSitesPerGrain, [&](std::size_t s) {
     if (changed_[s] == 0) return;
     if (sizes[s] > 0) {
+      sites_.radius[s] = std::numeric_limits<double>::infinity();
       update_site(metric_, cells_, sites_, static_cast<Index>(s));
     } else {
       sites_.radius[s] = sites_.energy[s] = 0;

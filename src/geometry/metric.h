@@ -42,6 +42,20 @@ class Metric {
                       : difference;
   }
 
+  /// How to take shortest differences to `middle` without wrapping them: x - middle, wrapped, is
+  /// x - origin, and one extent more where x < turn; for x in the box, and half an extent or less
+  /// between it and `middle`.
+  struct Unrolled {
+    double origin;
+    double turn;
+  };
+  [[nodiscard]] Unrolled unrolled(double middle, int d) const {
+    const auto k = static_cast<std::size_t>(d);
+    const double half = extent_[k] / 2;
+    if (middle < lower_[k] + half) return {middle + extent_[k], middle + half};
+    return {middle, middle - half};
+  }
+
   /// Moves a coordinate into [lower, upper).
   [[nodiscard]] double into_box(double x, int d) const {
     if (!periodic()) return x;

@@ -32,24 +32,25 @@ HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int di
   return key;
 }
 
-/// Turns are whole numbers, -1, 0 or 1: fused or not, the bits are the same.
-template <class Tag, class Scalar>
-HWY_INLINE hn::Vec<Tag> wrapped(Tag tag, hn::Vec<Tag> difference, Scalar extent, Scalar inverse) {
-  const auto turns = hn::Round(hn::Mul(difference, hn::Set(tag, inverse)));
-  return hn::NegMulAdd(turns, hn::Set(tag, extent), difference);
-}
-
 template <class Tag, class Scalar>
 HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
                                WrappedCut<Scalar> cut, Index k) {
   auto key = hn::Zero(tag);
   for (int d = 0; d < dimension; ++d) {
     const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
-    const auto difference =
-        wrapped(tag, hn::Sub(x, hn::Set(tag, cut.middle[d])), cut.extent[d], cut.inverse_extent[d]);
+    const auto around =
+        hn::IfThenElseZero(hn::Lt(x, hn::Set(tag, cut.turn[d])), hn::Set(tag, cut.extent[d]));
+    const auto difference = hn::Add(hn::Sub(x, hn::Set(tag, cut.origin[d])), around);
     key = hn::Add(key, hn::Mul(difference, hn::Set(tag, cut.normal[d])));
   }
   return key;
+}
+
+/// Turns are whole numbers, -1, 0 or 1: fused or not, the bits are the same.
+template <class Tag, class Scalar>
+HWY_INLINE hn::Vec<Tag> wrapped(Tag tag, hn::Vec<Tag> difference, Scalar extent, Scalar inverse) {
+  const auto turns = hn::Round(hn::Mul(difference, hn::Set(tag, inverse)));
+  return hn::NegMulAdd(turns, hn::Set(tag, extent), difference);
 }
 
 template <class Tag, class Scalar>

@@ -17,14 +17,14 @@ struct Cut {
   const Scalar* normal;
 };
 
-/// The same on a torus for cells that fit in a common frame but cross the box's faces: key(p) = sum
-/// over d of (p_d - middle_d, wrapped) * normal_d.
+/// The same on a torus for cells that fit in a common frame but cross the box's faces: to
+/// coordinates below `turn`, their extent is added. See Metric::unrolled().
 template <class Scalar>
 struct WrappedCut {
-  const Scalar* middle;
+  const Scalar* origin;
   const Scalar* normal;
+  const Scalar* turn;
   const Scalar* extent;
-  const Scalar* inverse_extent;
 };
 
 /// The same on a torus for cells that have no common frame: key(p) = (|p - a|^2 - |p - b|^2) / 2

@@ -22,8 +22,8 @@ class Mover {
     normal_.resize(size);
     for (std::size_t d = 0; metric.periodic() && d < size; ++d) {
       extent_.push_back(static_cast<Scalar>(metric.extent()[d]));
-      inverse_extent_.push_back(static_cast<Scalar>(1 / metric.extent()[d]));
     }
+    turn_.resize(extent_.size());
   }
 
   /// Moves the `count` points of `from` that gain most, or lose least, by changing to `to`; fewer
@@ -86,18 +86,22 @@ class Mover {
     const double* b = sites_.at(to);
     for (std::size_t d = 0; d < middle_.size(); ++d) {
       const double u = metric_.wrap(b[d] - a[d], static_cast<int>(d));
-      middle_[d] = static_cast<Scalar>(a[d] + u / 2);
       normal_[d] = static_cast<Scalar>(u);
+      middle_[d] = static_cast<Scalar>(a[d] + u / 2);
+      if (!metric_.periodic()) continue;
+      const Metric::Unrolled frame = metric_.unrolled(a[d] + u / 2, static_cast<int>(d));
+      middle_[d] = static_cast<Scalar>(frame.origin);
+      turn_[d] = static_cast<Scalar>(frame.turn);
     }
   }
 
   void keys_of(const Scalar* block, Index count) {
     const int dimension = metric_.dimension();
     if (metric_.periodic()) {
-      kernels::keys(block, count, dimension,
-                    kernels::WrappedCut<Scalar>{middle_.data(), normal_.data(), extent_.data(),
-                                                inverse_extent_.data()},
-                    keys_.data());
+      kernels::keys(
+          block, count, dimension,
+          kernels::WrappedCut<Scalar>{middle_.data(), normal_.data(), turn_.data(), extent_.data()},
+          keys_.data());
     } else {
       kernels::keys(block, count, dimension, kernels::Cut<Scalar>{middle_.data(), normal_.data()},
                     keys_.data());
@@ -110,7 +114,7 @@ class Mover {
   std::vector<Scalar> middle_;
   std::vector<Scalar> normal_;
   std::vector<Scalar> extent_;
-  std::vector<Scalar> inverse_extent_;
+  std::vector<Scalar> turn_;
   std::vector<Scalar> keys_;
   std::vector<Choice> choices_;
 };

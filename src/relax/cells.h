@@ -59,6 +59,13 @@ class Cells {
     for (int d = 0; d < dimension_; ++d, from += size(site)) coordinates[d] = *from;
   }
 
+  /// Copies what is at place `from` of a cell to place `to` of it.
+  void copy_within(Index site, Index from, Index to) {
+    points(site)[to] = points(site)[from];
+    Scalar* stream = block(site);
+    for (int d = 0; d < dimension_; ++d, stream += size(site)) stream[to] = stream[from];
+  }
+
   /// Exchanges place k of cell i with place l of cell j.
   void exchange(Index i, Index k, Index j, Index l) {
     std::swap(points(i)[k], points(j)[l]);

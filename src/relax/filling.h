@@ -29,10 +29,9 @@ struct Filling {
   /// Takes the point at place k out of a cell; the last point takes its place.
   Index take(Index site, Index k) {
     Index& count = filled[static_cast<std::size_t>(site)];
-    Index* own = cells.points(site);
-    const Index point = own[k];
+    const Index point = cells.points(site)[k];
     --count;
-    if (k != count) cells.put(site, k, own[count], points[own[count]]);
+    if (k != count) cells.copy_within(site, count, k);
     return point;
   }
 

@@ -11,6 +11,8 @@ namespace ccvt {
 namespace {
 
 constexpr std::uint64_t kOrderStream = 3;
+/// Points that are on their way from memory while others join.
+constexpr std::size_t kAhead = 24;
 
 std::vector<Index> shuffled(std::span<const Index> points, std::uint64_t seed) {
   std::vector<Index> order(points.begin(), points.end());
@@ -36,7 +38,7 @@ std::vector<Pair> nearest_neighbours(const Metric& metric, const SiteState& site
       if (other != site) pairs.emplace_back(std::min(site, other), std::max(site, other));
     }
   }
-  std::sort(pairs.begin(), pairs.end());
+  sort_pairs(pairs, sites.count());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
 }
@@ -72,6 +74,9 @@ void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
       nearest(filling.points, joining.subspan(begin, std::min(chunk, joining.size() - begin)),
               arena, found);
       for (std::size_t k = 0; k < found.point.size(); ++k) {
+        if (k + kAhead < found.point.size()) {
+          __builtin_prefetch(filling.points[found.point[k + kAhead]]);
+        }
         filling.add(found.site[k], found.point[k]);
       }
     }

@@ -10,7 +10,7 @@ namespace {
 constexpr double kSkin = 0.2;
 /// Of the sites: so many may be entered anew before the list is made again.
 constexpr Index kMovedShare = 8;
-/// Of the sites: so many are not found through the tree when a sphere is entered anew.
+/// Of the sites: so many are searched apart when a sphere is entered anew.
 constexpr Index kFarShare = 32;
 /// Rounding in distances must not lose a pair.
 constexpr double kRounding = 1 + 1e-12;
@@ -53,17 +53,18 @@ MeetingPairs::Group MeetingPairs::group(const Metric& metric,
     positions.insert(positions.end(), at(s), at(s) + dimension_);
     largest_reach = std::max(largest_reach, reach_[static_cast<std::size_t>(s)]);
   }
-  return {SiteTree(metric, positions), largest_reach};
+  return {SiteSearch(metric, positions), largest_reach};
 }
 
-bool MeetingPairs::may_meet(const Metric& metric, Index a, Index b) const {
+/// Of two spheres as far apart as this where they have been entered.
+bool MeetingPairs::may_meet(Index a, Index b, double squared) const {
   const double both = reach_[static_cast<std::size_t>(a)] + reach_[static_cast<std::size_t>(b)];
-  return metric.squared_distance(at(a), at(b)) <= both * both * kRounding;
+  return squared <= both * both * kRounding;
 }
 
 MeetingPairs::Refreshed MeetingPairs::refresh(const Metric& metric, const SiteState& sites,
                                               const Arena& arena, std::size_t limit) {
-  if (tree_) {
+  if (search_) {
     const std::vector<Index> left = outgrown(metric, sites);
     if (left.empty()) return Refreshed::unchanged;
     const auto moved = static_cast<Index>(moved_.size() + left.size());
@@ -85,7 +86,7 @@ bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Are
   pairs_.clear();
   added_.clear();
   moved_.clear();
-  tree_.emplace(metric, sites.position);
+  search_.emplace(metric, sites.position);
 
   std::vector<double> sorted = reach_;
   const auto rank = static_cast<std::ptrdiff_t>(count - 1 - count / kFarShare);
@@ -107,28 +108,27 @@ bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Are
   for (std::size_t group = 0; group < chunks; group += kGroup) {
     const std::size_t group_end = std::min(group + kGroup, chunks);
     arena.for_each(group_end - group, 1, [&](std::size_t c) {
-      std::vector<Index> near;
+      std::vector<Index> scratch;
       const std::size_t begin = (group + c) * kChunk;
       for (std::size_t s = begin; s < std::min(begin + kChunk, count); ++s) {
         const auto site = static_cast<Index>(s);
-        near.clear();
-        tree_->within(at(site), 2 * reach_[s], near);
-        for (const Index other : near) {
-          if (other != site && searches(reach_, site, other) && may_meet(metric, site, other)) {
+        const auto add = [&](Index other, double squared) {
+          if (searches(reach_, site, other) && may_meet(site, other, squared)) {
             found[group + c].emplace_back(std::min(site, other), std::max(site, other));
           }
-        }
+        };
+        search_->within(at(site), 2 * reach_[s] * kRounding, scratch, add);
       }
     });
     for (std::size_t c = group; c < group_end; ++c) total += found[c].size();
     if (total > limit) {
-      tree_.reset();
+      search_.reset();
       return false;
     }
   }
   pairs_.reserve(total);
   for (const auto& part : found) pairs_.insert(pairs_.end(), part.begin(), part.end());
-  std::sort(pairs_.begin(), pairs_.end());
+  sort_pairs(pairs_, sites.count());
   return true;
 }
 
@@ -143,25 +143,25 @@ void MeetingPairs::extend(const Metric& metric, const SiteState& sites,
   moved_.erase(std::unique(moved_.begin(), moved_.end()), moved_.end());
 
   const Group moved = group(metric, moved_);
-  std::vector<Index> near;
-  std::vector<Index> members;
+  std::vector<Index> scratch;
   std::vector<Pair> fresh;
   for (const Index site : left) {
     const double reach = reach_[static_cast<std::size_t>(site)];
-    near.clear();
-    tree_->within(at(site), reach + usual_reach_, near);
-    const auto add = [&](const std::vector<Index>& sites_of_group, const Group& group) {
-      members.clear();
-      group.tree.within(at(site), (reach + group.largest_reach) * kRounding, members);
-      for (const Index k : members) near.push_back(sites_of_group[static_cast<std::size_t>(k)]);
-    };
-    if (far_group_) add(far_, *far_group_);
-    add(moved_, moved);
-    for (const Index other : near) {
-      if (other == site || !may_meet(metric, site, other)) continue;
+    const auto add = [&](Index other, double squared) {
+      if (other == site || !may_meet(site, other, squared)) return;
       const Pair pair(std::min(site, other), std::max(site, other));
       if (!std::binary_search(pairs_.begin(), pairs_.end(), pair)) fresh.push_back(pair);
-    }
+    };
+    const auto add_from = [&](const std::vector<Index>& members, const Group& group) {
+      group.search.within(
+          at(site), (reach + group.largest_reach) * kRounding, scratch,
+          [&](Index k, double squared) { add(members[static_cast<std::size_t>(k)], squared); });
+    };
+    search_->within(
+        at(site), (reach + usual_reach_) * kRounding, scratch,
+        [&](Index other, double) { add(other, metric.squared_distance(at(site), at(other))); });
+    if (far_group_) add_from(far_, *far_group_);
+    add_from(moved_, moved);
   }
   added_.insert(added_.end(), fresh.begin(), fresh.end());
   std::sort(added_.begin(), added_.end());

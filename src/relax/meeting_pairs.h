@@ -9,11 +9,11 @@
 #include "parallel/arena.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
-#include "spatial/site_tree.h"
+#include "spatial/site_search.h"
 
 namespace ccvt {
 
-/// The pairs of sites whose bounding spheres meet [5.1], found with a k-d tree of the sites.
+/// The pairs of sites whose bounding spheres meet [5.1], found by a spatial search.
 ///
 /// Every sphere is grown by a skin when it is entered. A pair that is not listed cannot meet for as
 /// long as each sphere stays inside its grown one, so the list serves many passes. The few spheres
@@ -29,7 +29,7 @@ class MeetingPairs {
                     std::size_t limit);
 
   /// The next refresh() builds the list anew.
-  void forget() { tree_.reset(); }
+  void forget() { search_.reset(); }
 
   /// Pairs listed when the list was made, and those added since; first site < second site, sorted.
   [[nodiscard]] std::span<const Pair> pairs() const { return pairs_; }
@@ -37,14 +37,14 @@ class MeetingPairs {
 
  private:
   struct Group {
-    SiteTree tree;
+    SiteSearch search;
     double largest_reach;
   };
 
   [[nodiscard]] Group group(const Metric& metric, const std::vector<Index>& sites) const;
   [[nodiscard]] std::vector<Index> outgrown(const Metric& metric, const SiteState& sites) const;
   void enter(const SiteState& sites, Index site);
-  [[nodiscard]] bool may_meet(const Metric& metric, Index a, Index b) const;
+  [[nodiscard]] bool may_meet(Index a, Index b, double squared) const;
   bool build(const Metric& metric, const SiteState& sites, const Arena& arena, std::size_t limit);
   void extend(const Metric& metric, const SiteState& sites, const std::vector<Index>& left);
   [[nodiscard]] const double* at(Index site) const {
@@ -54,11 +54,11 @@ class MeetingPairs {
   int dimension_ = 0;
   std::vector<Pair> pairs_;
   std::vector<Pair> added_;
-  std::vector<double> position_;  ///< of each sphere when it was entered
-  std::vector<double> reach_;     ///< its radius and skin
-  std::optional<SiteTree> tree_;  ///< of the sites when the list was made
-  std::vector<Index> moved_;      ///< entered since: the tree has them where they were
-  std::vector<Index> far_;        ///< spheres that reach farther than usual_reach_
+  std::vector<double> position_;      ///< of each sphere when it was entered
+  std::vector<double> reach_;         ///< its radius and skin
+  std::optional<SiteSearch> search_;  ///< among the sites where they were when the list was made
+  std::vector<Index> moved_;          ///< entered since: the search has them where they were
+  std::vector<Index> far_;            ///< spheres that reach farther than usual_reach_
   std::optional<Group> far_group_;
   double usual_reach_ = 0;
 };

@@ -1,6 +1,7 @@
 #include "relax/relaxer.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "relax/screen.h"
 #include "relax/update.h"
@@ -37,6 +38,8 @@ Relaxer<Scalar>::Relaxer(const Metric& metric, const Options& options, const Are
 
 template <class Scalar>
 void Relaxer<Scalar>::update_all() {
+  // Of other cells than these, perhaps.
+  std::fill(sites_.radius.begin(), sites_.radius.end(), std::numeric_limits<double>::infinity());
   arena_.for_each(sites_.radius.size(), kSitesPerGrain, [&](std::size_t s) {
     update_site(metric_, cells_, sites_, static_cast<Index>(s));
   });

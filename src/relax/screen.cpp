@@ -180,7 +180,7 @@ std::vector<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells
   });
   std::vector<Pair> pairs;
   for (const auto& part : found) pairs.insert(pairs.end(), part.begin(), part.end());
-  std::sort(pairs.begin(), pairs.end());
+  sort_pairs(pairs, sites.count());
   return pairs;
 }
 

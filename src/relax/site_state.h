@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -15,7 +16,7 @@ struct SiteState {
   SiteState(int dim, Index count)
       : dimension(dim),
         position(static_cast<std::size_t>(dim) * static_cast<std::size_t>(count)),
-        radius(static_cast<std::size_t>(count)),
+        radius(static_cast<std::size_t>(count), std::numeric_limits<double>::infinity()),
         energy(radius.size()),
         compact(radius.size()) {}
 

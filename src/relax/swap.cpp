@@ -13,6 +13,8 @@ namespace {
 constexpr double kHalfUlp = 0x1p-53;
 /// Of the torus's extent. Not one half: rounding must not decide which image is the nearest.
 constexpr double kLargestFrame = 0.499;
+/// Of the extent: rounding must not decide whether a cell crosses a face.
+constexpr double kFaceMargin = 1e-9;
 
 }  // namespace
 
@@ -36,6 +38,7 @@ PairSwapper<Scalar>::PairSwapper(const Metric& metric, const Options& options,
       extent_.push_back(static_cast<Scalar>(metric.extent()[d]));
       inverse_extent_.push_back(static_cast<Scalar>(1 / metric.extent()[d]));
     }
+    turn_.resize(size);
   }
 }
 
@@ -45,6 +48,16 @@ bool PairSwapper<Scalar>::spheres_meet(const Metric& metric, const SiteState& si
   const double reach =
       sites.radius[static_cast<std::size_t>(i)] + sites.radius[static_cast<std::size_t>(j)];
   return metric.squared_distance(sites.at(i), sites.at(j)) <= reach * reach;
+}
+
+/// Whether along dimension d a point of one of the cells may be nearer to its site across a face.
+template <class Scalar>
+bool PairSwapper<Scalar>::crosses_faces(double at_i, double at_j, double radius, int d) const {
+  const double extent = metric_.extent()[d];
+  const double room = radius + kFaceMargin * extent;
+  const double lower = metric_.lower()[d];
+  return std::min(at_i, at_j) - room < lower || std::max(at_i, at_j) + room > lower + extent ||
+         std::abs(at_j - at_i) > extent / 2;
 }
 
 /// Sets up the cut between two sites, with bounds on the rounding of keys. A straight cut needs
@@ -57,8 +70,8 @@ void PairSwapper<Scalar>::place_cut(const SiteState& sites, Index i, Index j) {
   const auto b = static_cast<std::size_t>(j);
   const double radius = std::max(sites.radius[a], sites.radius[b]);
   const bool compact = !metric_.periodic() || (sites.compact[a] != 0 && sites.compact[b] != 0);
-  frame_ = compact ? Frame::plain : Frame::wrapped;
-  shifted_ = !compact;
+  frame_ = Frame::plain;
+  shifted_ = false;
   double squared_length = 0;
   for (std::size_t d = 0; d < normal_.size(); ++d) {
     const double raw = site_j_[d] - site_i_[d];
@@ -68,6 +81,11 @@ void PairSwapper<Scalar>::place_cut(const SiteState& sites, Index i, Index j) {
     middle_i_[d] = site_i_[d] + u / 2;
     middle_j_[d] = u == raw ? middle_i_[d] : site_j_[d] - u / 2;
     shifted_ = shifted_ || u != raw;
+    if (!compact) {
+      const bool crosses = crosses_faces(site_i_[d], site_j_[d], radius, static_cast<int>(d));
+      if (crosses && frame_ == Frame::plain) frame_ = Frame::wrapped;
+      shifted_ = shifted_ || crosses;
+    }
     const double largest = compact ? kLargestFrame : largest_wrapped_;
     if (metric_.periodic() && std::abs(u) + radius > largest * metric_.extent()[d]) {
       frame_ = Frame::none;
@@ -88,10 +106,16 @@ void PairSwapper<Scalar>::place_cut(const SiteState& sites, Index i, Index j) {
   tolerance_ = 2 * terms * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * size +
                terms * static_cast<double>(std::numeric_limits<Scalar>::min());
   for (std::size_t d = 0; d < normal_.size(); ++d) {
-    const bool plane = frame_ != Frame::none;
     scalar_normal_[d] = static_cast<Scalar>(normal_[d]);
-    scalar_middle_i_[d] = static_cast<Scalar>(plane ? middle_i_[d] : site_i_[d]);
-    scalar_middle_j_[d] = static_cast<Scalar>(plane ? middle_j_[d] : site_j_[d]);
+    if (frame_ == Frame::wrapped) {
+      const Metric::Unrolled frame = metric_.unrolled(middle_i_[d], static_cast<int>(d));
+      scalar_middle_i_[d] = static_cast<Scalar>(frame.origin);
+      turn_[d] = static_cast<Scalar>(frame.turn);
+    } else {
+      const bool plane = frame_ == Frame::plain;
+      scalar_middle_i_[d] = static_cast<Scalar>(plane ? middle_i_[d] : site_i_[d]);
+      scalar_middle_j_[d] = static_cast<Scalar>(plane ? middle_j_[d] : site_j_[d]);
+    }
   }
 }
 
@@ -155,7 +179,7 @@ auto PairSwapper<Scalar>::with_cut(const std::vector<Scalar>& middle, Visit visi
       break;
     case Frame::wrapped:
       return visit(kernels::WrappedCut<Scalar>{scalar_middle_i_.data(), scalar_normal_.data(),
-                                               extent_.data(), inverse_extent_.data()});
+                                               turn_.data(), extent_.data()});
     case Frame::none:
       return visit(kernels::TorusCut<Scalar>{scalar_middle_i_.data(), scalar_middle_j_.data(),
                                              extent_.data(), inverse_extent_.data()});

@@ -62,6 +62,7 @@ class PairSwapper {
 
  private:
   void place_cut(const SiteState& sites, Index i, Index j);
+  [[nodiscard]] bool crosses_faces(double at_i, double at_j, double radius, int d) const;
   [[nodiscard]] double exact_key(const Scalar* block, Index count, Index place,
                                  const std::vector<double>& middle) const;
   void exact_keys(const Scalar* block, Index count, const std::vector<double>& middle);
@@ -102,6 +103,7 @@ class PairSwapper {
   std::vector<Scalar> scalar_middle_j_;
   std::vector<Scalar> extent_;
   std::vector<Scalar> inverse_extent_;
+  std::vector<Scalar> turn_;  ///< of coordinates, in a wrapped frame
 
   double highest_i_ = 0;
   double lowest_j_ = 0;

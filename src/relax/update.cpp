@@ -17,12 +17,15 @@ kernels::Extremes<Scalar> range(const Scalar* stream, Index count) {
 
 /// The range of the shortest differences on a torus to the stream's first coordinate.
 template <class Scalar>
-kernels::Extremes<Scalar> wrapped_range(const Scalar* stream, Index count, double extent) {
+kernels::Extremes<Scalar> wrapped_range(const Metric& metric, const Scalar* stream, Index count,
+                                        int d) {
+  const Metric::Unrolled frame = metric.unrolled(static_cast<double>(*stream), d);
+  const auto origin = static_cast<Scalar>(frame.origin);
+  const auto turn = static_cast<Scalar>(frame.turn);
+  const auto extent = static_cast<Scalar>(metric.extent()[d]);
   const Scalar one = 1;
-  const auto scalar_extent = static_cast<Scalar>(extent);
-  const Scalar inverse = 1 / scalar_extent;
   return kernels::key_extremes(stream, count, 1,
-                               kernels::WrappedCut<Scalar>{stream, &one, &scalar_extent, &inverse});
+                               kernels::WrappedCut<Scalar>{&origin, &one, &turn, &extent});
 }
 
 /// Whether no point of the cell is nearer to another image of `site`.
@@ -42,12 +45,27 @@ bool is_compact(const Metric& metric, const Cells<Scalar>& cells, const double* 
 
 enum class Size { small, small_across_faces, large };
 
+/// Whether a ball neither crosses the box's faces nor is too large for what is said below.
+bool ball_is_small(const Metric& metric, const double* centre, double radius) {
+  for (int d = 0; d < metric.dimension(); ++d) {
+    const double extent = metric.extent()[d];
+    const double from_face = centre[d] - metric.lower()[d];
+    const double room = radius + 1e-9 * extent;
+    if (room > from_face || room > extent - from_face || room > 0.24 * extent) return false;
+  }
+  return true;
+}
+
 /// Whether the cell is so small that the shortest differences between its points are differences
 /// in one frame. Then its centroid is the mean in that frame: the energy around a mean is half the
 /// mean squared distance of all pairs of points, and no choice of images makes any of these
 /// shorter. The bound leaves room for rounding.
 template <class Scalar>
-Size size_on_torus(const Metric& metric, const Cells<Scalar>& cells, Index site) {
+Size size_on_torus(const Metric& metric, const Cells<Scalar>& cells, const SiteState& sites,
+                   Index site) {
+  if (ball_is_small(metric, sites.at(site), sites.radius[static_cast<std::size_t>(site)])) {
+    return Size::small;
+  }
   const Index count = cells.size(site);
   const Scalar* stream = cells.block(site);
   Size size = Size::small;
@@ -58,7 +76,7 @@ Size size_on_torus(const Metric& metric, const Cells<Scalar>& cells, Index site)
     };
     if (is_narrow(range(stream, count))) continue;
     size = Size::small_across_faces;
-    if (!is_narrow(wrapped_range(stream, count, extent))) return Size::large;
+    if (!is_narrow(wrapped_range(metric, stream, count, d))) return Size::large;
   }
   return size;
 }
@@ -103,7 +121,7 @@ void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& si
   const auto s = static_cast<std::size_t>(site);
   double* position = sites.at(site);
   kernels::Spread spread{0, 0};
-  const Size size = metric.periodic() ? size_on_torus(metric, cells, site) : Size::small;
+  const Size size = metric.periodic() ? size_on_torus(metric, cells, sites, site) : Size::small;
   if (size == Size::large) {
     double energy = std::numeric_limits<double>::infinity();
     while (move_wrapped(metric, cells, position, site, spread) && spread.energy < energy) {

@@ -6,7 +6,15 @@
 #include <set>
 #include <utility>
 
+#include "counting_sort.h"
+
 namespace ccvt {
+
+void sort_pairs(std::vector<Pair>& pairs, Index nodes) {
+  const auto keys = static_cast<std::size_t>(nodes);
+  counting_sort(pairs, keys, [](const Pair& pair) { return pair.second; });
+  counting_sort(pairs, keys, [](const Pair& pair) { return pair.first; });
+}
 
 Batches greedy_batches(std::span<const Pair> pairs, Index nodes) {
   Batches batches;
@@ -46,9 +54,9 @@ Schedule schedule_pairs(std::span<const Pair> pairs, Index sites, Index tile_sit
     placed[p] = {{std::min(a, b), std::max(a, b)}, static_cast<Index>(p)};
   }
   if (tile_sites > 1) {
-    std::sort(placed.begin(), placed.end(), [](const Placed& x, const Placed& y) {
-      return x.tiles != y.tiles ? x.tiles < y.tiles : x.pair < y.pair;
-    });
+    const auto tiles = static_cast<std::size_t>(tile_of(sites - 1)) + 1;
+    counting_sort(placed, tiles, [](const Placed& p) { return p.tiles.second; });
+    counting_sort(placed, tiles, [](const Placed& p) { return p.tiles.first; });
   }
 
   // One entry for each run of pairs between the same two tiles.

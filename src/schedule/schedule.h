@@ -11,6 +11,9 @@ namespace ccvt {
 
 using Pair = std::pair<Index, Index>;
 
+/// Sorts pairs of nodes, by their first and then by their second. O(pairs + nodes).
+void sort_pairs(std::vector<Pair>& pairs, Index nodes);
+
 /// Batches of pairs of nodes: within a batch no two pairs share a node, so its pairs can run at
 /// the same time. Every pair is in exactly one batch.
 using Batches = std::vector<std::vector<Index>>;

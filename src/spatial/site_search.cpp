@@ -1,0 +1,32 @@
+#include "spatial/site_search.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace ccvt {
+
+SiteSearch::SiteSearch(const Metric& metric, std::span<const double> positions)
+    : metric_(metric),
+      extent_(static_cast<std::size_t>(metric.dimension()),
+              std::numeric_limits<double>::infinity()) {
+  const std::size_t dimension = extent_.size();
+  std::vector<double> lower(positions.begin(),
+                            positions.begin() + static_cast<std::ptrdiff_t>(dimension));
+  std::vector<double> upper(lower);
+  if (metric.periodic()) {
+    extent_.assign(metric.extent(), metric.extent() + dimension);
+    lower.assign(metric.lower(), metric.lower() + dimension);
+    for (std::size_t d = 0; d < dimension; ++d) upper[d] = lower[d] + extent_[d];
+  } else {
+    for (std::size_t k = 0; k < positions.size(); ++k) {
+      lower[k % dimension] = std::min(lower[k % dimension], positions[k]);
+      upper[k % dimension] = std::max(upper[k % dimension], positions[k]);
+    }
+  }
+  bins_ = SiteBins::sort(metric, positions, lower.data(), upper.data());
+  if (bins_) return;
+  positions_.assign(positions.begin(), positions.end());
+  tree_.emplace(metric, positions);
+}
+
+}  // namespace ccvt

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "ccvt/types.h"
+#include "geometry/metric.h"
+#include "spatial/site_bins.h"
+#include "spatial/site_tree.h"
+
+namespace ccvt {
+
+/// Finds the sites near a position: in bins where they pay, else through a k-d tree.
+class SiteSearch {
+ public:
+  /// `positions`: #dimensions by n, one site after the other; copied.
+  SiteSearch(const Metric& metric, std::span<const double> positions);
+
+  /// Calls visit(site, squared distance) for each site within `radius` of `query`, in no particular
+  /// but always the same order. `scratch` is for its own use.
+  template <class Visit>
+  void within(const double* query, double radius, std::vector<Index>& scratch, Visit visit) const;
+
+ private:
+  template <int Dimension, class Visit>
+  void within_bins(const double* query, double radius, Visit visit) const;
+
+  const Metric& metric_;
+  std::vector<double> positions_;
+  std::optional<SiteBins> bins_;
+  std::optional<SiteTree> tree_;
+  std::vector<double> extent_;  ///< of the torus; infinite in Euclidean space
+};
+
+template <int Dimension, class Visit>
+void SiteSearch::within_bins(const double* query, double radius, Visit visit) const {
+  bins_->for_each_run(query, radius, [&](std::size_t first, std::size_t last) {
+    for (std::size_t place = first; place < last; ++place) {
+      const double* position = bins_->position(place);
+      double squared = 0;
+      for (int d = 0; d < Dimension; ++d) {
+        const double difference =
+            shortest_difference(position[d] - query[d], extent_[static_cast<std::size_t>(d)]);
+        squared += difference * difference;
+      }
+      if (squared <= radius * radius) visit(bins_->site(place), squared);
+    }
+  });
+}
+
+template <class Visit>
+void SiteSearch::within(const double* query, double radius, std::vector<Index>& scratch,
+                        Visit visit) const {
+  if (bins_ && metric_.dimension() == 2) return within_bins<2>(query, radius, visit);
+  if (bins_) return within_bins<3>(query, radius, visit);
+  scratch.clear();
+  tree_->within(query, radius, scratch);
+  for (const Index site : scratch) {
+    const double squared = metric_.squared_distance(
+        &positions_[static_cast<std::size_t>(site) * extent_.size()], query);
+    if (squared <= radius * radius) visit(site, squared);
+  }
+}
+
+}  // namespace ccvt
