@@ -139,7 +139,7 @@ void Solver<Scalar>::Implementation::enter_level(std::size_t next) {
   Cells<Scalar> larger(problem.dimension(), joining.capacities);
   Filling<Scalar> filling(larger, problem.points());
   for (Index s = 0; level > 0 && s < cells.site_count(); ++s) {
-    for (Index k = 0; k < cells.size(s); ++k) filling.add(s, cells.points(s)[k]);
+    filling.add_cell(cells, s);
   }
   cells = {};
   const auto near = relaxer ? relaxer->listed() : std::vector<Pair>{};

@@ -165,10 +165,19 @@ HWY_INLINE Index places_beyond(const Scalar* values, Index count, Scalar thresho
 
 /// Eight interleaved partial sums whatever the vector width, so that bits do not depend on it.
 constexpr Index kPartials = 8;
+using Partials = hn::CappedTag<double, kPartials>;
+
+HWY_INLINE hn::Vec<Partials> load(Partials tag, const double* x) { return hn::LoadU(tag, x); }
+HWY_INLINE hn::Vec<Partials> load(Partials tag, const float* x) {
+  return hn::PromoteTo(tag, hn::LoadU(hn::Rebind<float, Partials>(), x));
+}
 
 /// Differences as they are.
 struct Straight {
   double operator()(double difference, int) const { return difference; }
+  HWY_INLINE hn::Vec<Partials> operator()(Partials, hn::Vec<Partials> difference, int) const {
+    return difference;
+  }
 };
 
 /// The shortest difference on a torus.
@@ -177,19 +186,43 @@ struct Around {
   double operator()(double difference, int d) const {
     return shortest_difference(difference, extent[d]);
   }
+  HWY_INLINE hn::Vec<Partials> operator()(Partials tag, hn::Vec<Partials> difference, int d) const {
+    const auto whole = hn::Set(tag, extent[d]);
+    const auto half = hn::Set(tag, extent[d] / 2);
+    const auto turn = hn::IfThenElseZero(hn::Gt(difference, half), whole);
+    const auto back = hn::IfThenElseZero(hn::Lt(difference, hn::Neg(half)), whole);
+    return hn::Add(hn::Sub(difference, turn), back);
+  }
 };
+
+/// Calls visit(first partial, second) for the partial sums that are added up together, two vectors
+/// at a time; the second is -1 when there is but one vector.
+template <class Visit>
+HWY_INLINE void for_partials(Visit visit) {
+  const auto lanes = static_cast<Index>(hn::Lanes(Partials()));
+  for (Index l = 0; l < kPartials; l += 2 * lanes) visit(l, l + lanes < kPartials ? l + lanes : -1);
+}
 
 template <class Scalar, class Shortest>
 HWY_INLINE double stream_sum(const Scalar* stream, Index count, double origin, Shortest shortest) {
-  std::array<double, kPartials> sum{};
-  Index k = 0;
-  for (; k + kPartials <= count; k += kPartials) {
-    for (Index l = 0; l < kPartials; ++l) {
-      sum[static_cast<std::size_t>(l)] += shortest(static_cast<double>(stream[k + l]) - origin, 0);
+  const Partials tag;
+  std::array<double, kPartials> sum;
+  const Index whole = count - count % kPartials;
+  for_partials([&](Index l, Index m) HWY_ATTR {
+    const auto from = hn::Set(tag, origin);
+    auto sum0 = hn::Zero(tag);
+    auto sum1 = hn::Zero(tag);
+    for (Index k = 0; k < whole; k += kPartials) {
+      sum0 = hn::Add(sum0, shortest(tag, hn::Sub(load(tag, stream + k + l), from), 0));
+      if (m < 0) continue;
+      sum1 = hn::Add(sum1, shortest(tag, hn::Sub(load(tag, stream + k + m), from), 0));
     }
-  }
-  for (Index l = 0; k < count; ++k, ++l) {
-    sum[static_cast<std::size_t>(l)] += shortest(static_cast<double>(stream[k]) - origin, 0);
+    hn::StoreU(sum0, tag, sum.data() + l);
+    if (m >= 0) hn::StoreU(sum1, tag, sum.data() + m);
+  });
+  for (Index k = whole; k < count; ++k) {
+    sum[static_cast<std::size_t>(k - whole)] +=
+        shortest(static_cast<double>(stream[k]) - origin, 0);
   }
   return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
 }
@@ -197,25 +230,50 @@ HWY_INLINE double stream_sum(const Scalar* stream, Index count, double origin, S
 template <class Scalar, class Dimension, class Shortest>
 HWY_INLINE Spread block_spread(const Scalar* block, Index count, Dimension dimension,
                                const double* centre, Shortest shortest) {
-  std::array<double, kPartials> energy{};
-  std::array<double, kPartials> farthest{};
-  const auto add = [&](Index k, Index lanes) HWY_ATTR {
-    std::array<double, kPartials> squared{};
-    for (int d = 0; d < dimension; ++d) {
-      const Scalar* x = block + static_cast<std::ptrdiff_t>(d) * count + k;
-      for (Index l = 0; l < lanes; ++l) {
-        const double difference = shortest(static_cast<double>(x[l]) - centre[d], d);
-        squared[static_cast<std::size_t>(l)] += difference * difference;
+  const Partials tag;
+  std::array<double, kPartials> energy;
+  std::array<double, kPartials> farthest;
+  const Index whole = count - count % kPartials;
+  for_partials([&](Index l, Index m) HWY_ATTR {
+    const auto squared = [&](Index k) HWY_ATTR {
+      auto sum = hn::Zero(tag);
+      for (int d = 0; d < dimension; ++d) {
+        const auto x = load(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
+        const auto difference = shortest(tag, hn::Sub(x, hn::Set(tag, centre[d])), d);
+        sum = hn::Add(sum, hn::Mul(difference, difference));
       }
+      return sum;
+    };
+    auto energy0 = hn::Zero(tag);
+    auto energy1 = hn::Zero(tag);
+    auto farthest0 = hn::Zero(tag);
+    auto farthest1 = hn::Zero(tag);
+    for (Index k = 0; k < whole; k += kPartials) {
+      const auto squared0 = squared(k + l);
+      energy0 = hn::Add(energy0, squared0);
+      farthest0 = hn::Max(farthest0, squared0);
+      if (m < 0) continue;
+      const auto squared1 = squared(k + m);
+      energy1 = hn::Add(energy1, squared1);
+      farthest1 = hn::Max(farthest1, squared1);
     }
-    for (std::size_t l = 0; l < static_cast<std::size_t>(lanes); ++l) {
-      energy[l] += squared[l];
-      farthest[l] = squared[l] > farthest[l] ? squared[l] : farthest[l];
+    hn::StoreU(energy0, tag, energy.data() + l);
+    hn::StoreU(farthest0, tag, farthest.data() + l);
+    if (m < 0) return;
+    hn::StoreU(energy1, tag, energy.data() + m);
+    hn::StoreU(farthest1, tag, farthest.data() + m);
+  });
+  for (Index k = whole; k < count; ++k) {
+    double squared = 0;
+    for (int d = 0; d < dimension; ++d) {
+      const auto x = static_cast<double>(block[static_cast<std::ptrdiff_t>(d) * count + k]);
+      const double difference = shortest(x - centre[d], d);
+      squared += difference * difference;
     }
-  };
-  Index k = 0;
-  for (; k + kPartials <= count; k += kPartials) add(k, kPartials);
-  if (k < count) add(k, count - k);
+    const auto l = static_cast<std::size_t>(k - whole);
+    energy[l] += squared;
+    farthest[l] = std::max(farthest[l], squared);
+  }
   Spread result{0, 0};
   for (std::size_t l = 0; l < kPartials; ++l) {
     result.energy += energy[l];

@@ -32,17 +32,14 @@ class Mover {
     const auto f = static_cast<std::size_t>(from);
     place_cut(from, to);
     const Index filled = filling_.filled[f];
-    keys_.resize(static_cast<std::size_t>(filling_.cells.size(from)));
-    // A cell that is not full has the stride of a full one: keys of empty places are not used.
-    keys_of(filling_.cells.block(from), filling_.cells.size(from));
-    choices_.clear();
-    const auto wanted = static_cast<std::size_t>(count);
-    for (Index k = 0; k < filled; ++k) offer({keys_[static_cast<std::size_t>(k)], k}, wanted);
     auto& waiting = filling_.excess[f];
-    for (std::size_t w = 0; w < waiting.size(); ++w) {
-      keys_of(filling_.points[waiting[w]], 1);
-      offer({keys_[0], filled + static_cast<Index>(w)}, wanted);
-    }
+    const auto places = static_cast<std::size_t>(filled) + waiting.size();
+    // A cell that is not full has the stride of a full one: keys of empty places are overwritten.
+    keys_.resize(std::max(places, static_cast<std::size_t>(filling_.cells.size(from))));
+    keys_of(filling_.cells.block(from), filling_.cells.size(from), keys_.data());
+    copy_of(waiting);
+    keys_of(waiting_.data(), static_cast<Index>(waiting.size()), keys_.data() + filled);
+    choose(std::min(static_cast<std::size_t>(count), places), places);
     // From the last place to the first, so that filling a gap does not move a chosen point.
     std::sort(choices_.begin(), choices_.end(),
               [](const Choice& a, const Choice& b) { return a.place > b.place; });
@@ -69,15 +66,28 @@ class Mover {
     return a.key != b.key ? a.key > b.key : a.place < b.place;
   }
 
-  /// Keeps the best `wanted` of all choices offered, in a heap with the worst of them on top.
-  void offer(const Choice& choice, std::size_t wanted) {
-    if (choices_.size() < wanted) {
-      choices_.push_back(choice);
-      std::push_heap(choices_.begin(), choices_.end(), better);
-    } else if (better(choice, choices_.front())) {
+  /// Chooses the best `wanted` of all places, in a heap with the worst of them on top.
+  void choose(std::size_t wanted, std::size_t places) {
+    choices_.clear();
+    for (std::size_t k = 0; k < wanted; ++k) choices_.push_back({keys_[k], static_cast<Index>(k)});
+    if (wanted == 0) return;
+    std::make_heap(choices_.begin(), choices_.end(), better);
+    for (std::size_t k = wanted; k < places; ++k) {
+      // Of equal keys the first place is better.
+      if (!(keys_[k] > choices_.front().key)) continue;
       std::pop_heap(choices_.begin(), choices_.end(), better);
-      choices_.back() = choice;
+      choices_.back() = {keys_[k], static_cast<Index>(k)};
       std::push_heap(choices_.begin(), choices_.end(), better);
+    }
+  }
+
+  /// Points as a block of their own.
+  void copy_of(const std::vector<Index>& points) {
+    const std::size_t dimension = normal_.size();
+    waiting_.resize(points.size() * dimension);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Scalar* point = filling_.points[points[k]];
+      for (std::size_t d = 0; d < dimension; ++d) waiting_[d * points.size() + k] = point[d];
     }
   }
 
@@ -95,16 +105,16 @@ class Mover {
     }
   }
 
-  void keys_of(const Scalar* block, Index count) {
+  void keys_of(const Scalar* block, Index count, Scalar* keys) {
     const int dimension = metric_.dimension();
     if (metric_.periodic()) {
       kernels::keys(
           block, count, dimension,
           kernels::WrappedCut<Scalar>{middle_.data(), normal_.data(), turn_.data(), extent_.data()},
-          keys_.data());
+          keys);
     } else {
       kernels::keys(block, count, dimension, kernels::Cut<Scalar>{middle_.data(), normal_.data()},
-                    keys_.data());
+                    keys);
     }
   }
 
@@ -116,6 +126,7 @@ class Mover {
   std::vector<Scalar> extent_;
   std::vector<Scalar> turn_;
   std::vector<Scalar> keys_;
+  std::vector<Scalar> waiting_;
   std::vector<Choice> choices_;
 };
 

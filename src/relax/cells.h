@@ -59,6 +59,17 @@ class Cells {
     for (int d = 0; d < dimension_; ++d, from += size(site)) coordinates[d] = *from;
   }
 
+  /// Copies a cell of others, no larger, to the first places of this cell.
+  void copy_points(const Cells& from, Index site) {
+    const auto count = at(from.size(site));
+    std::copy_n(from.points(site), count, points(site));
+    const Scalar* stream = from.block(site);
+    Scalar* to = block(site);
+    for (int d = 0; d < dimension_; ++d, stream += count, to += size(site)) {
+      std::copy_n(stream, count, to);
+    }
+  }
+
   /// Copies what is at place `from` of a cell to place `to` of it.
   void copy_within(Index site, Index from, Index to) {
     points(site)[to] = points(site)[from];

@@ -17,6 +17,12 @@ struct Filling {
         filled(static_cast<std::size_t>(target.site_count()), 0),
         excess(static_cast<std::size_t>(target.site_count())) {}
 
+  /// Takes over the points of a cell; the site must have none yet, and room for all of them.
+  void add_cell(const Cells<Scalar>& from, Index site) {
+    cells.copy_points(from, site);
+    filled[static_cast<std::size_t>(site)] = from.size(site);
+  }
+
   void add(Index site, Index point) {
     Index& count = filled[static_cast<std::size_t>(site)];
     if (count < cells.size(site)) {
