@@ -17,31 +17,43 @@ namespace ccvt::kernels {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Evaluates a Cut for the points k, k + 1, … of a vector. Mul and Add are kept apart, as fused
-/// ones would change bits between instruction sets.
-template <class Tag, class Scalar>
+/// How a term is added to a key. Fused, the last bits of keys depend on the instruction set: only
+/// for what is compared with room for rounding.
+struct Fused {
+  template <class V>
+  HWY_INLINE V operator()(V key, V difference, V normal) const {
+    return hn::MulAdd(difference, normal, key);
+  }
+};
+struct Apart {
+  template <class V>
+  HWY_INLINE V operator()(V key, V difference, V normal) const {
+    return hn::Add(key, hn::Mul(difference, normal));
+  }
+};
+
+/// Evaluates a Cut for the points k, k + 1, … of a vector.
+template <class Tag, class Scalar, class Add>
 HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
-                               Cut<Scalar> cut, Index k) {
-  auto key = hn::Mul(hn::Sub(hn::LoadU(tag, block + k), hn::Set(tag, cut.middle[0])),
-                     hn::Set(tag, cut.normal[0]));
-  for (int d = 1; d < dimension; ++d) {
+                               Cut<Scalar> cut, Index k, Add add) {
+  auto key = hn::Zero(tag);
+  for (int d = 0; d < dimension; ++d) {
     const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
-    key =
-        hn::Add(key, hn::Mul(hn::Sub(x, hn::Set(tag, cut.middle[d])), hn::Set(tag, cut.normal[d])));
+    key = add(key, hn::Sub(x, hn::Set(tag, cut.middle[d])), hn::Set(tag, cut.normal[d]));
   }
   return key;
 }
 
-template <class Tag, class Scalar>
+template <class Tag, class Scalar, class Add>
 HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
-                               WrappedCut<Scalar> cut, Index k) {
+                               WrappedCut<Scalar> cut, Index k, Add add) {
   auto key = hn::Zero(tag);
   for (int d = 0; d < dimension; ++d) {
     const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
     const auto around =
         hn::IfThenElseZero(hn::Lt(x, hn::Set(tag, cut.turn[d])), hn::Set(tag, cut.extent[d]));
     const auto difference = hn::Add(hn::Sub(x, hn::Set(tag, cut.origin[d])), around);
-    key = hn::Add(key, hn::Mul(difference, hn::Set(tag, cut.normal[d])));
+    key = add(key, difference, hn::Set(tag, cut.normal[d]));
   }
   return key;
 }
@@ -53,9 +65,9 @@ HWY_INLINE hn::Vec<Tag> wrapped(Tag tag, hn::Vec<Tag> difference, Scalar extent,
   return hn::NegMulAdd(turns, hn::Set(tag, extent), difference);
 }
 
-template <class Tag, class Scalar>
+template <class Tag, class Scalar, class Add>
 HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
-                               TorusCut<Scalar> cut, Index k) {
+                               TorusCut<Scalar> cut, Index k, Add /*add*/) {
   auto key = hn::Zero(tag);
   for (int d = 0; d < dimension; ++d) {
     const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
@@ -80,28 +92,28 @@ HWY_INLINE Extremes<Scalar> extremes_of(const Scalar* block, Index count, int di
     Extremes<Scalar> result{std::numeric_limits<Scalar>::infinity(),
                             -std::numeric_limits<Scalar>::infinity()};
     for (Index k = 0; k < count; ++k) {
-      const Scalar key = hn::GetLane(key_at(one, block, count, dimension, cut, k));
+      const Scalar key = hn::GetLane(key_at(one, block, count, dimension, cut, k, Fused()));
       result.lowest = std::min(result.lowest, key);
       result.highest = std::max(result.highest, key);
     }
     return result;
   }
-  const auto tail = key_at(wide, block, count, dimension, cut, count - lanes);
+  const auto tail = key_at(wide, block, count, dimension, cut, count - lanes, Fused());
   auto low0 = tail;
   auto high0 = tail;
   auto low1 = tail;
   auto high1 = tail;
   Index k = 0;
   for (; k + 2 * lanes <= count; k += 2 * lanes) {
-    const auto key0 = key_at(wide, block, count, dimension, cut, k);
-    const auto key1 = key_at(wide, block, count, dimension, cut, k + lanes);
+    const auto key0 = key_at(wide, block, count, dimension, cut, k, Fused());
+    const auto key1 = key_at(wide, block, count, dimension, cut, k + lanes, Fused());
     low0 = hn::Min(low0, key0);
     high0 = hn::Max(high0, key0);
     low1 = hn::Min(low1, key1);
     high1 = hn::Max(high1, key1);
   }
   if (k + lanes <= count) {
-    const auto key = key_at(wide, block, count, dimension, cut, k);
+    const auto key = key_at(wide, block, count, dimension, cut, k, Fused());
     low0 = hn::Min(low0, key);
     high0 = hn::Max(high0, key);
   }
@@ -115,10 +127,11 @@ HWY_INLINE void keys_of(const Scalar* block, Index count, int dimension, AnyCut 
   const auto lanes = static_cast<Index>(hn::Lanes(wide));
   Index k = 0;
   for (; k + lanes <= count; k += lanes) {
-    hn::StoreU(key_at(wide, block, count, dimension, cut, k), wide, out + k);
+    hn::StoreU(key_at(wide, block, count, dimension, cut, k, Apart()), wide, out + k);
   }
   const hn::CappedTag<Scalar, 1> one;
-  for (; k < count; ++k) out[k] = hn::GetLane(key_at(one, block, count, dimension, cut, k));
+  for (; k < count; ++k)
+    out[k] = hn::GetLane(key_at(one, block, count, dimension, cut, k, Apart()));
 }
 
 /// Lets the compiler unroll the loop over dimensions in the common cases.

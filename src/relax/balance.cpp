@@ -148,6 +148,7 @@ void flow_downhill(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scalar>
   std::sort(order.begin(), order.end(),
             [&](Index a, Index b) { return at(a) != at(b) ? at(a) > at(b) : a < b; });
   for (const Index site : order) {
+    filling.settle(site);
     for (const Index next : graph.neighbours(site)) {
       const double flow = std::nearbyint(at(site) - at(next));
       if (flow >= 1) mover.move(site, next, static_cast<Index>(std::min(flow, 2147483647.0)));
