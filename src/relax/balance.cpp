@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "kernels/kernels.h"
+#include "relax/potential.h"
 #include "relax/site_graph.h"
 
 namespace ccvt {
@@ -141,7 +142,7 @@ std::vector<Index> surpluses(const Filling<Scalar>& filling) {
 
 template <class Scalar>
 void flow_downhill(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scalar>& filling) {
-  const std::vector<double> phi = graph.potential(surpluses(filling));
+  const std::vector<double> phi = potential(graph, surpluses(filling));
   std::vector<Index> order(phi.size());
   std::iota(order.begin(), order.end(), 0);
   const auto at = [&](Index s) { return phi[static_cast<std::size_t>(s)]; };

@@ -84,54 +84,6 @@ SiteGraph::SiteGraph(Index sites, std::span<const Pair> edges) {
   }
 }
 
-std::vector<double> SiteGraph::potential(std::span<const Index> e) const {
-  constexpr double kResidual = 0.25;
-  const std::size_t n = e.size();
-  std::vector<double> phi(n, 0.0);
-  if (n < 2) return phi;
-  std::vector<double> residual(e.begin(), e.end());
-  std::vector<double> direction(n, 0.0);
-  std::vector<double> image(n);
-  std::vector<double> inverse_degree(n);
-  for (std::size_t s = 0; s < n; ++s) {
-    inverse_degree[s] = 1 / static_cast<double>(begin_[s + 1] - begin_[s]);
-  }
-  double rho = 0;
-  double largest = 0;
-  const auto measure = [&](std::size_t s) {
-    rho += residual[s] * residual[s] * inverse_degree[s];
-    largest = std::max(largest, std::abs(residual[s]));
-  };
-  for (std::size_t s = 0; s < n; ++s) measure(s);
-  double beta = 0;
-  for (std::size_t iteration = 0; iteration < 2 * n && largest > kResidual; ++iteration) {
-    for (std::size_t s = 0; s < n; ++s) {
-      direction[s] = residual[s] * inverse_degree[s] + beta * direction[s];
-    }
-    double curvature = 0;
-    for (std::size_t s = 0; s < n; ++s) {
-      double sum = static_cast<double>(begin_[s + 1] - begin_[s]) * direction[s];
-      for (std::size_t k = begin_[s]; k < begin_[s + 1]; ++k) {
-        sum -= direction[static_cast<std::size_t>(neighbour_[k])];
-      }
-      image[s] = sum;
-      curvature += direction[s] * sum;
-    }
-    if (!(curvature > 0)) break;  // nothing left but rounding
-    const double step = rho / curvature;
-    const double before = rho;
-    rho = 0;
-    largest = 0;
-    for (std::size_t s = 0; s < n; ++s) {
-      phi[s] += step * direction[s];
-      residual[s] -= step * image[s];
-      measure(s);
-    }
-    beta = rho / before;
-  }
-  return phi;
-}
-
 SiteGraph::SpanningTree SiteGraph::spanning_tree() const {
   SpanningTree tree;
   const auto n = static_cast<std::size_t>(site_count());

@@ -30,10 +30,6 @@ class SiteGraph {
     return std::span(neighbour_).subspan(begin_[s], begin_[s + 1] - begin_[s]);
   }
 
-  /// The potential phi with L phi = e, where L is the graph's Laplacian, to 0.25 in every
-  /// residual: conjugate gradients with Jacobi preconditioning. `e` sums to zero.
-  [[nodiscard]] std::vector<double> potential(std::span<const Index> e) const;
-
   struct SpanningTree {
     std::vector<Index> order;   ///< every site after its parent; the root, site 0, first
     std::vector<Index> parent;  ///< of each site; of the root -1
