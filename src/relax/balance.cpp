@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 #include "kernels/kernels.h"
@@ -27,19 +26,29 @@ class Mover {
     turn_.resize(extent_.size());
   }
 
-  /// Moves the `count` points of `from` that gain most, or lose least, by changing to `to`; fewer
-  /// when there are not as many.
-  void move(Index from, Index to, Index count) {
-    const auto f = static_cast<std::size_t>(from);
+  /// Whose points move() moves. Nothing else may change the site's points until the last of them.
+  void leave(Index from) {
+    from_ = from;
+    const auto& waiting = filling_.excess[static_cast<std::size_t>(from)];
+    waiting_.resize(waiting.size() * normal_.size());
+    for (std::size_t w = 0; w < waiting.size(); ++w) {
+      std::copy_n(filling_.points[waiting[w]], normal_.size(), &waiting_[w * normal_.size()]);
+    }
+  }
+
+  /// Moves the `count` points that gain most, or lose least, by changing to `to`; fewer when there
+  /// are not as many.
+  void move(Index to, Index count) {
+    const Index from = from_;
     place_cut(from, to);
-    const Index filled = filling_.filled[f];
-    auto& waiting = filling_.excess[f];
+    const Index filled = filling_.filled[static_cast<std::size_t>(from)];
+    auto& waiting = filling_.excess[static_cast<std::size_t>(from)];
     const auto places = static_cast<std::size_t>(filled) + waiting.size();
     // A cell that is not full has the stride of a full one: keys of empty places are overwritten.
     keys_.resize(std::max(places, static_cast<std::size_t>(filling_.cells.size(from))));
     keys_of(filling_.cells.block(from), filling_.cells.size(from), keys_.data());
-    copy_of(waiting);
-    keys_of(waiting_.data(), static_cast<Index>(waiting.size()), keys_.data() + filled);
+    as_block(waiting.size());
+    keys_of(block_.data(), static_cast<Index>(waiting.size()), keys_.data() + filled);
     choose(std::min(static_cast<std::size_t>(count), places), places);
     // From the last place to the first, so that filling a gap does not move a chosen point.
     std::sort(choices_.begin(), choices_.end(),
@@ -51,6 +60,9 @@ class Mover {
         arrivals.push_back(waiting[w]);
         waiting[w] = waiting.back();
         waiting.pop_back();
+        std::copy_n(waiting_.end() - static_cast<std::ptrdiff_t>(normal_.size()), normal_.size(),
+                    &waiting_[w * normal_.size()]);
+        waiting_.resize(waiting_.size() - normal_.size());
       } else {
         arrivals.push_back(filling_.take(from, choice.place));
       }
@@ -63,32 +75,35 @@ class Mover {
     Index place;
   };
 
-  static bool better(const Choice& a, const Choice& b) {
-    return a.key != b.key ? a.key > b.key : a.place < b.place;
-  }
+  struct Better {
+    bool operator()(const Choice& a, const Choice& b) const {
+      return a.key != b.key ? a.key > b.key : a.place < b.place;
+    }
+  };
 
   /// Chooses the best `wanted` of all places, in a heap with the worst of them on top.
   void choose(std::size_t wanted, std::size_t places) {
     choices_.clear();
     for (std::size_t k = 0; k < wanted; ++k) choices_.push_back({keys_[k], static_cast<Index>(k)});
     if (wanted == 0) return;
-    std::make_heap(choices_.begin(), choices_.end(), better);
+    std::make_heap(choices_.begin(), choices_.end(), Better());
     for (std::size_t k = wanted; k < places; ++k) {
       // Of equal keys the first place is better.
       if (!(keys_[k] > choices_.front().key)) continue;
-      std::pop_heap(choices_.begin(), choices_.end(), better);
+      std::pop_heap(choices_.begin(), choices_.end(), Better());
       choices_.back() = {keys_[k], static_cast<Index>(k)};
-      std::push_heap(choices_.begin(), choices_.end(), better);
+      std::push_heap(choices_.begin(), choices_.end(), Better());
     }
   }
 
-  /// Points as a block of their own.
-  void copy_of(const std::vector<Index>& points) {
+  /// The points that wait, with a stream for each dimension.
+  void as_block(std::size_t count) {
     const std::size_t dimension = normal_.size();
-    waiting_.resize(points.size() * dimension);
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const Scalar* point = filling_.points[points[k]];
-      for (std::size_t d = 0; d < dimension; ++d) waiting_[d * points.size() + k] = point[d];
+    block_.resize(waiting_.size());
+    for (std::size_t w = 0; w < count; ++w) {
+      for (std::size_t d = 0; d < dimension; ++d) {
+        block_[d * count + w] = waiting_[w * dimension + d];
+      }
     }
   }
 
@@ -122,12 +137,14 @@ class Mover {
   const Metric& metric_;
   const SiteState& sites_;
   Filling<Scalar>& filling_;
+  Index from_ = -1;
   std::vector<Scalar> middle_;
   std::vector<Scalar> normal_;
   std::vector<Scalar> extent_;
   std::vector<Scalar> turn_;
   std::vector<Scalar> keys_;
-  std::vector<Scalar> waiting_;
+  std::vector<Scalar> waiting_;  ///< coordinates of the excess of from_, point after point
+  std::vector<Scalar> block_;
   std::vector<Choice> choices_;
 };
 
@@ -140,19 +157,35 @@ std::vector<Index> surpluses(const Filling<Scalar>& filling) {
   return surplus;
 }
 
+/// A site passes points on once all that flow to it have arrived; of such sites, the one that
+/// became one last, as what it needs is still at hand.
 template <class Scalar>
 void flow_downhill(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scalar>& filling) {
   const std::vector<double> phi = potential(graph, surpluses(filling));
-  std::vector<Index> order(phi.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto at = [&](Index s) { return phi[static_cast<std::size_t>(s)]; };
-  std::sort(order.begin(), order.end(),
-            [&](Index a, Index b) { return at(a) != at(b) ? at(a) > at(b) : a < b; });
-  for (const Index site : order) {
+  const auto flow = [&](Index from, Index to) {
+    const double drop = phi[static_cast<std::size_t>(from)] - phi[static_cast<std::size_t>(to)];
+    return static_cast<Index>(std::clamp(std::nearbyint(drop), -1.0, 2147483647.0));
+  };
+  std::vector<Index> awaited(phi.size(), 0);
+  for (Index s = 0; s < graph.site_count(); ++s) {
+    for (const Index next : graph.neighbours(s)) {
+      if (flow(s, next) >= 1) ++awaited[static_cast<std::size_t>(next)];
+    }
+  }
+  std::vector<Index> ready;
+  for (Index s = graph.site_count(); s-- > 0;) {
+    if (awaited[static_cast<std::size_t>(s)] == 0) ready.push_back(s);
+  }
+  while (!ready.empty()) {
+    const Index site = ready.back();
+    ready.pop_back();
     filling.settle(site);
+    mover.leave(site);
     for (const Index next : graph.neighbours(site)) {
-      const double flow = std::nearbyint(at(site) - at(next));
-      if (flow >= 1) mover.move(site, next, static_cast<Index>(std::min(flow, 2147483647.0)));
+      const Index count = flow(site, next);
+      if (count < 1) continue;
+      mover.move(next, count);
+      if (--awaited[static_cast<std::size_t>(next)] == 0) ready.push_back(next);
     }
     filling.settle(site);
   }
@@ -173,12 +206,16 @@ void flow_along_tree(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scala
       continue;
     }
     subtree[static_cast<std::size_t>(parent(s))] += surplus;
-    if (surplus > 0) mover.move(s, parent(s), surplus);
+    if (surplus <= 0) continue;
+    mover.leave(s);
+    mover.move(parent(s), surplus);
   }
   for (const Index s : tree.order) {
     if (parent(s) < 0) continue;
     const Index lack = -subtree[static_cast<std::size_t>(s)];
-    if (lack > 0) mover.move(parent(s), s, lack);
+    if (lack <= 0) continue;
+    mover.leave(parent(s));
+    mover.move(s, lack);
   }
   for (const Index s : tree.order) filling.settle(s);
 }

@@ -70,15 +70,15 @@ void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
     typename NearestSites<Scalar>::Found found;
     // Bounds the memory, yet leaves each bin many points.
     const std::size_t chunk = std::max(std::size_t{1} << 18, 64 * sites.radius.size());
-    for (std::size_t begin = 0; begin < joining.size(); begin += chunk) {
-      nearest(filling.points, joining.subspan(begin, std::min(chunk, joining.size() - begin)),
-              arena, found);
-      for (std::size_t k = 0; k < found.point.size(); ++k) {
-        if (k + kAhead < found.point.size()) {
-          __builtin_prefetch(filling.points[found.point[k + kAhead]]);
-        }
+    const auto add = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        if (k + kAhead < end) __builtin_prefetch(filling.points[found.point[k + kAhead]]);
         filling.add(found.site[k], found.point[k]);
       }
+    };
+    for (std::size_t begin = 0; begin < joining.size(); begin += chunk) {
+      nearest(filling.points, joining.subspan(begin, std::min(chunk, joining.size() - begin)),
+              arena, found, add);
     }
   }
   if (near.empty()) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "kernels/nearest.h"
 
@@ -18,6 +19,9 @@ constexpr int kTries = 3;
 constexpr std::size_t kPointsPerCell = 24;
 /// Points that are on their way from memory while others are placed.
 constexpr std::size_t kAhead = 24;
+/// Points that are sorted, and found, at a time.
+constexpr std::size_t kSlice = 1 << 16;
+constexpr std::size_t kMostBuckets = 1024;
 
 }  // namespace
 
@@ -47,6 +51,7 @@ NearestSites<Scalar>::NearestSites(const Metric& metric, const SiteState& sites,
       bins_(SiteBins::sort(metric, sites.position, box.lower.data(), box.upper.data())) {
   if (!bins_) return;
   for (std::size_t d = 0; d < dimension_; ++d) {
+    extent_[d] = metric.periodic() ? metric.extent()[d] : std::numeric_limits<double>::infinity();
     lower_[d] = bins_->lower(d);
     inverse_width_[d] = 2 / bins_->width(d);
     last_[d] = static_cast<double>(2 * bins_->bins(d) - 1);
@@ -67,20 +72,61 @@ std::uint32_t NearestSites<Scalar>::cell_of(const Scalar* position) const {
   return (bin << dimension_) + child;
 }
 
-/// Counting sort: the points of cell g become those from first[g] to first[g + 1].
+/// The points of cell g become those from first[g] to first[g + 1]. They go into buckets of
+/// consecutive cells first, so many that the ends of all are in the cache, and then into cells.
 template <class Scalar>
 void NearestSites<Scalar>::sort_by_cell(const PointsView<Scalar>& points,
                                         std::span<const Index> which, const Arena& arena,
                                         std::vector<std::size_t>& first, Found& found) const {
+  const std::size_t cells = bins_->bin_count() << dimension_;
+  int shift = 0;
+  while ((cells - 1) >> shift >= kMostBuckets) ++shift;
+  const std::size_t buckets = ((cells - 1) >> shift) + 1;
+  const std::size_t slices = (which.size() + kSlice - 1) / kSlice;
+  const auto for_slice = [&](std::size_t slice, auto visit) {
+    const std::size_t end = std::min((slice + 1) * kSlice, which.size());
+    for (std::size_t k = slice * kSlice; k < end; ++k) visit(k);
+  };
+
+  // Of the points of a slice in a bucket, the first place: by bucket, and in it by slice.
+  std::vector<std::size_t> place(buckets * slices + 1, 0);
   std::vector<std::uint32_t> cell(which.size());
-  arena.for_ranges(which.size(), 4096, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) cell[k] = cell_of(points[which[k]]);
+  arena.for_each(slices, 1, [&](std::size_t slice) {
+    std::vector<std::size_t> count(buckets, 0);
+    for_slice(slice, [&](std::size_t k) {
+      cell[k] = cell_of(points[which[k]]);
+      ++count[cell[k] >> shift];
+    });
+    for (std::size_t b = 0; b < buckets; ++b) place[b * slices + slice + 1] = count[b];
   });
-  // One place further on, so that filling the cells leaves each with its own beginning.
-  first.assign((bins_->bin_count() << dimension_) + 2, 0);
-  for (const std::uint32_t g : cell) ++first[g + 2];
-  for (std::size_t g = 2; g < first.size(); ++g) first[g] += first[g - 1];
-  for (std::size_t k = 0; k < which.size(); ++k) found.point[first[cell[k] + 1]++] = which[k];
+  std::partial_sum(place.begin(), place.end(), place.begin());
+
+  struct Placed {
+    std::uint32_t cell;
+    Index point;
+  };
+  std::vector<Placed> placed(which.size());
+  arena.for_each(slices, 1, [&](std::size_t slice) {
+    std::vector<std::size_t> next(buckets);
+    for (std::size_t b = 0; b < buckets; ++b) next[b] = place[b * slices + slice];
+    for_slice(slice, [&](std::size_t k) {
+      placed[next[cell[k] >> shift]++] = {cell[k], which[k]};
+    });
+  });
+
+  first.assign(cells + 1, which.size());
+  arena.for_each(buckets, 1, [&](std::size_t b) {
+    const std::size_t begin = place[b * slices];
+    const auto here = std::span(placed).subspan(begin, place[(b + 1) * slices] - begin);
+    const std::size_t first_cell = b << shift;
+    std::vector<std::size_t> next(std::min(std::size_t{1} << shift, cells - first_cell) + 1, 0);
+    for (const Placed& p : here) ++next[p.cell - first_cell + 1];
+    next[0] = begin;
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    std::copy(next.begin(), next.end() - 1,
+              first.begin() + static_cast<std::ptrdiff_t>(first_cell));
+    for (const Placed& p : here) found.point[next[p.cell - first_cell]++] = p.point;
+  });
 }
 
 template <class Scalar>
@@ -100,47 +146,43 @@ auto NearestSites<Scalar>::centre_of(std::size_t bin) const -> Vector {
 /// Let c be the site nearest to the centre, and r its distance from the corner farthest from it: a
 /// site nearer than c to a point of the bin is at most r from that point.
 template <class Scalar>
+template <std::size_t Dimension>
 bool NearestSites<Scalar>::gather(const Vector& centre, Around& around) const {
   const double widest = 2 * *std::max_element(half_.begin(), half_.end());
+  // Farther away, another image of a site may be the nearer one.
+  const double most = *std::min_element(extent_.begin(), extent_.begin() + Dimension) / 2;
   double reach = kFirstReach * widest;
   for (int attempt = 0; attempt < kTries; ++attempt) {
-    around.count = 0;
+    std::size_t count = 0;
     bool fits = true;
-    bins_->for_each_run(centre.data(), reach, [&](std::size_t first, std::size_t last) {
-      fits = fits && around.count + (last - first) <= kMostAround;
-      for (std::size_t place = first; fits && place < last; ++place) {
-        const double* position = bins_->position(place);
-        for (std::size_t d = 0; d < dimension_; ++d) {
-          around.offset[d][around.count] =
-              metric_.wrap(position[d] - centre[d], static_cast<int>(d));
-        }
-        around.site[around.count++] = bins_->site(place);
-      }
-    });
-    if (!fits) return false;
     double nearest = std::numeric_limits<double>::infinity();
     std::size_t c = 0;
-    for (std::size_t k = 0; k < around.count; ++k) {
-      double squared = 0;
-      for (std::size_t d = 0; d < dimension_; ++d) squared += std::pow(around.offset[d][k], 2);
-      if (squared < nearest) {
-        nearest = squared;
-        c = k;
+    bins_->for_each_run(centre.data(), reach, [&](std::size_t first, std::size_t last) {
+      fits = fits && count + (last - first) <= kMostAround;
+      for (std::size_t place = first; fits && place < last; ++place, ++count) {
+        const double* position = bins_->position(place);
+        double squared = 0;
+        for (std::size_t d = 0; d < Dimension; ++d) {
+          const double offset = shortest_difference(position[d] - centre[d], extent_[d]);
+          around.offset[d][count] = offset;
+          squared += offset * offset;
+        }
+        around.site[count] = bins_->site(place);
+        c = squared < nearest ? count : c;
+        nearest = squared < nearest ? squared : nearest;
       }
-    }
-    if (around.count == 0) {
+    });
+    around.count = count;
+    if (!fits) return false;
+    if (count == 0) {
       reach *= 2;
       continue;
     }
     double to_corner = 0;
-    for (std::size_t d = 0; d < dimension_; ++d) {
+    for (std::size_t d = 0; d < Dimension; ++d) {
       to_corner += std::pow(std::abs(around.offset[d][c]) + half_[d], 2);
     }
     const double needed = (std::sqrt(to_corner) + widest / 2) * (1 + 1e-9);
-    // Farther away, another image of a site may be the nearer one.
-    const double most = metric_.periodic()
-                            ? *std::min_element(metric_.extent(), metric_.extent() + dimension_) / 2
-                            : std::numeric_limits<double>::infinity();
     if (needed >= most) return false;
     if (needed <= reach) return true;
     reach = needed;
@@ -153,33 +195,42 @@ bool NearestSites<Scalar>::gather(const Vector& centre, Around& around) const {
 /// region's centre, c, is nearer than s in all of it, which is when it is at each of its corners,
 /// as |x - s|^2 - |x - c|^2 is linear in x.
 template <class Scalar>
+template <std::size_t Dimension>
 void NearestSites<Scalar>::keep_candidates(const Around& around, const Vector& centre,
                                            double halves, Around& candidates) const {
   std::array<double, kMostAround> squared;
-  std::size_t c = 0;
   for (std::size_t k = 0; k < around.count; ++k) {
     squared[k] = 0;
-    for (std::size_t d = 0; d < dimension_; ++d) {
+    for (std::size_t d = 0; d < Dimension; ++d) {
       const double difference = around.offset[d][k] - centre[d];
       squared[k] += difference * difference;
     }
-    c = squared[k] < squared[c] ? k : c;
   }
-  candidates.count = 0;
+  const auto c = static_cast<std::size_t>(
+      std::min_element(squared.begin(),
+                       squared.begin() + static_cast<std::ptrdiff_t>(around.count)) -
+      squared.begin());
+  Vector central{};
+  for (std::size_t d = 0; d < Dimension; ++d) central[d] = around.offset[d][c];
+  const double least = squared[c];
   for (std::size_t k = 0; k < around.count; ++k) {
-    double at_best_corner = squared[k] - squared[c];
-    for (std::size_t d = 0; d < dimension_; ++d) {
-      at_best_corner -= 2 * halves * half_[d] * std::abs(around.offset[d][k] - around.offset[d][c]);
+    for (std::size_t d = 0; d < Dimension; ++d) {
+      squared[k] -= 2 * halves * half_[d] * std::abs(around.offset[d][k] - central[d]);
     }
-    for (std::size_t d = 0; d < dimension_; ++d) {
-      candidates.offset[d][candidates.count] = around.offset[d][k];
-    }
-    candidates.site[candidates.count] = around.site[k];
-    candidates.count += at_best_corner <= 0 ? 1 : 0;
   }
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < around.count; ++k) {
+    for (std::size_t d = 0; d < Dimension; ++d) {
+      candidates.offset[d][count] = around.offset[d][k];
+    }
+    candidates.site[count] = around.site[k];
+    count += squared[k] <= least ? 1 : 0;
+  }
+  candidates.count = count;
 }
 
 template <class Scalar>
+template <std::size_t Dimension>
 void NearestSites<Scalar>::find_among(const PointsView<Scalar>& points, const Around& candidates,
                                       const Vector& centre, std::size_t begin, std::size_t end,
                                       Worker& worker, Found& found) const {
@@ -190,26 +241,26 @@ void NearestSites<Scalar>::find_among(const PointsView<Scalar>& points, const Ar
   }
   constexpr auto kStep = static_cast<std::size_t>(kernels::kNearestPoints);
   const std::size_t stride = (end - begin + kStep - 1) / kStep * kStep;
-  worker.coordinates.resize(stride * dimension_);
+  worker.coordinates.resize(stride * Dimension);
   worker.chosen.resize(stride);
-  worker.positions.resize(candidates.count * dimension_);
+  worker.positions.resize(candidates.count * Dimension);
   for (std::size_t k = begin; k < end; ++k) {
     if (k + kAhead < found.point.size()) __builtin_prefetch(points[found.point[k + kAhead]]);
     const Scalar* point = points[found.point[k]];
-    for (std::size_t d = 0; d < dimension_; ++d) {
+    for (std::size_t d = 0; d < Dimension; ++d) {
       worker.coordinates[d * stride + k - begin] = static_cast<double>(point[d]);
     }
   }
-  for (std::size_t d = 0; d < dimension_; ++d) {
+  for (std::size_t d = 0; d < Dimension; ++d) {
     double* stream = &worker.coordinates[d * stride];
     std::fill(stream + (end - begin), stream + stride, stream[0]);
     for (std::size_t c = 0; c < candidates.count; ++c) {
-      worker.positions[c * dimension_ + d] = centre[d] + candidates.offset[d][c];
+      worker.positions[c * Dimension + d] = centre[d] + candidates.offset[d][c];
     }
   }
-  kernels::nearest_positions(worker.coordinates.data(), static_cast<Index>(stride),
-                             static_cast<int>(dimension_), worker.positions.data(),
-                             static_cast<Index>(candidates.count), worker.chosen.data());
+  kernels::nearest_positions(worker.coordinates.data(), static_cast<Index>(stride), int{Dimension},
+                             worker.positions.data(), static_cast<Index>(candidates.count),
+                             worker.chosen.data());
   for (std::size_t k = begin; k < end; ++k) {
     found.site[k] = candidates.site[static_cast<std::size_t>(worker.chosen[k - begin])];
   }
@@ -227,6 +278,7 @@ void NearestSites<Scalar>::ask_tree(const PointsView<Scalar>& points, std::size_
 
 /// `first`: of the cells of the bin, and one more.
 template <class Scalar>
+template <std::size_t Dimension>
 void NearestSites<Scalar>::find_in_bin(const PointsView<Scalar>& points,
                                        std::span<const std::size_t> first, std::size_t bin,
                                        Worker& worker, Found& found) const {
@@ -234,46 +286,61 @@ void NearestSites<Scalar>::find_in_bin(const PointsView<Scalar>& points,
   const std::size_t end = first.back();
   if (begin == end) return;
   const Vector centre = centre_of(bin);
-  if (!gather(centre, worker.around)) return ask_tree(points, begin, end, found);
-  keep_candidates(worker.around, {}, 1, worker.in_bin);
-  const std::size_t cells = std::size_t{1} << dimension_;
+  if (!gather<Dimension>(centre, worker.around)) return ask_tree(points, begin, end, found);
+  keep_candidates<Dimension>(worker.around, {}, 1, worker.in_bin);
+  const std::size_t cells = std::size_t{1} << Dimension;
   if (end - begin < kPointsPerCell * cells) {
-    return find_among(points, worker.in_bin, centre, begin, end, worker, found);
+    return find_among<Dimension>(points, worker.in_bin, centre, begin, end, worker, found);
   }
   for (std::size_t g = 0; g < cells; ++g) {
     Vector cell_centre{};
-    for (std::size_t d = 0; d < dimension_; ++d) {
+    for (std::size_t d = 0; d < Dimension; ++d) {
       cell_centre[d] = ((g >> d) % 2 == 0 ? -0.5 : 0.5) * half_[d];
     }
-    keep_candidates(worker.in_bin, cell_centre, 0.5, worker.in_cell);
-    find_among(points, worker.in_cell, centre, first[g], first[g + 1], worker, found);
+    keep_candidates<Dimension>(worker.in_bin, cell_centre, 0.5, worker.in_cell);
+    find_among<Dimension>(points, worker.in_cell, centre, first[g], first[g + 1], worker, found);
   }
 }
 
 template <class Scalar>
 void NearestSites<Scalar>::operator()(const PointsView<Scalar>& points,
                                       std::span<const Index> which, const Arena& arena,
-                                      Found& found) const {
+                                      Found& found, const Taken& taken) const {
   found.point.resize(which.size());
   found.site.resize(which.size());
+  if (which.empty()) return;
   if (!bins_) {
     std::copy(which.begin(), which.end(), found.point.begin());
     arena.for_ranges(which.size(), 4096, [&](std::size_t begin, std::size_t end, int) {
       ask_tree(points, begin, end, found);
     });
+    if (taken) taken(0, which.size());
     return;
   }
   std::vector<std::size_t> first;
   sort_by_cell(points, which, arena, first, found);
   std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(arena.threads()));
   const std::size_t cells = std::size_t{1} << dimension_;
-  arena.for_ranges(bins_->bin_count(), 64, [&](std::size_t begin, std::size_t end, int w) {
-    auto& worker = workers[static_cast<std::size_t>(w)];
-    if (!worker) worker = std::make_unique<Worker>();
-    for (std::size_t bin = begin; bin < end; ++bin) {
-      find_in_bin(points, std::span(first).subspan(bin * cells, cells + 1), bin, *worker, found);
-    }
-  });
+  std::size_t from = 0;
+  while (from < bins_->bin_count()) {
+    const auto next = std::upper_bound(first.begin(), first.end(), first[from * cells] + kSlice);
+    const auto cell = static_cast<std::size_t>(next - first.begin());
+    const std::size_t to = std::clamp((cell - 1) / cells, from + 1, bins_->bin_count());
+    arena.for_ranges(to - from, 16, [&](std::size_t begin, std::size_t end, int w) {
+      auto& worker = workers[static_cast<std::size_t>(w)];
+      if (!worker) worker = std::make_unique<Worker>();
+      for (std::size_t bin = from + begin; bin < from + end; ++bin) {
+        const auto here = std::span(first).subspan(bin * cells, cells + 1);
+        if (dimension_ == 2) {
+          find_in_bin<2>(points, here, bin, *worker, found);
+        } else {
+          find_in_bin<3>(points, here, bin, *worker, found);
+        }
+      }
+    });
+    if (taken) taken(first[from * cells], first[to * cells]);
+    from = to;
+  }
 }
 
 template class NearestSites<float>;

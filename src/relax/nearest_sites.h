@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -32,8 +33,12 @@ class NearestSites {
     std::vector<Index> point;
     std::vector<Index> site;
   };
+  /// Called with begin and end of consecutive ranges of what is found, so that it can be used
+  /// while it is in the cache.
+  using Taken = std::function<void(std::size_t, std::size_t)>;
+  /// `found` is made anew; `taken` may be empty.
   void operator()(const PointsView<Scalar>& points, std::span<const Index> which,
-                  const Arena& arena, Found& found) const;
+                  const Arena& arena, Found& found, const Taken& taken = {}) const;
 
  private:
   static constexpr std::size_t kMostDimensions = SiteBins::kMostDimensions;
@@ -45,17 +50,22 @@ class NearestSites {
   void sort_by_cell(const PointsView<Scalar>& points, std::span<const Index> which,
                     const Arena& arena, std::vector<std::size_t>& first, Found& found) const;
   [[nodiscard]] Vector centre_of(std::size_t bin) const;
+  template <std::size_t Dimension>
   [[nodiscard]] bool gather(const Vector& centre, Around& around) const;
+  template <std::size_t Dimension>
   void keep_candidates(const Around& around, const Vector& centre, double halves,
                        Around& candidates) const;
+  template <std::size_t Dimension>
   void find_in_bin(const PointsView<Scalar>& points, std::span<const std::size_t> first,
                    std::size_t bin, Worker& worker, Found& found) const;
+  template <std::size_t Dimension>
   void find_among(const PointsView<Scalar>& points, const Around& candidates, const Vector& centre,
                   std::size_t begin, std::size_t end, Worker& worker, Found& found) const;
   void ask_tree(const PointsView<Scalar>& points, std::size_t begin, std::size_t end,
                 Found& found) const;
 
   const Metric& metric_;
+  Vector extent_{};  ///< of the torus; infinite in Euclidean space
   std::size_t dimension_ = 0;
   SiteTree tree_;
   std::optional<SiteBins> bins_;

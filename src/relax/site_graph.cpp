@@ -35,25 +35,42 @@ class DisjointSets {
 
 }  // namespace
 
+/// With a as the origin, k is in the diametral ball of a and b when |k|^2 < k . b.
 std::vector<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
                                 std::span<const Pair> pairs) {
   const SiteGraph graph(sites.count(), pairs);
+  const int dimension = metric.dimension();
+  struct Neighbour {
+    double squared;
+    Index site;
+    std::size_t offset;
+  };
   std::vector<Pair> kept;
-  std::vector<std::pair<double, Index>> nearest_first;
+  std::vector<Neighbour> nearest_first;
+  std::vector<double> offsets;
   for (Index a = 0; a < sites.count(); ++a) {
     nearest_first.clear();
+    offsets.clear();
     for (const Index b : graph.neighbours(a)) {
-      nearest_first.emplace_back(metric.squared_distance(sites.at(a), sites.at(b)), b);
+      nearest_first.push_back({0, b, offsets.size()});
+      for (int d = 0; d < dimension; ++d) {
+        offsets.push_back(metric.wrap(sites.at(b)[d] - sites.at(a)[d], d));
+        nearest_first.back().squared += offsets.back() * offsets.back();
+      }
     }
-    std::sort(nearest_first.begin(), nearest_first.end());
+    std::sort(nearest_first.begin(), nearest_first.end(), [](const auto& x, const auto& y) {
+      return x.squared != y.squared ? x.squared < y.squared : x.site < y.site;
+    });
     for (auto next = nearest_first.begin(); next != nearest_first.end(); ++next) {
-      const auto [length, b] = *next;
-      if (b < a) continue;
-      const auto between = [&, length = length, b = b](const std::pair<double, Index>& other) {
-        const auto& [squared, k] = other;
-        return squared + metric.squared_distance(sites.at(b), sites.at(k)) < length;
+      if (next->site < a) continue;
+      const auto between = [&](const Neighbour& other) {
+        double along = 0;
+        for (std::size_t d = 0; d < static_cast<std::size_t>(dimension); ++d) {
+          along += offsets[other.offset + d] * offsets[next->offset + d];
+        }
+        return other.squared < along;
       };
-      if (std::none_of(nearest_first.begin(), next, between)) kept.emplace_back(a, b);
+      if (std::none_of(nearest_first.begin(), next, between)) kept.emplace_back(a, next->site);
     }
   }
   return kept;
