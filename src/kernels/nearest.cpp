@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <type_traits>
 
@@ -19,10 +20,25 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// Eight interleaved partial sums whatever the vector width, so that bits do not depend on it.
 constexpr int kPartials = 8;
 
+/// Sizes of differences, as they are.
+struct Straight {
+  double operator()(double difference, int) const { return std::abs(difference); }
+};
+
+/// Sizes of the shortest differences on a torus.
+struct Around {
+  const double* extent;
+  double operator()(double difference, int d) const {
+    const double size = std::abs(difference);
+    return std::min(size, extent[d] - size);
+  }
+};
+
 /// A position is left as soon as the dimensions seen so far put it beyond the best. Sums are made
 /// of eight interleaved parts whatever the vector width, so that bits do not depend on it.
+template <class Size>
 HWY_INLINE double squared_distance_up_to(const double* a, const double* b, int dimension,
-                                         double limit) {
+                                         double limit, Size size) {
   std::array<double, kPartials> part{};
   double sum = 0;
   int d = 0;
@@ -30,28 +46,39 @@ HWY_INLINE double squared_distance_up_to(const double* a, const double* b, int d
     const int stop = std::min(dimension - kPartials, d + 3 * kPartials);
     for (; d <= stop; d += kPartials) {
       for (int l = 0; l < kPartials; ++l) {
-        const double difference = a[d + l] - b[d + l];
+        const double difference = size(a[d + l] - b[d + l], d + l);
         part[static_cast<std::size_t>(l)] += difference * difference;
       }
     }
     sum = ((part[0] + part[4]) + (part[1] + part[5])) + ((part[2] + part[6]) + (part[3] + part[7]));
     if (sum > limit) return sum;
   }
-  for (; d < dimension; ++d) sum += (a[d] - b[d]) * (a[d] - b[d]);
+  for (; d < dimension; ++d) {
+    const double difference = size(a[d] - b[d], d);
+    sum += difference * difference;
+  }
   return sum;
 }
 
-Index nearest_of(const double* query, const double* positions, Index count, int dimension) {
+template <class Size>
+HWY_INLINE Index nearest_by(const double* query, const double* positions, Index count,
+                            int dimension, Size size) {
   double best = std::numeric_limits<double>::infinity();
   Index nearest = 0;
   for (Index k = 0; k < count; ++k, positions += dimension) {
-    const double squared = squared_distance_up_to(query, positions, dimension, best);
+    const double squared = squared_distance_up_to(query, positions, dimension, best, size);
     if (squared < best) {
       best = squared;
       nearest = k;
     }
   }
   return nearest;
+}
+
+Index nearest_of(const double* query, const double* positions, Index count, int dimension,
+                 const double* extent) {
+  return extent != nullptr ? nearest_by(query, positions, count, dimension, Around{extent})
+                           : nearest_by(query, positions, count, dimension, Straight{});
 }
 
 /// The squared distances of a vector of points to a position. Mul and Add are kept apart, as fused
@@ -112,8 +139,9 @@ HWY_AFTER_NAMESPACE();
 namespace ccvt::kernels {
 
 HWY_EXPORT(nearest_of);
-Index nearest_position(const double* query, const double* positions, Index count, int dimension) {
-  return HWY_DYNAMIC_DISPATCH(nearest_of)(query, positions, count, dimension);
+Index nearest_position(const double* query, const double* positions, Index count, int dimension,
+                       const double* extent) {
+  return HWY_DYNAMIC_DISPATCH(nearest_of)(query, positions, count, dimension, extent);
 }
 
 HWY_EXPORT(nearest_of_each);

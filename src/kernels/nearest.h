@@ -6,9 +6,10 @@
 
 namespace ccvt::kernels {
 
-/// The number of the position nearest to `query` (Euclidean), the first of several. `positions`:
-/// `count` >= 1 of them, `dimension` values each, one after the other.
-Index nearest_position(const double* query, const double* positions, Index count, int dimension);
+/// The number of the position nearest to `query`, the first of several; on a torus when `extent`
+/// is given. `positions`: `count` >= 1 of them, `dimension` values each, one after the other.
+Index nearest_position(const double* query, const double* positions, Index count, int dimension,
+                       const double* extent);
 
 /// The stride of nearest_positions() is a multiple of this.
 constexpr Index kNearestPoints = 16;

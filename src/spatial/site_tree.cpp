@@ -125,23 +125,11 @@ void SiteTree::remove(Index site) {
 
 Index SiteTree::nearest(const double* query) const {
   if (available_ == 0) return -1;
-  if (scan_ && !metric_.periodic()) {
-    const Index slot = kernels::nearest_position(query, positions_.data(),
-                                                 static_cast<Index>(site_.size()), dimension_);
-    return site_[static_cast<std::size_t>(slot)];
-  }
   if (scan_) {
-    double best = std::numeric_limits<double>::infinity();
-    std::size_t best_slot = 0;
-    const double* position = positions_.data();
-    for (std::size_t k = 0; k < site_.size(); ++k, position += dimension_) {
-      const double squared = metric_.squared_distance(query, position);
-      if (squared < best) {
-        best = squared;
-        best_slot = k;
-      }
-    }
-    return site_[best_slot];
+    const Index slot =
+        kernels::nearest_position(query, positions_.data(), static_cast<Index>(site_.size()),
+                                  dimension_, metric_.periodic() ? metric_.extent() : nullptr);
+    return site_[static_cast<std::size_t>(slot)];
   }
   double best = std::numeric_limits<double>::infinity();
   std::size_t best_slot = 0;
