@@ -83,6 +83,20 @@ std::size_t most_conflicts(const std::vector<Pair>& pairs) {
 
 TEST_SUITE_BEGIN("schedule");
 
+TEST_CASE("pairs are sorted by their first and then by their second") {
+  Random random(3, 1);
+  for (const Index nodes : {2, 10, 300}) {
+    auto pairs = random_pairs(random, nodes, static_cast<std::size_t>(nodes) / 2);
+    auto expected = pairs;
+    std::sort(expected.begin(), expected.end());
+    ccvt::sort_pairs(pairs, nodes);
+    CHECK(pairs == expected);
+  }
+  std::vector<Pair> none;
+  ccvt::sort_pairs(none, 5);
+  CHECK(none.empty());
+}
+
 TEST_CASE("greedy batches follow Program 5") {
   Random random(8);
   for (const auto& [nodes, count] :

@@ -15,6 +15,8 @@
 #include "parallel/arena.h"
 #include "random.h"
 #include "relax/nearest_sites.h"
+#include "spatial/site_bins.h"
+#include "spatial/site_search.h"
 #include "support/generate.h"
 #include "support/oracle.h"
 
@@ -26,6 +28,8 @@ using ccvt::Metric;
 using ccvt::NearestSites;
 using ccvt::Points;
 using ccvt::Random;
+using ccvt::SiteBins;
+using ccvt::SiteSearch;
 using ccvt::SiteState;
 using ccvt::SiteTree;
 using namespace ccvt::test;
@@ -252,6 +256,79 @@ TEST_CASE_TEMPLATE("nearest sites of many points at once", Scalar, float, double
       }
     }
   }
+}
+
+// Every site within the radius once, with its squared distance, and no other.
+void check_search(const Sites& sites, const SiteSearch& search, const double* query,
+                  double radius) {
+  std::vector<int> times(static_cast<std::size_t>(sites.positions.cols()), 0);
+  std::vector<Index> scratch;
+  search.within(query, radius, scratch, [&](Index site, double squared) {
+    ++times[static_cast<std::size_t>(site)];
+    CHECK(equal_distances(squared, sites.squared(query, site)));
+  });
+  for (Index s = 0; s < sites.positions.cols(); ++s) {
+    const Real squared = sites.squared(query, s);
+    const Real limit = static_cast<Real>(radius) * radius;
+    const int found = times[static_cast<std::size_t>(s)];
+    CHECK(found <= 1);
+    if (!equal_distances(squared, limit)) CHECK((found == 1) == (squared < limit));
+  }
+}
+
+TEST_CASE("sites near a position, in bins or through a tree") {
+  for (const bool periodic : {false, true}) {
+    for (const int dimension : {1, 2, 3, 4}) {
+      for (const Layout layout : all_layouts) {
+        for (const Index count : {1, 2, 17, 500}) {
+          CAPTURE(periodic);
+          CAPTURE(dimension);
+          CAPTURE(name_of(layout));
+          CAPTURE(count);
+          const Sites sites(layout, dimension, periodic, count);
+          const SiteSearch search(sites.metric, sites.span());
+          for (const auto& query : queries_for(sites, 10)) {
+            std::vector<double> inside(query.data(), query.data() + dimension);
+            for (int d = 0; d < dimension; ++d) {
+              inside[static_cast<std::size_t>(d)] =
+                  sites.metric.into_box(inside[static_cast<std::size_t>(d)], d);
+            }
+            for (const double radius : {0.0, 0.1, 0.7, 3.0, 1e6}) {
+              check_search(sites, search, inside.data(), radius);
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("bins hold even sites, and only where they pay") {
+  const auto bins_of = [](const Sites& sites) {
+    const Box& box = sites.box;
+    return SiteBins::sort(sites.metric, sites.span(), box.lower.data(), box.upper.data());
+  };
+  for (const int dimension : {2, 3}) {
+    const Sites even(Layout::random, dimension, false, 1000);
+    const auto bins = bins_of(even);
+    REQUIRE(bins);
+    CHECK(bins->site_count() == 1000);
+    CHECK(bins->bin_count() >= 500);
+    CHECK(bins->bin_count() <= 2000);
+    std::vector<int> times(1000, 0);
+    for (std::size_t place = 0; place < 1000; ++place) {
+      const auto site = static_cast<std::size_t>(bins->site(place));
+      ++times[site];
+      for (int d = 0; d < dimension; ++d) {
+        CHECK(bins->position(place)[d] == even.positions(d, static_cast<Index>(site)));
+      }
+    }
+    CHECK(std::all_of(times.begin(), times.end(), [](int n) { return n == 1; }));
+    CHECK_FALSE(bins_of(Sites(Layout::clusters, dimension, false, 1000)));
+    CHECK_FALSE(bins_of(Sites(Layout::one_place, dimension, false, 1000)));
+  }
+  CHECK_FALSE(bins_of(Sites(Layout::random, 1, false, 1000)));
+  CHECK_FALSE(bins_of(Sites(Layout::random, 4, false, 1000)));
 }
 
 TEST_SUITE_END();

@@ -1,0 +1,194 @@
+// The loops over points, against the same sums and comparisons one by one.
+#include "kernels/kernels.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "geometry/metric.h"
+#include "kernels/nearest.h"
+#include "random.h"
+#include "support/generate.h"
+
+using ccvt::Box;
+using ccvt::Domain;
+using ccvt::Index;
+using ccvt::Metric;
+using namespace ccvt::test;
+
+namespace {
+
+constexpr Index sizes[] = {1, 2, 3, 7, 8, 9, 15, 16, 17, 31, 64, 100, 257};
+
+/// A block: a stream for each dimension.
+template <class Scalar>
+std::vector<Scalar> make_block(const Box& box, Index count) {
+  const auto points = make_points<Scalar>(Layout::random, box, count, 11);
+  std::vector<Scalar> block;
+  for (int d = 0; d < box.dimension(); ++d) {
+    for (Index k = 0; k < count; ++k) block.push_back(points(d, k));
+  }
+  return block;
+}
+
+/// Eight interleaved partial sums, as promised: bits do not depend on the instruction set.
+double add_up(const std::vector<double>& terms) {
+  std::array<double, 8> sum{};
+  for (std::size_t k = 0; k < terms.size(); ++k) sum[k % 8] += terms[k];
+  return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("kernels");
+
+TEST_CASE_TEMPLATE("sums and spreads, bit for bit", Scalar, float, double) {
+  for (const int dimension : {1, 2, 3, 5}) {
+    const Box box = uneven_box(dimension);
+    const Metric torus(dimension, Domain::periodic(box));
+    for (const Index count : sizes) {
+      CAPTURE(dimension);
+      CAPTURE(count);
+      const auto block = make_block<Scalar>(box, count);
+      std::vector<double> centre(static_cast<std::size_t>(dimension));
+      for (std::size_t d = 0; d < centre.size(); ++d) {
+        centre[d] = box.lower[static_cast<Index>(d)] + 0.1 * torus.extent()[d];
+      }
+      for (const bool periodic : {false, true}) {
+        std::vector<double> squared(static_cast<std::size_t>(count), 0.0);
+        for (int d = 0; d < dimension; ++d) {
+          std::vector<double> terms;
+          const auto& origin = centre[static_cast<std::size_t>(d)];
+          const Scalar* stream = block.data() + d * count;
+          for (Index k = 0; k < count; ++k) {
+            const double difference = static_cast<double>(stream[k]) - origin;
+            terms.push_back(periodic ? torus.wrap(difference, d) : difference);
+            squared[static_cast<std::size_t>(k)] += terms.back() * terms.back();
+          }
+          CHECK(ccvt::kernels::sum_from(stream, count, origin,
+                                        periodic ? torus.extent()[d] : 0.0) == add_up(terms));
+        }
+        const auto spread = ccvt::kernels::spread_around(
+            block.data(), count, dimension, centre.data(), periodic ? torus.extent() : nullptr);
+        CHECK(spread.squared_radius == *std::max_element(squared.begin(), squared.end()));
+        CHECK(spread.energy == doctest::Approx(add_up(squared)).epsilon(1e-14));
+      }
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("keys and their extremes, also across faces", Scalar, float, double) {
+  const double epsilon = 20 * static_cast<double>(std::numeric_limits<Scalar>::epsilon());
+  for (const int dimension : {1, 2, 3, 4}) {
+    const Box box = uneven_box(dimension);
+    const Metric torus(dimension, Domain::periodic(box));
+    for (const Index count : sizes) {
+      CAPTURE(dimension);
+      CAPTURE(count);
+      const auto block = make_block<Scalar>(box, count);
+      // Near the lower face, the upper face, and in the middle.
+      for (const double where : {0.05, 0.5, 0.95}) {
+        for (const bool wrapped : {false, true}) {
+          std::vector<Scalar> origin;
+          std::vector<Scalar> turn;
+          std::vector<Scalar> extent;
+          std::vector<Scalar> normal;
+          std::vector<double> exact(static_cast<std::size_t>(count), 0.0);
+          double size = 0;
+          for (int d = 0; d < dimension; ++d) {
+            const double along = torus.extent()[d];
+            const double middle = box.lower[d] + where * along;
+            const Metric::Unrolled frame = torus.unrolled(middle, d);
+            origin.push_back(static_cast<Scalar>(wrapped ? frame.origin : middle));
+            turn.push_back(static_cast<Scalar>(frame.turn));
+            extent.push_back(static_cast<Scalar>(along));
+            normal.push_back(static_cast<Scalar>(d % 2 == 0 ? 0.75 : -0.5));
+            size += std::abs(middle) + 2 * along;
+            for (Index k = 0; k < count; ++k) {
+              const auto x = static_cast<double>(block[static_cast<std::size_t>(d * count + k)]);
+              const double difference = wrapped ? torus.wrap(x - middle, d) : x - middle;
+              // Half way around, either way is the shortest.
+              const bool tie = wrapped && std::abs(std::abs(difference) - along / 2) < 1e-6;
+              exact[static_cast<std::size_t>(k)] +=
+                  tie ? std::numeric_limits<double>::quiet_NaN()
+                      : difference * static_cast<double>(normal.back());
+            }
+          }
+          std::vector<Scalar> keys(static_cast<std::size_t>(count));
+          ccvt::kernels::Extremes<Scalar> extremes{};
+          const auto visit = [&](auto cut) {
+            ccvt::kernels::keys(block.data(), count, dimension, cut, keys.data());
+            extremes = ccvt::kernels::key_extremes(block.data(), count, dimension, cut);
+          };
+          if (wrapped) {
+            visit(ccvt::kernels::WrappedCut<Scalar>{origin.data(), normal.data(), turn.data(),
+                                                    extent.data()});
+          } else {
+            visit(ccvt::kernels::Cut<Scalar>{origin.data(), normal.data()});
+          }
+          for (std::size_t k = 0; k < keys.size(); ++k) {
+            if (std::isnan(exact[k])) continue;
+            CHECK(std::abs(static_cast<double>(keys[k]) - exact[k]) <= epsilon * size);
+          }
+          const auto [low, high] = std::minmax_element(keys.begin(), keys.end());
+          CHECK(std::abs(static_cast<double>(extremes.lowest - *low)) <= epsilon * size);
+          CHECK(std::abs(static_cast<double>(extremes.highest - *high)) <= epsilon * size);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("the nearest of positions, also on a torus, and for many points") {
+  for (const int dimension : {1, 2, 3, 7, 8, 9, 24, 50}) {
+    const Box box = uneven_box(dimension);
+    const Metric plain(dimension, Domain());
+    const Metric torus(dimension, Domain::periodic(box));
+    for (const Index count : {1, 2, 5, 40}) {
+      CAPTURE(dimension);
+      CAPTURE(count);
+      const auto positions = make_points<double>(Layout::duplicates, box, count, 3);
+      const auto queries = make_points<double>(Layout::random, box, 32, 4);
+      std::vector<double> streams(static_cast<std::size_t>(queries.size()));
+      for (Index q = 0; q < 32; ++q) {
+        for (int d = 0; d < dimension; ++d) {
+          streams[static_cast<std::size_t>(d * 32 + q)] = queries(d, q);
+        }
+      }
+      std::vector<std::int32_t> chosen(32, -1);
+      if (dimension == 2 || dimension == 3) {
+        ccvt::kernels::nearest_positions(streams.data(), 32, dimension, positions.data(), count,
+                                         chosen.data());
+      }
+      for (Index q = 0; q < 32; ++q) {
+        const double* query = queries.col(q).data();
+        for (const Metric* metric : {&plain, &torus}) {
+          Index nearest = 0;
+          for (Index k = 1; k < count; ++k) {
+            if (metric->squared_distance(query, positions.col(k).data()) <
+                metric->squared_distance(query, positions.col(nearest).data())) {
+              nearest = k;
+            }
+          }
+          const double best = metric->squared_distance(query, positions.col(nearest).data());
+          const Index found =
+              ccvt::kernels::nearest_position(query, positions.data(), count, dimension,
+                                              metric->periodic() ? metric->extent() : nullptr);
+          REQUIRE((found >= 0 && found < count));
+          CHECK(metric->squared_distance(query, positions.col(found).data()) ==
+                doctest::Approx(best).epsilon(1e-14));
+          if (metric == &plain && chosen[0] >= 0) {
+            CHECK(chosen[static_cast<std::size_t>(q)] == nearest);  // the first of several
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_SUITE_END();
