@@ -123,7 +123,8 @@ TEST_CASE_TEMPLATE("keys and their extremes, also across faces", Scalar, float, 
           ccvt::kernels::Extremes<Scalar> extremes{};
           const auto visit = [&](auto cut) {
             ccvt::kernels::keys(block.data(), count, dimension, cut, keys.data());
-            extremes = ccvt::kernels::key_extremes(block.data(), count, dimension, cut);
+            extremes = ccvt::kernels::key_extremes(block.data(), count, cut, block.data(), count,
+                                                   cut, dimension);
           };
           if (wrapped) {
             visit(ccvt::kernels::WrappedCut<Scalar>{origin.data(), normal.data(), turn.data(),
@@ -136,8 +137,8 @@ TEST_CASE_TEMPLATE("keys and their extremes, also across faces", Scalar, float, 
             CHECK(std::abs(static_cast<double>(keys[k]) - exact[k]) <= epsilon * size);
           }
           const auto [low, high] = std::minmax_element(keys.begin(), keys.end());
-          CHECK(std::abs(static_cast<double>(extremes.lowest - *low)) <= epsilon * size);
-          CHECK(std::abs(static_cast<double>(extremes.highest - *high)) <= epsilon * size);
+          CHECK(std::abs(static_cast<double>(extremes.lowest_j - *low)) <= epsilon * size);
+          CHECK(std::abs(static_cast<double>(extremes.highest_i - *high)) <= epsilon * size);
         }
       }
     }

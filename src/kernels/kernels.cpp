@@ -81,44 +81,34 @@ HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int di
   return hn::Mul(key, hn::Set(tag, Scalar{0.5}));
 }
 
-/// The last full vector may overlap the one before it: extremes do not mind.
-template <class Scalar, class AnyCut>
-HWY_INLINE Extremes<Scalar> extremes_of(const Scalar* block, Index count, int dimension,
-                                        AnyCut cut) {
+/// The highest key of a block, or the lowest. The last full vector may overlap the one before it:
+/// extremes do not mind.
+template <bool Highest, class Scalar, class AnyCut>
+HWY_INLINE Scalar extreme_of(const Scalar* block, Index count, int dimension, AnyCut cut) {
   const hn::ScalableTag<Scalar> wide;
   const auto lanes = static_cast<Index>(hn::Lanes(wide));
+  const auto beyond = [](auto a, auto b)
+                          HWY_ATTR { return Highest ? hn::Max(a, b) : hn::Min(a, b); };
   if (count < lanes) {
     const hn::CappedTag<Scalar, 1> one;
-    Extremes<Scalar> result{std::numeric_limits<Scalar>::infinity(),
-                            -std::numeric_limits<Scalar>::infinity()};
-    for (Index k = 0; k < count; ++k) {
-      const Scalar key = hn::GetLane(key_at(one, block, count, dimension, cut, k, Fused()));
-      result.lowest = std::min(result.lowest, key);
-      result.highest = std::max(result.highest, key);
+    auto extreme = key_at(one, block, count, dimension, cut, 0, Fused());
+    for (Index k = 1; k < count; ++k) {
+      extreme = beyond(extreme, key_at(one, block, count, dimension, cut, k, Fused()));
     }
-    return result;
+    return hn::GetLane(extreme);
   }
-  const auto tail = key_at(wide, block, count, dimension, cut, count - lanes, Fused());
-  auto low0 = tail;
-  auto high0 = tail;
-  auto low1 = tail;
-  auto high1 = tail;
+  auto extreme0 = key_at(wide, block, count, dimension, cut, count - lanes, Fused());
+  auto extreme1 = extreme0;
   Index k = 0;
   for (; k + 2 * lanes <= count; k += 2 * lanes) {
-    const auto key0 = key_at(wide, block, count, dimension, cut, k, Fused());
-    const auto key1 = key_at(wide, block, count, dimension, cut, k + lanes, Fused());
-    low0 = hn::Min(low0, key0);
-    high0 = hn::Max(high0, key0);
-    low1 = hn::Min(low1, key1);
-    high1 = hn::Max(high1, key1);
+    extreme0 = beyond(extreme0, key_at(wide, block, count, dimension, cut, k, Fused()));
+    extreme1 = beyond(extreme1, key_at(wide, block, count, dimension, cut, k + lanes, Fused()));
   }
   if (k + lanes <= count) {
-    const auto key = key_at(wide, block, count, dimension, cut, k, Fused());
-    low0 = hn::Min(low0, key);
-    high0 = hn::Max(high0, key);
+    extreme0 = beyond(extreme0, key_at(wide, block, count, dimension, cut, k, Fused()));
   }
-  return {hn::GetLane(hn::MinOfLanes(wide, hn::Min(low0, low1))),
-          hn::GetLane(hn::MaxOfLanes(wide, hn::Max(high0, high1)))};
+  const auto extreme = beyond(extreme0, extreme1);
+  return hn::GetLane(Highest ? hn::MaxOfLanes(wide, extreme) : hn::MinOfLanes(wide, extreme));
 }
 
 template <class Scalar, class AnyCut>
@@ -143,10 +133,13 @@ HWY_INLINE auto with_dimension(int dimension, Function function) {
 }
 
 template <class Scalar, class AnyCut>
-HWY_INLINE Extremes<Scalar> any_extremes(const Scalar* block, Index count, int dimension,
-                                         AnyCut cut) {
-  return with_dimension(dimension,
-                        [=](auto d) HWY_ATTR { return extremes_of(block, count, d, cut); });
+HWY_INLINE Extremes<Scalar> any_extremes(const Scalar* block_i, Index count_i, AnyCut cut_i,
+                                         const Scalar* block_j, Index count_j, AnyCut cut_j,
+                                         int dimension) {
+  return with_dimension(dimension, [=](auto d) HWY_ATTR {
+    return Extremes<Scalar>{extreme_of<true>(block_i, count_i, d, cut_i),
+                            extreme_of<false>(block_j, count_j, d, cut_j)};
+  });
 }
 
 template <class Scalar, class AnyCut>
@@ -295,12 +288,14 @@ HWY_INLINE Spread block_spread(const Scalar* block, Index count, Dimension dimen
   return result;
 }
 
-#define CCVT_FOR_CUT(Scalar, Name, AnyCut)                                                        \
-  Extremes<Scalar> Name##_extremes(const Scalar* block, Index count, int dimension, AnyCut cut) { \
-    return any_extremes(block, count, dimension, cut);                                            \
-  }                                                                                               \
-  void Name##_keys(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out) {    \
-    any_keys(block, count, dimension, cut, out);                                                  \
+#define CCVT_FOR_CUT(Scalar, Name, AnyCut)                                                     \
+  Extremes<Scalar> Name##_extremes(const Scalar* block_i, Index count_i, AnyCut cut_i,         \
+                                   const Scalar* block_j, Index count_j, AnyCut cut_j,         \
+                                   int dimension) {                                            \
+    return any_extremes(block_i, count_i, cut_i, block_j, count_j, cut_j, dimension);          \
+  }                                                                                            \
+  void Name##_keys(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out) { \
+    any_keys(block, count, dimension, cut, out);                                               \
   }
 
 #define CCVT_FOR_SCALAR(Scalar, Name)                                                         \
@@ -337,16 +332,19 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ccvt::kernels {
 
-#define CCVT_DISPATCH_CUT(Scalar, Name, AnyCut)                                                \
-  HWY_EXPORT(Name##_extremes);                                                                 \
-  HWY_EXPORT(Name##_keys);                                                                     \
-  template <>                                                                                  \
-  Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension, AnyCut cut) { \
-    return HWY_DYNAMIC_DISPATCH(Name##_extremes)(block, count, dimension, cut);                \
-  }                                                                                            \
-  template <>                                                                                  \
-  void keys(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out) {        \
-    HWY_DYNAMIC_DISPATCH(Name##_keys)(block, count, dimension, cut, out);                      \
+#define CCVT_DISPATCH_CUT(Scalar, Name, AnyCut)                                                    \
+  HWY_EXPORT(Name##_extremes);                                                                     \
+  HWY_EXPORT(Name##_keys);                                                                         \
+  template <>                                                                                      \
+  Extremes<Scalar> key_extremes(const Scalar* block_i, Index count_i, AnyCut cut_i,                \
+                                const Scalar* block_j, Index count_j, AnyCut cut_j,                \
+                                int dimension) {                                                   \
+    return HWY_DYNAMIC_DISPATCH(Name##_extremes)(block_i, count_i, cut_i, block_j, count_j, cut_j, \
+                                                 dimension);                                       \
+  }                                                                                                \
+  template <>                                                                                      \
+  void keys(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out) {            \
+    HWY_DYNAMIC_DISPATCH(Name##_keys)(block, count, dimension, cut, out);                          \
   }
 
 #define CCVT_DISPATCH(Scalar, Name)                                                           \

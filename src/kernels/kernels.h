@@ -39,13 +39,15 @@ struct TorusCut {
 
 template <class Scalar>
 struct Extremes {
-  Scalar lowest;
-  Scalar highest;
+  Scalar highest_i;
+  Scalar lowest_j;
 };
 
-/// The extreme keys of a block of `count` >= 1 points. AnyCut is one of the three.
+/// The highest key of a block of `count_i` >= 1 points and the lowest of one of `count_j` >= 1.
+/// AnyCut is one of the three.
 template <class Scalar, class AnyCut>
-Extremes<Scalar> key_extremes(const Scalar* block, Index count, int dimension, AnyCut cut);
+Extremes<Scalar> key_extremes(const Scalar* block_i, Index count_i, AnyCut cut_i,
+                              const Scalar* block_j, Index count_j, AnyCut cut_j, int dimension);
 
 /// The keys of a block of points.
 template <class Scalar, class AnyCut>

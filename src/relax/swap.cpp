@@ -170,42 +170,38 @@ void PairSwapper<Scalar>::exact_keys(const Scalar* block, Index count,
   }
 }
 
-/// Calls `visit` with the cut as the kernels see it from one cell.
+/// Calls `visit` with the cut as the kernels see it from cell i and from cell j.
 template <class Scalar>
 template <class Visit>
-auto PairSwapper<Scalar>::with_cut(const std::vector<Scalar>& middle, Visit visit) const {
+auto PairSwapper<Scalar>::with_cuts(Visit visit) const {
   switch (frame_) {
     case Frame::plain:
       break;
-    case Frame::wrapped:
-      return visit(kernels::WrappedCut<Scalar>{scalar_middle_i_.data(), scalar_normal_.data(),
-                                               turn_.data(), extent_.data()});
-    case Frame::none:
-      return visit(kernels::TorusCut<Scalar>{scalar_middle_i_.data(), scalar_middle_j_.data(),
-                                             extent_.data(), inverse_extent_.data()});
+    case Frame::wrapped: {
+      const kernels::WrappedCut<Scalar> cut{scalar_middle_i_.data(), scalar_normal_.data(),
+                                            turn_.data(), extent_.data()};
+      return visit(cut, cut);
+    }
+    case Frame::none: {
+      const kernels::TorusCut<Scalar> cut{scalar_middle_i_.data(), scalar_middle_j_.data(),
+                                          extent_.data(), inverse_extent_.data()};
+      return visit(cut, cut);
+    }
   }
-  return visit(kernels::Cut<Scalar>{middle.data(), scalar_normal_.data()});
-}
-
-template <class Scalar>
-void PairSwapper<Scalar>::compute_keys(const Scalar* block, Index count,
-                                       const std::vector<Scalar>& middle,
-                                       std::vector<Scalar>& keys) const {
-  keys.resize(static_cast<std::size_t>(count));
-  with_cut(middle,
-           [&](auto cut) { kernels::keys(block, count, metric_.dimension(), cut, keys.data()); });
+  return visit(kernels::Cut<Scalar>{scalar_middle_i_.data(), scalar_normal_.data()},
+               kernels::Cut<Scalar>{scalar_middle_j_.data(), scalar_normal_.data()});
 }
 
 /// Median-cut pruning [5.2]: no key of cell i is above any key of cell j.
 template <class Scalar>
 bool PairSwapper<Scalar>::already_separated(const Cells<Scalar>& cells, Index i, Index j) {
-  const auto extremes = [&](Index cell, const std::vector<Scalar>& middle) {
-    return with_cut(middle, [&](auto cut) {
-      return kernels::key_extremes(cells.block(cell), cells.size(cell), metric_.dimension(), cut);
-    });
+  const auto extremes = [&](const auto& cut_i, const auto& cut_j) {
+    return kernels::key_extremes(cells.block(i), cells.size(i), cut_i, cells.block(j),
+                                 cells.size(j), cut_j, metric_.dimension());
   };
-  highest_i_ = static_cast<double>(extremes(i, scalar_middle_i_).highest) + tolerance_;
-  lowest_j_ = static_cast<double>(extremes(j, scalar_middle_j_).lowest) - tolerance_;
+  const auto [highest, lowest] = with_cuts(extremes);
+  highest_i_ = static_cast<double>(highest) + tolerance_;
+  lowest_j_ = static_cast<double>(lowest) - tolerance_;
   return highest_i_ <= lowest_j_;
 }
 
@@ -260,22 +256,26 @@ void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const Site
       within_reach(cells, sites, j, i, places_j_);
       break;
     case PointPruning::extremes: {
-      const auto beyond = [&](Index cell, const std::vector<Scalar>& middle,
-                              std::vector<Index>& places, auto select) {
-        const Index count = cells.size(cell);
-        compute_keys(cells.block(cell), count, middle, keys_);
-        places.resize(static_cast<std::size_t>(count));
-        places.resize(static_cast<std::size_t>(select(keys_.data(), count, places.data())));
+      const auto beyond = [&](Index cell, const auto& cut, std::vector<Index>& places,
+                              auto select) {
+        const auto count = static_cast<std::size_t>(cells.size(cell));
+        keys_.resize(count);
+        places.resize(count);
+        kernels::keys(cells.block(cell), cells.size(cell), metric_.dimension(), cut, keys_.data());
+        places.resize(
+            static_cast<std::size_t>(select(keys_.data(), cells.size(cell), places.data())));
       };
       // Thresholds are rounded outwards, away from the points that can move.
       const auto infinity = std::numeric_limits<Scalar>::infinity();
       const auto floor = std::nextafter(static_cast<Scalar>(lowest_j_ - tolerance_), -infinity);
       const auto ceiling = std::nextafter(static_cast<Scalar>(highest_i_ + tolerance_), infinity);
-      beyond(i, scalar_middle_i_, places_i_, [&](const Scalar* k, Index n, Index* p) {
-        return kernels::places_above(k, n, floor, p);
-      });
-      beyond(j, scalar_middle_j_, places_j_, [&](const Scalar* k, Index n, Index* p) {
-        return kernels::places_below(k, n, ceiling, p);
+      with_cuts([&](const auto& cut_i, const auto& cut_j) {
+        beyond(i, cut_i, places_i_, [&](const Scalar* k, Index n, Index* p) {
+          return kernels::places_above(k, n, floor, p);
+        });
+        beyond(j, cut_j, places_j_, [&](const Scalar* k, Index n, Index* p) {
+          return kernels::places_below(k, n, ceiling, p);
+        });
       });
       break;
     }

@@ -72,9 +72,7 @@ class PairSwapper {
                     std::vector<Index>& places);
   void exchange(Cells<Scalar>& cells, SiteState& sites, Index i, Index j);
   template <class Visit>
-  auto with_cut(const std::vector<Scalar>& middle, Visit visit) const;
-  void compute_keys(const Scalar* block, Index count, const std::vector<Scalar>& middle,
-                    std::vector<Scalar>& keys) const;
+  auto with_cuts(Visit visit) const;
 
   const Metric& metric_;
   SwapMethod method_;

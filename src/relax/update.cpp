@@ -8,24 +8,33 @@
 namespace ccvt {
 namespace {
 
+struct Range {
+  double low;
+  double high;
+};
+
+template <class Scalar, class AnyCut>
+Range range_of_keys(const Scalar* stream, Index count, AnyCut cut) {
+  const auto [high, low] = kernels::key_extremes(stream, count, cut, stream, count, cut, 1);
+  return {static_cast<double>(low), static_cast<double>(high)};
+}
+
 template <class Scalar>
-kernels::Extremes<Scalar> range(const Scalar* stream, Index count) {
+Range range(const Scalar* stream, Index count) {
   const Scalar zero = 0;
   const Scalar one = 1;
-  return kernels::key_extremes(stream, count, 1, kernels::Cut<Scalar>{&zero, &one});
+  return range_of_keys(stream, count, kernels::Cut<Scalar>{&zero, &one});
 }
 
 /// The range of the shortest differences on a torus to the stream's first coordinate.
 template <class Scalar>
-kernels::Extremes<Scalar> wrapped_range(const Metric& metric, const Scalar* stream, Index count,
-                                        int d) {
+Range wrapped_range(const Metric& metric, const Scalar* stream, Index count, int d) {
   const Metric::Unrolled frame = metric.unrolled(static_cast<double>(*stream), d);
   const auto origin = static_cast<Scalar>(frame.origin);
   const auto turn = static_cast<Scalar>(frame.turn);
   const auto extent = static_cast<Scalar>(metric.extent()[d]);
   const Scalar one = 1;
-  return kernels::key_extremes(stream, count, 1,
-                               kernels::WrappedCut<Scalar>{&origin, &one, &turn, &extent});
+  return range_of_keys(stream, count, kernels::WrappedCut<Scalar>{&origin, &one, &turn, &extent});
 }
 
 /// Whether no point of the cell is nearer to another image of `site`.
@@ -37,8 +46,7 @@ bool is_compact(const Metric& metric, const Cells<Scalar>& cells, const double* 
   for (int d = 0; d < metric.dimension(); ++d, stream += count) {
     const auto [low, high] = range(stream, count);
     const double half = metric.extent()[d] / 2;
-    if (static_cast<double>(high) - position[d] > half) return false;
-    if (position[d] - static_cast<double>(low) > half) return false;
+    if (high - position[d] > half || position[d] - low > half) return false;
   }
   return true;
 }
@@ -71,9 +79,7 @@ Size size_on_torus(const Metric& metric, const Cells<Scalar>& cells, const SiteS
   Size size = Size::small;
   for (int d = 0; d < metric.dimension(); ++d, stream += count) {
     const double extent = metric.extent()[d];
-    const auto is_narrow = [extent](const kernels::Extremes<Scalar>& r) {
-      return static_cast<double>(r.highest) - static_cast<double>(r.lowest) < extent * 0.49;
-    };
+    const auto is_narrow = [extent](const Range& r) { return r.high - r.low < extent * 0.49; };
     if (is_narrow(range(stream, count))) continue;
     size = Size::small_across_faces;
     if (!is_narrow(wrapped_range(metric, stream, count, d))) return Size::large;
