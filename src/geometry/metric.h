@@ -77,15 +77,23 @@ class Metric {
 
   template <class A, class B>
   [[nodiscard]] double squared_distance(const A* a, const B* b) const {
+    if (dimension_ == 2) return squared_distance_in<2>(a, b);
+    if (dimension_ == 3) return squared_distance_in<3>(a, b);
+    return squared_distance_in<0>(a, b);
+  }
+
+ private:
+  /// `Dimension`: 0 for any. Where it is known, the loop is unrolled.
+  template <int Dimension, class A, class B>
+  [[nodiscard]] double squared_distance_in(const A* a, const B* b) const {
     double sum = 0;
-    for (int d = 0; d < dimension_; ++d) {
+    for (int d = 0; d < (Dimension > 0 ? Dimension : dimension_); ++d) {
       const double difference = wrap(static_cast<double>(a[d]) - static_cast<double>(b[d]), d);
       sum += difference * difference;
     }
     return sum;
   }
 
- private:
   int dimension_ = 0;
   std::vector<double> lower_;
   std::vector<double> extent_;

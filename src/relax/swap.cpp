@@ -64,57 +64,78 @@ bool PairSwapper<Scalar>::crosses_faces(double at_i, double at_j, double radius,
 /// both cells in one frame: no point of either cell may be nearer to another image of a site.
 template <class Scalar>
 void PairSwapper<Scalar>::place_cut(const SiteState& sites, Index i, Index j) {
-  site_i_ = sites.at(i);
-  site_j_ = sites.at(j);
+  if (metric_.dimension() == 2) return place_cut_in<2>(sites, i, j);
+  if (metric_.dimension() == 3) return place_cut_in<3>(sites, i, j);
+  place_cut_in<0>(sites, i, j);
+}
+
+/// `Dimension`: 0 for any. Where it is known, loops are unrolled.
+template <class Scalar>
+template <std::size_t Dimension>
+void PairSwapper<Scalar>::place_cut_in(const SiteState& sites, Index i, Index j) {
+  const std::size_t dimension = Dimension > 0 ? Dimension : normal_.size();
+  const double* const at_i = sites.at(i);
+  const double* const at_j = sites.at(j);
   const auto a = static_cast<std::size_t>(i);
   const auto b = static_cast<std::size_t>(j);
   const double radius = std::max(sites.radius[a], sites.radius[b]);
   const bool compact = !metric_.periodic() || (sites.compact[a] != 0 && sites.compact[b] != 0);
-  frame_ = Frame::plain;
-  shifted_ = false;
+  const double largest = compact ? kLargestFrame : largest_wrapped_;
+  double* const normal = normal_.data();
+  double* const middle_i = middle_i_.data();
+  double* const middle_j = middle_j_.data();
+  bool crosses = false;
+  bool too_large = false;
+  bool shifted = false;
   double squared_length = 0;
-  for (std::size_t d = 0; d < normal_.size(); ++d) {
-    const double raw = site_j_[d] - site_i_[d];
+  for (std::size_t d = 0; d < dimension; ++d) {
+    const double raw = at_j[d] - at_i[d];
     const double u = metric_.wrap(raw, static_cast<int>(d));
-    normal_[d] = u;
+    normal[d] = u;
     squared_length += u * u;
-    middle_i_[d] = site_i_[d] + u / 2;
-    middle_j_[d] = u == raw ? middle_i_[d] : site_j_[d] - u / 2;
-    shifted_ = shifted_ || u != raw;
-    if (!compact) {
-      const bool crosses = crosses_faces(site_i_[d], site_j_[d], radius, static_cast<int>(d));
-      if (crosses && frame_ == Frame::plain) frame_ = Frame::wrapped;
-      shifted_ = shifted_ || crosses;
-    }
-    const double largest = compact ? kLargestFrame : largest_wrapped_;
-    if (metric_.periodic() && std::abs(u) + radius > largest * metric_.extent()[d]) {
-      frame_ = Frame::none;
-    }
+    middle_i[d] = at_i[d] + u / 2;
+    middle_j[d] = u == raw ? middle_i[d] : at_j[d] - u / 2;
+    shifted = shifted || u != raw;
+    if (!metric_.periodic()) continue;
+    crosses = crosses || (!compact && crosses_faces(at_i[d], at_j[d], radius, static_cast<int>(d)));
+    too_large = too_large || std::abs(u) + radius > largest * metric_.extent()[d];
   }
+  site_i_ = at_i;
+  site_j_ = at_j;
+  shifted_ = shifted || crosses;
+  frame_ = too_large ? Frame::none : crosses ? Frame::wrapped : Frame::plain;
   length_ = std::sqrt(squared_length);
-  const auto terms = static_cast<double>(normal_.size() + 4);
+  const auto terms = static_cast<double>(dimension + 4);
   // Across faces a difference to the cut is rounded as coordinates are, and the normal as extents
   // are; else both cells see the same cut, and the rounding of its place does not matter.
   const double placement = metric_.largest_extent() + coordinate_bound_;
   const double reach = length_ + radius;
   double size = length_ * reach;
-  if (frame_ == Frame::none) size = reach * (reach + placement);
-  if (frame_ != Frame::none && shifted_) {
+  if (frame_ == Frame::none) {
+    size = reach * (reach + placement);
+  } else if (shifted_) {
     size += length_ * placement + reach * metric_.largest_extent();
   }
   rounding_ = 4 * terms * kHalfUlp * size;
   tolerance_ = 2 * terms * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) * size +
                terms * static_cast<double>(std::numeric_limits<Scalar>::min());
-  for (std::size_t d = 0; d < normal_.size(); ++d) {
-    scalar_normal_[d] = static_cast<Scalar>(normal_[d]);
+  Scalar* const scalar_normal = scalar_normal_.data();
+  Scalar* const scalar_i = scalar_middle_i_.data();
+  Scalar* const scalar_j = scalar_middle_j_.data();
+  for (std::size_t d = 0; d < dimension; ++d) {
+    scalar_normal[d] = static_cast<Scalar>(normal[d]);
+    scalar_i[d] = static_cast<Scalar>(middle_i[d]);
+    scalar_j[d] = static_cast<Scalar>(middle_j[d]);
+  }
+  if (frame_ == Frame::plain) return;
+  for (std::size_t d = 0; d < dimension; ++d) {
     if (frame_ == Frame::wrapped) {
-      const Metric::Unrolled frame = metric_.unrolled(middle_i_[d], static_cast<int>(d));
-      scalar_middle_i_[d] = static_cast<Scalar>(frame.origin);
+      const Metric::Unrolled frame = metric_.unrolled(middle_i[d], static_cast<int>(d));
+      scalar_i[d] = static_cast<Scalar>(frame.origin);
       turn_[d] = static_cast<Scalar>(frame.turn);
     } else {
-      const bool plane = frame_ == Frame::plain;
-      scalar_middle_i_[d] = static_cast<Scalar>(plane ? middle_i_[d] : site_i_[d]);
-      scalar_middle_j_[d] = static_cast<Scalar>(plane ? middle_j_[d] : site_j_[d]);
+      scalar_i[d] = static_cast<Scalar>(at_i[d]);
+      scalar_j[d] = static_cast<Scalar>(at_j[d]);
     }
   }
 }
