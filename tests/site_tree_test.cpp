@@ -272,7 +272,43 @@ void check_search(const Sites& sites, const SiteSearch& search, const double* qu
     const Real limit = static_cast<Real>(radius) * radius;
     const int found = times[static_cast<std::size_t>(s)];
     CHECK(found <= 1);
+    if (squared == 0) CHECK(found == 1);
     if (!equal_distances(squared, limit)) CHECK((found == 1) == (squared < limit));
+  }
+}
+
+TEST_CASE("a clump of sites much smaller than a bin") {
+  for (const int dimension : {2, 3}) {
+    for (const double width : {1e-6, 1e-9, 1e-12}) {
+      CAPTURE(dimension);
+      CAPTURE(width);
+      const Box box = Box::unit(dimension);
+      const Metric metric(dimension, Domain());
+      constexpr Index kClump = 60;
+      const auto even = make_points<double>(Layout::random, box, 1000, 3);
+      const auto small = make_points<double>(Layout::random, box, kClump, 4);
+      SiteState state(dimension, 1000 + kClump);
+      Points<double> points(dimension, 2000);
+      const auto near = make_points<double>(Layout::random, box, 2000, 5);
+      for (int d = 0; d < dimension; ++d) {
+        for (Index s = 0; s < 1000; ++s) state.at(s)[d] = even(d, s);
+        for (Index s = 0; s < kClump; ++s) state.at(1000 + s)[d] = 0.3 + width * small(d, s);
+        for (Index p = 0; p < 2000; ++p) points(d, p) = 0.3 + width * (2 * near(d, p) - 0.5);
+      }
+      std::vector<Index> which(2000);
+      std::iota(which.begin(), which.end(), 0);
+      const NearestSites<double> nearest(metric, state, box);
+      NearestSites<double>::Found found;
+      nearest(ccvt::view_points(points), which, Arena(1), found);
+      for (std::size_t k = 0; k < which.size(); ++k) {
+        const double* x = points.col(found.point[k]).data();
+        double best = std::numeric_limits<double>::infinity();
+        for (Index s = 0; s < state.count(); ++s) {
+          best = std::min(best, metric.squared_distance(x, state.at(s)));
+        }
+        REQUIRE(metric.squared_distance(x, state.at(found.site[k])) == best);
+      }
+    }
   }
 }
 

@@ -247,4 +247,22 @@ TEST_CASE("spheres meet when their radii reach, across the border of a torus too
   CHECK_FALSE(PairSwapper<float>::spheres_meet(Metric(2, torus), sites, 0, 1));
 }
 
+TEST_CASE("a cell that ends at a face of the torus, far from the origin") {
+  for (const double offset : {0.0, 1e7, 3e7, 1e8, 1e12}) {
+    CAPTURE(offset);
+    Box box = Box::unit(1);
+    box.lower.array() += offset;
+    box.upper.array() += offset;
+    const Domain domain = Domain::periodic(box);
+    const Metric metric(1, domain);
+    ccvt::Points<double> points(1, 6);
+    points << 0, 0.75, 0.875, 0.5, 0.625, 0.75;
+    points.array() += offset;
+    PairOfCells<double> pair(metric, points, 3);
+    PairSwapper<double> swap(metric, Options{}, offset + 1);
+    CHECK(swap(pair.cells, pair.sites, 0, 1) == 0);
+    CHECK(pair_faults(domain, pair) == "");
+  }
+}
+
 TEST_SUITE_END();

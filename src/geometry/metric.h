@@ -42,6 +42,15 @@ class Metric {
                       : difference;
   }
 
+  /// Whether, along dimension d, what is no farther than `radius` from a coordinate in the box may
+  /// lie beyond its faces; also when it nearly does, as rounding must not decide.
+  [[nodiscard]] bool reaches_face(double x, double radius, int d) const {
+    const auto k = static_cast<std::size_t>(d);
+    const double from_lower = x - lower_[k];
+    const double room = radius + 1e-9 * extent_[k];
+    return from_lower < room || extent_[k] - from_lower < room;
+  }
+
   /// How to take shortest differences to `middle` without wrapping them: x - middle, wrapped, is
   /// x - origin, and one extent more where x < turn; for x in the box, and half an extent or less
   /// between it and `middle`.

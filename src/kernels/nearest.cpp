@@ -34,8 +34,7 @@ struct Around {
   }
 };
 
-/// A position is left as soon as the dimensions seen so far put it beyond the best. Sums are made
-/// of eight interleaved parts whatever the vector width, so that bits do not depend on it.
+/// A position is left as soon as the dimensions seen so far put it beyond the best.
 template <class Size>
 HWY_INLINE double squared_distance_up_to(const double* a, const double* b, int dimension,
                                          double limit, Size size) {

@@ -60,8 +60,10 @@ class Mover {
         arrivals.push_back(waiting[w]);
         waiting[w] = waiting.back();
         waiting.pop_back();
-        std::copy_n(waiting_.end() - static_cast<std::ptrdiff_t>(normal_.size()), normal_.size(),
-                    &waiting_[w * normal_.size()]);
+        if (w < waiting.size()) {
+          std::copy_n(waiting_.end() - static_cast<std::ptrdiff_t>(normal_.size()), normal_.size(),
+                      &waiting_[w * normal_.size()]);
+        }
         waiting_.resize(waiting_.size() - normal_.size());
       } else {
         arrivals.push_back(filling_.take(from, choice.place));

@@ -12,7 +12,7 @@ namespace ccvt {
 /// Moves points between neighbouring sites until every cell is exactly full.
 ///
 /// The surplus e of the sites flows down a potential: L phi = e on the graph of neighbours, solved
-/// by conjugate gradients; the flow on an edge is phi_i - phi_j, rounded. Sites pass points on when
+/// by potential(); the flow on an edge is phi_i - phi_j, rounded. Sites pass points on when
 /// all that flow to them have arrived, on each edge those that want it most by the swap key. What
 /// rounding leaves over is moved along a spanning tree, which makes capacities exact.
 ///

@@ -12,6 +12,8 @@ constexpr double kSkin = 0.2;
 constexpr Index kMovedShare = 8;
 /// Of the sites: so many are searched apart when a sphere is entered anew.
 constexpr Index kFarShare = 32;
+/// Of the sites: so many may be looked at while spheres are entered anew.
+constexpr std::size_t kMostNear = 16;
 /// Rounding in distances must not lose a pair.
 constexpr double kRounding = 1 + 1e-12;
 
@@ -68,8 +70,7 @@ MeetingPairs::Refreshed MeetingPairs::refresh(const Metric& metric, const SiteSt
     const std::vector<Index> left = outgrown(metric, sites);
     if (left.empty()) return Refreshed::unchanged;
     const auto moved = static_cast<Index>(moved_.size() + left.size());
-    if (moved <= sites.count() / kMovedShare) {
-      extend(metric, sites, left);
+    if (moved <= sites.count() / kMovedShare && extend(metric, sites, left)) {
       return Refreshed::extended;
     }
   }
@@ -132,8 +133,9 @@ bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Are
   return true;
 }
 
-/// Enters the spheres that have left theirs, and adds the pairs that may now meet.
-void MeetingPairs::extend(const Metric& metric, const SiteState& sites,
+/// Enters the spheres that have left theirs, and adds the pairs that may now meet. False when that
+/// takes longer than to make the list again: small spheres among many, sought as far as most reach.
+bool MeetingPairs::extend(const Metric& metric, const SiteState& sites,
                           const std::vector<Index>& left) {
   for (const Index site : left) {
     enter(sites, site);
@@ -145,9 +147,12 @@ void MeetingPairs::extend(const Metric& metric, const SiteState& sites,
   const Group moved = group(metric, moved_);
   std::vector<Index> scratch;
   std::vector<Pair> fresh;
+  std::size_t near = 0;
   for (const Index site : left) {
+    if (near > kMostNear * reach_.size()) return false;
     const double reach = reach_[static_cast<std::size_t>(site)];
     const auto add = [&](Index other, double squared) {
+      ++near;
       if (other == site || !may_meet(site, other, squared)) return;
       const Pair pair(std::min(site, other), std::max(site, other));
       if (!std::binary_search(pairs_.begin(), pairs_.end(), pair)) fresh.push_back(pair);
@@ -166,6 +171,7 @@ void MeetingPairs::extend(const Metric& metric, const SiteState& sites,
   added_.insert(added_.end(), fresh.begin(), fresh.end());
   std::sort(added_.begin(), added_.end());
   added_.erase(std::unique(added_.begin(), added_.end()), added_.end());
+  return true;
 }
 
 }  // namespace ccvt

@@ -46,7 +46,7 @@ class MeetingPairs {
   void enter(const SiteState& sites, Index site);
   [[nodiscard]] bool may_meet(Index a, Index b, double squared) const;
   bool build(const Metric& metric, const SiteState& sites, const Arena& arena, std::size_t limit);
-  void extend(const Metric& metric, const SiteState& sites, const std::vector<Index>& left);
+  bool extend(const Metric& metric, const SiteState& sites, const std::vector<Index>& left);
   [[nodiscard]] const double* at(Index site) const {
     return position_.data() + static_cast<std::ptrdiff_t>(site) * dimension_;
   }

@@ -15,6 +15,8 @@ constexpr std::size_t kMostAround = 512;
 /// Of a bin's width: how far from its centre sites are looked for first.
 constexpr double kFirstReach = 2.2;
 constexpr int kTries = 3;
+/// Of squared distances in and around a bin: rounding must not drop a site.
+constexpr double kRounding = 1e-12;
 /// With fewer points a cell, the sites that can be nearest in a bin are not told apart by cells.
 constexpr std::size_t kPointsPerCell = 24;
 /// Points that are on their way from memory while others are placed.
@@ -46,9 +48,12 @@ struct NearestSites<Scalar>::Worker {
 template <class Scalar>
 NearestSites<Scalar>::NearestSites(const Metric& metric, const SiteState& sites, const Box& box)
     : metric_(metric),
+      sites_(sites),
       dimension_(static_cast<std::size_t>(metric.dimension())),
-      tree_(metric, sites.position),
       bins_(SiteBins::sort(metric, sites.position, box.lower.data(), box.upper.data())) {
+  // Cells have 32-bit numbers.
+  constexpr std::size_t kMostCells = std::numeric_limits<std::uint32_t>::max();
+  if (bins_ && bins_->bin_count() > (kMostCells >> dimension_)) bins_.reset();
   if (!bins_) return;
   for (std::size_t d = 0; d < dimension_; ++d) {
     extent_[d] = metric.periodic() ? metric.extent()[d] : std::numeric_limits<double>::infinity();
@@ -57,6 +62,12 @@ NearestSites<Scalar>::NearestSites(const Metric& metric, const SiteState& sites,
     last_[d] = static_cast<double>(2 * bins_->bins(d) - 1);
     half_[d] = bins_->width(d) / 2 + bins_->rounding();
   }
+}
+
+template <class Scalar>
+const SiteTree& NearestSites<Scalar>::tree() const {
+  std::call_once(tree_built_, [&] { tree_.emplace(metric_, sites_.position); });
+  return *tree_;
 }
 
 template <class Scalar>
@@ -212,7 +223,9 @@ void NearestSites<Scalar>::keep_candidates(const Around& around, const Vector& c
       squared.begin());
   Vector central{};
   for (std::size_t d = 0; d < Dimension; ++d) central[d] = around.offset[d][c];
-  const double least = squared[c];
+  double room = squared[c];
+  for (std::size_t d = 0; d < Dimension; ++d) room += 4 * half_[d] * half_[d];
+  const double most = squared[c] + kRounding * room;
   for (std::size_t k = 0; k < around.count; ++k) {
     for (std::size_t d = 0; d < Dimension; ++d) {
       squared[k] -= 2 * halves * half_[d] * std::abs(around.offset[d][k] - central[d]);
@@ -224,7 +237,7 @@ void NearestSites<Scalar>::keep_candidates(const Around& around, const Vector& c
       candidates.offset[d][count] = around.offset[d][k];
     }
     candidates.site[count] = around.site[k];
-    count += squared[k] <= least ? 1 : 0;
+    count += squared[k] <= most ? 1 : 0;
   }
   candidates.count = count;
 }
@@ -255,7 +268,10 @@ void NearestSites<Scalar>::find_among(const PointsView<Scalar>& points, const Ar
     double* stream = &worker.coordinates[d * stride];
     std::fill(stream + (end - begin), stream + stride, stream[0]);
     for (std::size_t c = 0; c < candidates.count; ++c) {
-      worker.positions[c * Dimension + d] = centre[d] + candidates.offset[d][c];
+      const double own = sites_.at(candidates.site[c])[d];
+      const double offset = candidates.offset[d][c];
+      // Another image of the site, or the site itself without loss of digits.
+      worker.positions[c * Dimension + d] = own - centre[d] == offset ? own : centre[d] + offset;
     }
   }
   kernels::nearest_positions(worker.coordinates.data(), static_cast<Index>(stride), int{Dimension},
@@ -272,7 +288,7 @@ void NearestSites<Scalar>::ask_tree(const PointsView<Scalar>& points, std::size_
   std::vector<double> query(dimension_);
   for (std::size_t k = begin; k < end; ++k) {
     std::copy_n(points[found.point[k]], dimension_, query.begin());
-    found.site[k] = tree_.nearest(query.data());
+    found.site[k] = tree().nearest(query.data());
   }
 }
 

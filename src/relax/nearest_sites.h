@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -26,6 +27,7 @@ namespace ccvt {
 template <class Scalar>
 class NearestSites {
  public:
+  /// Keeps references to `metric` and `sites`.
   NearestSites(const Metric& metric, const SiteState& sites, const Box& box);
 
   /// Points, neighbours near each other, and the site nearest to each.
@@ -64,10 +66,14 @@ class NearestSites {
   void ask_tree(const PointsView<Scalar>& points, std::size_t begin, std::size_t end,
                 Found& found) const;
 
+  [[nodiscard]] const SiteTree& tree() const;
+
   const Metric& metric_;
+  const SiteState& sites_;
   Vector extent_{};  ///< of the torus; infinite in Euclidean space
   std::size_t dimension_ = 0;
-  SiteTree tree_;
+  mutable std::once_flag tree_built_;  ///< most never ask it
+  mutable std::optional<SiteTree> tree_;
   std::optional<SiteBins> bins_;
   /// A bin has 2^D cells.
   Vector lower_{};

@@ -9,9 +9,8 @@ namespace ccvt {
 namespace {
 
 constexpr double kResidual = 0.25;
-/// A graph no larger is not made coarser; nor one that would hardly shrink.
+/// A graph no larger is not made coarser. Connected graphs at least halve.
 constexpr std::size_t kCoarsest = 32;
-constexpr double kLeastShrinkage = 0.7;
 constexpr int kCoarsestSweeps = 8;
 
 using Vector = std::vector<double>;
@@ -140,7 +139,6 @@ class Multigrid {
     while (levels_.back().matrix.size() > kCoarsest) {
       Laplacian& fine = levels_.back().matrix;
       const Index count = make_aggregates(fine);
-      if (count > kLeastShrinkage * static_cast<double>(fine.size())) break;
       levels_.push_back({coarser(fine, count), {}, {}, {}});
     }
     for (Level& level : levels_) {

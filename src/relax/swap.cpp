@@ -13,8 +13,6 @@ namespace {
 constexpr double kHalfUlp = 0x1p-53;
 /// Of the torus's extent. Not one half: rounding must not decide which image is the nearest.
 constexpr double kLargestFrame = 0.499;
-/// Of the extent: rounding must not decide whether a cell crosses a face.
-constexpr double kFaceMargin = 1e-9;
 
 }  // namespace
 
@@ -50,16 +48,6 @@ bool PairSwapper<Scalar>::spheres_meet(const Metric& metric, const SiteState& si
   return metric.squared_distance(sites.at(i), sites.at(j)) <= reach * reach;
 }
 
-/// Whether along dimension d a point of one of the cells may be nearer to its site across a face.
-template <class Scalar>
-bool PairSwapper<Scalar>::crosses_faces(double at_i, double at_j, double radius, int d) const {
-  const double extent = metric_.extent()[d];
-  const double room = radius + kFaceMargin * extent;
-  const double lower = metric_.lower()[d];
-  return std::min(at_i, at_j) - room < lower || std::max(at_i, at_j) + room > lower + extent ||
-         std::abs(at_j - at_i) > extent / 2;
-}
-
 /// Sets up the cut between two sites, with bounds on the rounding of keys. A straight cut needs
 /// both cells in one frame: no point of either cell may be nearer to another image of a site.
 template <class Scalar>
@@ -89,15 +77,17 @@ void PairSwapper<Scalar>::place_cut_in(const SiteState& sites, Index i, Index j)
   bool shifted = false;
   double squared_length = 0;
   for (std::size_t d = 0; d < dimension; ++d) {
+    const auto k = static_cast<int>(d);
     const double raw = at_j[d] - at_i[d];
-    const double u = metric_.wrap(raw, static_cast<int>(d));
+    const double u = metric_.wrap(raw, k);
     normal[d] = u;
     squared_length += u * u;
     middle_i[d] = at_i[d] + u / 2;
     middle_j[d] = u == raw ? middle_i[d] : at_j[d] - u / 2;
     shifted = shifted || u != raw;
     if (!metric_.periodic()) continue;
-    crosses = crosses || (!compact && crosses_faces(at_i[d], at_j[d], radius, static_cast<int>(d)));
+    crosses = crosses || (!compact && (u != raw || metric_.reaches_face(at_i[d], radius, k) ||
+                                       metric_.reaches_face(at_j[d], radius, k)));
     too_large = too_large || std::abs(u) + radius > largest * metric_.extent()[d];
   }
   site_i_ = at_i;

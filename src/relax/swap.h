@@ -64,7 +64,6 @@ class PairSwapper {
   void place_cut(const SiteState& sites, Index i, Index j);
   template <std::size_t Dimension>
   void place_cut_in(const SiteState& sites, Index i, Index j);
-  [[nodiscard]] bool crosses_faces(double at_i, double at_j, double radius, int d) const;
   [[nodiscard]] double exact_key(const Scalar* block, Index count, Index place,
                                  const std::vector<double>& middle) const;
   void exact_keys(const Scalar* block, Index count, const std::vector<double>& middle);

@@ -56,10 +56,8 @@ enum class Size { small, small_across_faces, large };
 /// Whether a ball neither crosses the box's faces nor is too large for what is said below.
 bool ball_is_small(const Metric& metric, const double* centre, double radius) {
   for (int d = 0; d < metric.dimension(); ++d) {
-    const double extent = metric.extent()[d];
-    const double from_face = centre[d] - metric.lower()[d];
-    const double room = radius + 1e-9 * extent;
-    if (room > from_face || room > extent - from_face || room > 0.24 * extent) return false;
+    if (metric.reaches_face(centre[d], radius, d)) return false;
+    if (radius > 0.24 * metric.extent()[d]) return false;
   }
   return true;
 }

@@ -19,9 +19,9 @@ class SiteBins {
  public:
   static constexpr std::size_t kMostDimensions = 3;
 
-  /// `positions`: #dimensions by n, copied. `lower`, `upper`: a box that holds them all; on a torus
-  /// its box. Nothing when bins do not pay: in other dimensions, in a box that is flat, or when the
-  /// sites crowd in few of the bins.
+  /// `positions`: #dimensions by n, copied. `lower`, `upper`: a box around them, on a torus its
+  /// box; sites outside it count to the nearest bin. Nothing when bins do not pay: in other
+  /// dimensions, in a box that is flat, or when the sites crowd in few of the bins.
   static std::optional<SiteBins> sort(const Metric& metric, std::span<const double> positions,
                                       const double* lower, const double* upper);
 

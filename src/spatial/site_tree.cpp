@@ -209,8 +209,9 @@ void SiteTree::within(const double* query, double radius, std::vector<Index>& fo
     return;
   }
   const auto first = found.size();
-  // Rounded up: distances are compared once more by whoever needs them exact.
-  const double squared_radius = radius * radius * (1 + 1e-12);
+  // Rounded up, and more than nothing, as FLANN leaves out what is just as far: distances are
+  // compared once more by whoever needs them exact.
+  const double squared_radius = radius * radius * (1 + 1e-12) + std::numeric_limits<double>::min();
   std::size_t images = 0;
   const auto ask = [&](const double* image) {
     ++images;
