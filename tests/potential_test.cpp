@@ -97,8 +97,9 @@ TEST_CASE("L phi = e, on graphs of all kinds") {
       {"random", {5000, random_edges(5000, 15000)}},
       {"parts", {5000, random_edges(5000, 1500)}},
       {"edgeless", {500, {}}}};
-  for (const auto& [name, graph] : graphs) {
-    CAPTURE(name);
+  for (const auto& named : graphs) {
+    const SiteGraph& graph = named.second;
+    CAPTURE(named.first);
     for (const bool far : {false, true}) {
       check_solved(graph, surpluses(graph.site_count(), far && graph.site_count() > 1));
     }

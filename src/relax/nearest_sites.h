@@ -77,9 +77,9 @@ class NearestSites {
   std::optional<SiteBins> bins_;
   /// A bin has 2^D cells.
   Vector lower_{};
-  Vector inverse_width_{};                      ///< of a cell
-  std::array<double, kMostDimensions> last_{};  ///< cell along each dimension
-  Vector half_{};                               ///< of a bin's width, with room for rounding
+  Vector inverse_width_{};  ///< of a cell
+  Vector last_{};           ///< cell along each dimension
+  Vector half_{};           ///< of a bin's width, with room for rounding
 };
 
 extern template class NearestSites<float>;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <numeric>
 #include <utility>
+
+#include "counting_sort.h"
 
 namespace ccvt {
 namespace {
@@ -99,31 +101,27 @@ Index make_aggregates(Laplacian& fine) {
 
 /// The graph of the aggregates: weights between them are sums.
 Laplacian coarser(const Laplacian& fine, Index count) {
-  std::vector<std::size_t> first(static_cast<std::size_t>(count) + 1, 0);
-  for (const Index a : fine.aggregate) ++first[static_cast<std::size_t>(a) + 1];
-  for (std::size_t a = 0; a + 1 < first.size(); ++a) first[a + 1] += first[a];
-  std::vector<std::size_t> member(fine.size());
-  std::vector<std::size_t> next(first.begin(), first.end() - 1);
-  for (std::size_t s = 0; s < fine.size(); ++s) {
-    member[next[static_cast<std::size_t>(fine.aggregate[s])]++] = s;
-  }
+  const auto aggregate = [&](std::size_t s) { return static_cast<std::size_t>(fine.aggregate[s]); };
+  std::vector<std::size_t> members(fine.size());
+  std::iota(members.begin(), members.end(), std::size_t{0});
+  counting_sort(members, static_cast<std::size_t>(count), aggregate);
   Laplacian coarse;
-  std::vector<std::size_t> place(static_cast<std::size_t>(count), SIZE_MAX);
-  for (Index a = 0; a < count; ++a) {
-    const std::size_t row = coarse.weight.size();
-    for (std::size_t m = first[static_cast<std::size_t>(a)];
-         m < first[static_cast<std::size_t>(a) + 1]; ++m) {
-      const std::size_t s = member[m];
-      for (std::size_t k = fine.begin[s]; k < fine.begin[s + 1]; ++k) {
-        const Index other = fine.aggregate[static_cast<std::size_t>(fine.neighbour[k])];
-        if (other == a) continue;
-        std::size_t& at = place[static_cast<std::size_t>(other)];
-        if (at == SIZE_MAX || at < row) {
-          at = coarse.weight.size();
-          coarse.neighbour.push_back(other);
+  // Where the row being made has each neighbour, counted from 1; at its beginning or before: not
+  // yet.
+  std::vector<std::size_t> place(static_cast<std::size_t>(count), 0);
+  for (auto member = members.begin(); member != members.end();) {
+    const std::size_t row = coarse.begin.back();
+    const std::size_t own = aggregate(*member);
+    for (; member != members.end() && aggregate(*member) == own; ++member) {
+      for (std::size_t k = fine.begin[*member]; k < fine.begin[*member + 1]; ++k) {
+        const std::size_t other = aggregate(static_cast<std::size_t>(fine.neighbour[k]));
+        if (other == own) continue;
+        if (place[other] <= row) {
+          coarse.neighbour.push_back(static_cast<Index>(other));
           coarse.weight.push_back(0);
+          place[other] = coarse.weight.size();
         }
-        coarse.weight[at] += fine.weight[k];
+        coarse.weight[place[other] - 1] += fine.weight[k];
       }
     }
     coarse.add_node();

@@ -36,7 +36,7 @@ std::optional<SiteBins> SiteBins::sort(const Metric& metric, std::span<const dou
     bins.lower_[d] = lower[d];
     bins.width_[d] = extent / along;
     bins.inverse_width_[d] = along / extent;
-    if (!std::isfinite(bins.inverse_width_[d])) return std::nullopt;
+    if (!std::isfinite(2 * bins.inverse_width_[d])) return std::nullopt;  // halves of bins, too
     all *= along;
   }
   if (!(width > 0) || all > 4 * static_cast<double>(count)) return std::nullopt;
