@@ -47,7 +47,7 @@ class SiteBins {
   /// A position's bin along dimension d; the nearest one of a position outside the box.
   [[nodiscard]] std::size_t bin_along(double x, std::size_t d) const {
     const double k = (x - lower_[d]) * inverse_width_[d];
-    const double last = static_cast<double>(bins_[d] - 1);
+    const auto last = static_cast<double>(bins_[d] - 1);
     return static_cast<std::size_t>(k < last ? (k > 0 ? k : 0) : last);
   }
 
