@@ -1,7 +1,6 @@
 #include "relax/meeting_pairs.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace ccvt {
 namespace {

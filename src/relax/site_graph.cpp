@@ -1,7 +1,7 @@
 #include "relax/site_graph.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
 #include <numeric>
 
 namespace ccvt {
