@@ -48,7 +48,7 @@ function(ccvt_compile_settings target)
   target_compile_options(${target} PRIVATE -ffp-contract=off)
 
   # Kernels take long to compile, once for each instruction set. What had SSSE3 or SSE4 but no AVX2
-  # was sold until 2013: SSE2 serves there. Sanitized, they take a minute each.
+  # was sold until 2013: SSE2 serves there. Sanitized they take a minute each, so two must do.
   set(unused HWY_SSSE3|HWY_SSE4)
   if(CCVT_SANITIZE)
     string(APPEND unused |HWY_AVX3|HWY_AVX3_DL)

@@ -85,17 +85,17 @@ void check_scaling(int dimension, bool periodic, const Options& options) {
 TEST_SUITE_BEGIN("metamorphic");
 
 TEST_CASE_TEMPLATE("any number of threads gives the same bytes", Scalar, float, double) {
-  check_threads<Scalar>(Layout::random, 2, 300, 33, false, {});
-  check_threads<Scalar>(Layout::grid, 2, 300, 17, true, {});
-  check_threads<Scalar>(Layout::random, 2, 300, 17, false, {.cached_passes = 5, .tile_sites = 1});
-  check_threads<Scalar>(Layout::clusters, 3, 200, 20, false, {});
-  check_threads<Scalar>(Layout::random, 3, 200, 20, true, {.multilevel = false});
-  check_threads<Scalar>(Layout::random, 16, 100, 20, false, {});
-  check_threads<Scalar>(Layout::random, 16, 100, 20, false,
+  check_threads<Scalar>(Layout::random, 2, 500, 33, false, {});
+  check_threads<Scalar>(Layout::grid, 2, 500, 17, true, {});
+  check_threads<Scalar>(Layout::random, 2, 500, 17, false, {.cached_passes = 5, .tile_sites = 1});
+  check_threads<Scalar>(Layout::clusters, 3, 300, 20, false, {});
+  check_threads<Scalar>(Layout::random, 3, 300, 20, true, {.multilevel = false});
+  check_threads<Scalar>(Layout::random, 16, 150, 20, false, {});
+  check_threads<Scalar>(Layout::random, 16, 150, 20, false,
                         {.multilevel = false, .cached_passes = 3});
   check_threads<Scalar>(Layout::random, 5, 100, 20, true, {});
-  check_threads<Scalar>(Layout::random, 2, 100, 20, false, Options::balzer2009());
-  check_threads<Scalar>(Layout::random, 2, 200, 20, true, Options::fast_ccvt());
+  check_threads<Scalar>(Layout::random, 2, 150, 20, false, Options::balzer2009());
+  check_threads<Scalar>(Layout::random, 2, 300, 20, true, Options::fast_ccvt());
 }
 
 TEST_CASE("the same call gives the same bytes, another seed another tessellation") {

@@ -222,17 +222,17 @@ TEST_CASE("bond order: lattices, and all Voronoi neighbours by definition") {
   check_equal(bond_order(cubic(2, 8)), {0, 0, 0});
   const PointSet single(hexagonal(1, 1).points(), hexagonal(1, 1).domain());  // its own neighbour
   check_equal(bond_order(single), {1, 1, 1});
-  for (const Index count : {2, 3, 5, 17, 40}) {
+  for (const Index count : {2, 3, 5, 17, 80}) {
     CAPTURE(count);
     const PointSet set = white(2, count, 3);
     check_equal(bond_order(set, 3), direct_bond_order(set));
   }
-  const PointSet open = boxed(white(2, 40, 3));
+  const PointSet open = boxed(white(2, 80, 3));
   check_equal(bond_order(open), direct_bond_order(open));
   const PointSet few = boxed(white(2, 3, 3));
   CHECK(std::isnan(bond_order(few).psi6_local));
   // Elongated box, duplicates.
-  Points<double> points = make_points<double>(Layout::duplicates, uneven_box(2), 40);
+  Points<double> points = make_points<double>(Layout::duplicates, uneven_box(2), 70);
   const PointSet twins(points, Domain::periodic(uneven_box(2)));
   check_equal(bond_order(twins), direct_bond_order(twins));
   CHECK_THROWS_AS(bond_order(white(3, 9, 1)), InvalidInput);
@@ -277,7 +277,7 @@ TEST_CASE("integration: white noise is 1, even points are better") {
     for (const bool periodic : {true, false}) {
       IntegrationVariance sum;
       for (std::uint64_t s = 1; s <= 60; ++s) {
-        const PointSet set = white(dimension, 100, s);
+        const PointSet set = white(dimension, 200, s);
         const auto v = integration_variance(periodic ? set : boxed(set), s);
         sum.gaussian += v.gaussian / 60;
         sum.disk += v.disk / 60;

@@ -95,9 +95,9 @@ TEST_CASE_TEMPLATE("every combination is stable and within a few percent", Scala
   if (sizeof(Scalar) == sizeof(double)) problem.set_domain(Domain::periodic(box));
   double lowest = std::numeric_limits<double>::infinity();
   double highest = 0;
-  // One in five of them has every three values of three options in it, in each domain.
+  // All of them in one domain, and a fifth, which has every pair of values in it, in the other.
   const auto all = variants();
-  for (std::size_t k = sizeof(Scalar) == sizeof(float) ? 0 : 2; k < all.size(); k += 5) {
+  for (std::size_t k = 0; k < all.size(); k += sizeof(Scalar) == sizeof(float) ? 1 : 5) {
     CAPTURE(text(all[k]));
     const double energy = check_variant(problem, all[k]);
     lowest = std::min(lowest, energy);

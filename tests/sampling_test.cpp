@@ -276,7 +276,7 @@ TEST_CASE("hexagonal: six neighbours at one distance in 2D, eight in 3D") {
 
 TEST_CASE("grids of awkward counts leave no part of the box empty and no two points close") {
   for (const int dimension : {2, 3}) {
-    const auto probes = sample_uniform<double>(Box::unit(dimension), 1000, 1);
+    const auto probes = sample_uniform<double>(Box::unit(dimension), 3000, 1);
     for (Index count = 20; count < 160; ++count) {
       const double spacing = std::pow(count, -1.0 / dimension);
       for (const Distribution distribution : {Distribution::square, Distribution::hexagonal}) {

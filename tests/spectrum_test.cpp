@@ -154,7 +154,7 @@ TEST_CASE("shells count and draw their frequencies evenly") {
     }
     CHECK(shells.count(0.5001, 0.7499) == doctest::Approx(static_cast<double>(seen.size()) / 2));
     Random random(1);
-    const int draws = 50 * static_cast<int>(seen.size());
+    const int draws = 200 * static_cast<int>(seen.size());
     for (int i = 0; i < draws; ++i) {
       const Eigen::VectorXi k = shells.draw(0.5001, 0.7499, random);
       const auto found = seen.find(std::vector<int>(k.begin(), k.end()));
@@ -166,7 +166,7 @@ TEST_CASE("shells count and draw their frequencies evenly") {
     }
     double worst = 0;
     for (const auto& [k, times] : seen) {
-      worst = std::max(worst, std::abs(times - 50) / std::sqrt(50));
+      worst = std::max(worst, std::abs(times - 200) / std::sqrt(200));
     }
     CHECK(worst < 5.5);
   }
