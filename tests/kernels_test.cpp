@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "geometry/metric.h"
@@ -23,6 +24,8 @@ using namespace ccvt::test;
 
 namespace {
 
+enum class Faces { none, all, last };
+
 constexpr Index sizes[] = {1, 2, 3, 7, 8, 9, 15, 16, 17, 31, 64, 100, 257};
 
 /// A block: a stream for each dimension.
@@ -34,6 +37,38 @@ std::vector<Scalar> make_block(const Box& box, Index count) {
     for (Index k = 0; k < count; ++k) block.push_back(points(d, k));
   }
   return block;
+}
+
+/// What is wrong with the places found above and below thresholds around one of the keys. Keys that
+/// differ from the threshold by less than `slack` may be found or not.
+template <class Scalar, class AnyCut>
+std::string places_faults(const std::vector<Scalar>& block, int dimension, const AnyCut& cut,
+                          const std::vector<Scalar>& keys, double slack) {
+  using ccvt::kernels::Beyond;
+  const auto count = static_cast<Index>(keys.size());
+  std::vector<Index> places(keys.size());
+  for (const std::size_t middle : {std::size_t{0}, keys.size() / 2, keys.size() - 1}) {
+    const Scalar threshold = keys[middle];
+    for (const Beyond beyond : {Beyond::above, Beyond::below}) {
+      const Index found = ccvt::kernels::places_beyond(block.data(), count, dimension, cut, beyond,
+                                                       threshold, places.data());
+      if (found < 0 || found > count) return "an impossible number of places";
+      std::vector<bool> is_found(keys.size(), false);
+      for (Index k = 0; k < found; ++k) {
+        const Index place = places[static_cast<std::size_t>(k)];
+        if (place < 0 || place >= count) return "a place outside the block";
+        if (k > 0 && place <= places[static_cast<std::size_t>(k) - 1]) return "not ascending";
+        is_found[static_cast<std::size_t>(place)] = true;
+      }
+      for (std::size_t k = 0; k < keys.size(); ++k) {
+        const double by = static_cast<double>(keys[k]) - static_cast<double>(threshold);
+        const double past = beyond == Beyond::above ? by : -by;
+        if (past > slack && !is_found[k]) return "missed place " + std::to_string(k);
+        if (past < -slack && is_found[k]) return "should not have found " + std::to_string(k);
+      }
+    }
+  }
+  return "";
 }
 
 /// Eight interleaved partial sums, as promised: bits do not depend on the instruction set.
@@ -76,6 +111,9 @@ TEST_CASE_TEMPLATE("sums and spreads, bit for bit", Scalar, float, double) {
         const auto spread = ccvt::kernels::spread_around(
             block.data(), count, dimension, centre.data(), periodic ? torus.extent() : nullptr);
         CHECK(spread.squared_radius == *std::max_element(squared.begin(), squared.end()));
+        const auto [low, high] = ccvt::kernels::range(block.data(), count);
+        CHECK(low == *std::min_element(block.begin(), block.begin() + count));
+        CHECK(high == *std::max_element(block.begin(), block.begin() + count));
         CHECK(spread.energy == doctest::Approx(add_up(squared)).epsilon(1e-14));
       }
     }
@@ -93,7 +131,8 @@ TEST_CASE_TEMPLATE("keys and their extremes, also across faces", Scalar, float, 
       const auto block = make_block<Scalar>(box, count);
       // Near the lower face, the upper face, and in the middle.
       for (const double where : {0.05, 0.5, 0.95}) {
-        for (const bool wrapped : {false, true}) {
+        // Across no faces, those of all dimensions, or those of the last.
+        for (const auto faces : {Faces::none, Faces::all, Faces::last}) {
           std::vector<Scalar> origin;
           std::vector<Scalar> turn;
           std::vector<Scalar> extent;
@@ -101,6 +140,8 @@ TEST_CASE_TEMPLATE("keys and their extremes, also across faces", Scalar, float, 
           std::vector<double> exact(static_cast<std::size_t>(count), 0.0);
           double size = 0;
           for (int d = 0; d < dimension; ++d) {
+            const bool wrapped =
+                faces == Faces::all || (faces == Faces::last && d == dimension - 1);
             const double along = torus.extent()[d];
             const double middle = box.lower[d] + where * along;
             const Metric::Unrolled frame = torus.unrolled(middle, d);
@@ -121,16 +162,24 @@ TEST_CASE_TEMPLATE("keys and their extremes, also across faces", Scalar, float, 
           }
           std::vector<Scalar> keys(static_cast<std::size_t>(count));
           ccvt::kernels::Extremes<Scalar> extremes{};
-          const auto visit = [&](auto cut) {
+          const auto visit = [&](const auto& cut) {
             ccvt::kernels::keys(block.data(), count, dimension, cut, keys.data());
             extremes = ccvt::kernels::key_extremes(block.data(), count, cut, block.data(), count,
                                                    cut, dimension);
+            CHECK(places_faults(block, dimension, cut, keys, epsilon * size) == "");
           };
-          if (wrapped) {
-            visit(ccvt::kernels::WrappedCut<Scalar>{origin.data(), normal.data(), turn.data(),
-                                                    extent.data()});
-          } else {
-            visit(ccvt::kernels::Cut<Scalar>{origin.data(), normal.data()});
+          switch (faces) {
+            case Faces::none:
+              visit(ccvt::kernels::Cut<Scalar>{origin.data(), normal.data()});
+              break;
+            case Faces::all:
+              visit(ccvt::kernels::WrappedCut<Scalar>{origin.data(), normal.data(), turn.data(),
+                                                      extent.data()});
+              break;
+            case Faces::last:
+              visit(ccvt::kernels::FaceCut<Scalar>{origin.data(), normal.data(), turn.back(),
+                                                   extent.back() * normal.back(), dimension - 1});
+              break;
           }
           for (std::size_t k = 0; k < keys.size(); ++k) {
             if (std::isnan(exact[k])) continue;

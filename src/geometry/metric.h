@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -12,9 +13,14 @@ namespace ccvt {
 /// The shortest of the differences that `difference`, of two coordinates in the box, stands for on
 /// a torus. Without branches, so that loops over it are vectorized.
 inline double shortest_difference(double difference, double extent) {
-  const double turn = difference > extent / 2 ? extent : 0;
-  const double back = difference < -extent / 2 ? extent : 0;
-  return difference - turn + back;
+  const double turn = std::abs(difference) > extent / 2 ? std::copysign(extent, difference) : 0.0;
+  return difference - turn;
+}
+
+/// Its absolute value, sooner.
+inline double shortest_distance(double difference, double extent) {
+  const double one_way = std::abs(difference);
+  return std::min(one_way, extent - one_way);
 }
 
 /// Squared distances in the domain. Euclidean when `extent` is empty, else on the torus.
@@ -48,7 +54,7 @@ class Metric {
     const auto k = static_cast<std::size_t>(d);
     const double from_lower = x - lower_[k];
     const double room = radius + 1e-9 * extent_[k];
-    return from_lower < room || extent_[k] - from_lower < room;
+    return std::min(from_lower, extent_[k] - from_lower) < room;
   }
 
   /// How to take shortest differences to `middle` without wrapping them: x - middle, wrapped, is
@@ -95,10 +101,13 @@ class Metric {
   /// `Dimension`: 0 for any. Where it is known, the loop is unrolled.
   template <int Dimension, class A, class B>
   [[nodiscard]] double squared_distance_in(const A* a, const B* b) const {
+    const double* const extent = periodic() ? extent_.data() : nullptr;
     double sum = 0;
     for (int d = 0; d < (Dimension > 0 ? Dimension : dimension_); ++d) {
-      const double difference = wrap(static_cast<double>(a[d]) - static_cast<double>(b[d]), d);
-      sum += difference * difference;
+      const double difference = static_cast<double>(a[d]) - static_cast<double>(b[d]);
+      const double distance =
+          extent != nullptr ? shortest_distance(difference, extent[d]) : difference;
+      sum += distance * distance;
     }
     return sum;
   }

@@ -8,6 +8,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "geometry/metric.h"
@@ -35,7 +38,7 @@ struct Apart {
 /// Evaluates a Cut for the points k, k + 1, … of a vector.
 template <class Tag, class Scalar, class Add>
 HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
-                               Cut<Scalar> cut, Index k, Add add) {
+                               const Cut<Scalar>& cut, Index k, Add add) {
   auto key = hn::Zero(tag);
   for (int d = 0; d < dimension; ++d) {
     const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
@@ -46,7 +49,7 @@ HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int di
 
 template <class Tag, class Scalar, class Add>
 HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
-                               WrappedCut<Scalar> cut, Index k, Add add) {
+                               const WrappedCut<Scalar>& cut, Index k, Add add) {
   auto key = hn::Zero(tag);
   for (int d = 0; d < dimension; ++d) {
     const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
@@ -58,6 +61,16 @@ HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int di
   return key;
 }
 
+template <class Tag, class Scalar, class Add>
+HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
+                               const FaceCut<Scalar>& cut, Index k, Add add) {
+  const Cut<Scalar> straight{cut.origin, cut.normal};
+  const auto key = key_at(tag, block, count, dimension, straight, k, add);
+  const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(cut.across) * count + k);
+  const auto jump = hn::IfThenElseZero(hn::Lt(x, hn::Set(tag, cut.turn)), hn::Set(tag, cut.jump));
+  return hn::Add(key, jump);
+}
+
 /// Turns are whole numbers, -1, 0 or 1: fused or not, the bits are the same.
 template <class Tag, class Scalar>
 HWY_INLINE hn::Vec<Tag> wrapped(Tag tag, hn::Vec<Tag> difference, Scalar extent, Scalar inverse) {
@@ -67,7 +80,7 @@ HWY_INLINE hn::Vec<Tag> wrapped(Tag tag, hn::Vec<Tag> difference, Scalar extent,
 
 template <class Tag, class Scalar, class Add>
 HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
-                               TorusCut<Scalar> cut, Index k, Add /*add*/) {
+                               const TorusCut<Scalar>& cut, Index k, Add /*add*/) {
   auto key = hn::Zero(tag);
   for (int d = 0; d < dimension; ++d) {
     const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
@@ -84,7 +97,7 @@ HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int di
 /// The highest key of a block, or the lowest. The last full vector may overlap the one before it:
 /// extremes do not mind.
 template <bool Highest, class Scalar, class AnyCut>
-HWY_INLINE Scalar extreme_of(const Scalar* block, Index count, int dimension, AnyCut cut) {
+HWY_INLINE Scalar extreme_of(const Scalar* block, Index count, int dimension, const AnyCut& cut) {
   const hn::ScalableTag<Scalar> wide;
   const auto lanes = static_cast<Index>(hn::Lanes(wide));
   const auto beyond = [](auto a, auto b)
@@ -112,7 +125,8 @@ HWY_INLINE Scalar extreme_of(const Scalar* block, Index count, int dimension, An
 }
 
 template <class Scalar, class AnyCut>
-HWY_INLINE void keys_of(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out) {
+HWY_INLINE void keys_of(const Scalar* block, Index count, int dimension, const AnyCut& cut,
+                        Scalar* out) {
   const hn::ScalableTag<Scalar> wide;
   const auto lanes = static_cast<Index>(hn::Lanes(wide));
   Index k = 0;
@@ -133,40 +147,79 @@ HWY_INLINE auto with_dimension(int dimension, Function function) {
 }
 
 template <class Scalar, class AnyCut>
-HWY_INLINE Extremes<Scalar> any_extremes(const Scalar* block_i, Index count_i, AnyCut cut_i,
-                                         const Scalar* block_j, Index count_j, AnyCut cut_j,
+HWY_INLINE Extremes<Scalar> any_extremes(const Scalar* block_i, Index count_i, const AnyCut& cut_i,
+                                         const Scalar* block_j, Index count_j, const AnyCut& cut_j,
                                          int dimension) {
-  return with_dimension(dimension, [=](auto d) HWY_ATTR {
+  return with_dimension(dimension, [&](auto d) HWY_ATTR {
     return Extremes<Scalar>{extreme_of<true>(block_i, count_i, d, cut_i),
                             extreme_of<false>(block_j, count_j, d, cut_j)};
   });
 }
 
 template <class Scalar, class AnyCut>
-HWY_INLINE void any_keys(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out) {
-  with_dimension(dimension, [=](auto d) HWY_ATTR { keys_of(block, count, d, cut, out); });
+HWY_INLINE void any_keys(const Scalar* block, Index count, int dimension, const AnyCut& cut,
+                         Scalar* out) {
+  with_dimension(dimension, [&](auto d) HWY_ATTR { keys_of(block, count, d, cut, out); });
 }
 
-template <bool Above, class Scalar>
-HWY_INLINE Index places_beyond(const Scalar* values, Index count, Scalar threshold, Index* places) {
+/// The last full vector overlaps the one before it, as in extreme_of(); its bits are then those of
+/// the points that remain.
+template <bool Above, class Scalar, class Dimension, class AnyCut>
+HWY_INLINE Index places_in(const Scalar* block, Index count, Dimension dimension, const AnyCut& cut,
+                           Scalar threshold, Index* places) {
+  const auto found_at = [&](auto tag, Index k) HWY_ATTR {
+    const auto key = key_at(tag, block, count, dimension, cut, k, Fused());
+    const auto limit = hn::Set(tag, threshold);
+    const auto mask = Above ? hn::Gt(key, limit) : hn::Lt(key, limit);
+    std::uint64_t bits = 0;
+    if (hn::AllFalse(tag, mask)) return bits;
+    std::array<std::uint8_t, 8> bytes{};
+    hn::StoreMaskBits(tag, mask, bytes.data());
+    std::memcpy(&bits, bytes.data(), sizeof(bits));
+    return bits;
+  };
+  Index found = 0;
+  const auto note = [&](std::uint64_t bits, Index first) {
+    for (; bits != 0; bits &= bits - 1) places[found++] = first + std::countr_zero(bits);
+  };
   const hn::ScalableTag<Scalar> wide;
   const auto lanes = static_cast<Index>(hn::Lanes(wide));
-  const auto limit = hn::Set(wide, threshold);
-  Index found = 0;
+  if (count < lanes) {
+    const hn::CappedTag<Scalar, 1> one;
+    for (Index k = 0; k < count; ++k) note(found_at(one, k), k);
+    return found;
+  }
   Index k = 0;
-  for (; k + lanes <= count; k += lanes) {
-    const auto value = hn::LoadU(wide, values + k);
-    const auto mask = Above ? hn::Gt(value, limit) : hn::Lt(value, limit);
-    if (hn::AllFalse(wide, mask)) continue;
-    for (Index lane = k; lane < k + lanes; ++lane) {
-      places[found] = lane;
-      found += (Above ? values[lane] > threshold : values[lane] < threshold) ? 1 : 0;
-    }
-  }
-  for (; k < count; ++k) {
-    if (Above ? values[k] > threshold : values[k] < threshold) places[found++] = k;
-  }
+  for (; k + lanes <= count; k += lanes) note(found_at(wide, k), k);
+  if (k < count) note(found_at(wide, count - lanes) >> (k + lanes - count), k);
   return found;
+}
+
+template <class Scalar, class AnyCut>
+HWY_INLINE Index any_places(const Scalar* block, Index count, int dimension, const AnyCut& cut,
+                            Beyond beyond, Scalar threshold, Index* places) {
+  return with_dimension(dimension, [&](auto d) HWY_ATTR {
+    return beyond == Beyond::above ? places_in<true>(block, count, d, cut, threshold, places)
+                                   : places_in<false>(block, count, d, cut, threshold, places);
+  });
+}
+
+template <class Scalar>
+HWY_INLINE Range<Scalar> stream_range(const Scalar* stream, Index count) {
+  const hn::ScalableTag<Scalar> wide;
+  const auto lanes = static_cast<Index>(hn::Lanes(wide));
+  if (count < lanes) {
+    const auto [low, high] = std::minmax_element(stream, stream + count);
+    return {*low, *high};
+  }
+  auto low = hn::LoadU(wide, stream + count - lanes);
+  auto high = low;
+  for (Index k = 0; k + lanes <= count; k += lanes) {
+    const auto x = hn::LoadU(wide, stream + k);
+    low = hn::Min(low, x);
+    high = hn::Max(high, x);
+  }
+  return {hn::GetLane(hn::MinOfLanes(wide, low)), hn::GetLane(hn::MaxOfLanes(wide, high))};
 }
 
 /// Eight interleaved partial sums whatever the vector width, so that bits do not depend on it.
@@ -288,25 +341,27 @@ HWY_INLINE Spread block_spread(const Scalar* block, Index count, Dimension dimen
   return result;
 }
 
-#define CCVT_FOR_CUT(Scalar, Name, AnyCut)                                                     \
-  Extremes<Scalar> Name##_extremes(const Scalar* block_i, Index count_i, AnyCut cut_i,         \
-                                   const Scalar* block_j, Index count_j, AnyCut cut_j,         \
-                                   int dimension) {                                            \
-    return any_extremes(block_i, count_i, cut_i, block_j, count_j, cut_j, dimension);          \
-  }                                                                                            \
-  void Name##_keys(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out) { \
-    any_keys(block, count, dimension, cut, out);                                               \
+#define CCVT_FOR_CUT(Scalar, Name, AnyCut)                                                    \
+  Extremes<Scalar> Name##_extremes(const Scalar* block_i, Index count_i, const AnyCut& cut_i, \
+                                   const Scalar* block_j, Index count_j, const AnyCut& cut_j, \
+                                   int dimension) {                                           \
+    return any_extremes(block_i, count_i, cut_i, block_j, count_j, cut_j, dimension);         \
+  }                                                                                           \
+  void Name##_keys(const Scalar* block, Index count, int dimension, const AnyCut& cut,        \
+                   Scalar* out) {                                                             \
+    any_keys(block, count, dimension, cut, out);                                              \
+  }                                                                                           \
+  Index Name##_places(const Scalar* block, Index count, int dimension, const AnyCut& cut,     \
+                      Beyond beyond, Scalar threshold, Index* places) {                       \
+    return any_places(block, count, dimension, cut, beyond, threshold, places);               \
   }
-
 #define CCVT_FOR_SCALAR(Scalar, Name)                                                         \
   CCVT_FOR_CUT(Scalar, Name, Cut<Scalar>)                                                     \
   CCVT_FOR_CUT(Scalar, Name##_wrapped, WrappedCut<Scalar>)                                    \
+  CCVT_FOR_CUT(Scalar, Name##_face, FaceCut<Scalar>)                                          \
   CCVT_FOR_CUT(Scalar, Name##_torus, TorusCut<Scalar>)                                        \
-  Index Name##_above(const Scalar* values, Index count, Scalar threshold, Index* places) {    \
-    return places_beyond<true>(values, count, threshold, places);                             \
-  }                                                                                           \
-  Index Name##_below(const Scalar* values, Index count, Scalar threshold, Index* places) {    \
-    return places_beyond<false>(values, count, threshold, places);                            \
+  Range<Scalar> Name##_range(const Scalar* stream, Index count) {                             \
+    return stream_range(stream, count);                                                       \
   }                                                                                           \
   double Name##_sum(const Scalar* stream, Index count, double origin, double extent) {        \
     return extent > 0 ? stream_sum(stream, count, origin, Around{&extent})                    \
@@ -335,33 +390,35 @@ namespace ccvt::kernels {
 #define CCVT_DISPATCH_CUT(Scalar, Name, AnyCut)                                                    \
   HWY_EXPORT(Name##_extremes);                                                                     \
   HWY_EXPORT(Name##_keys);                                                                         \
+  HWY_EXPORT(Name##_places);                                                                       \
   template <>                                                                                      \
-  Extremes<Scalar> key_extremes(const Scalar* block_i, Index count_i, AnyCut cut_i,                \
-                                const Scalar* block_j, Index count_j, AnyCut cut_j,                \
+  Extremes<Scalar> key_extremes(const Scalar* block_i, Index count_i, const AnyCut& cut_i,         \
+                                const Scalar* block_j, Index count_j, const AnyCut& cut_j,         \
                                 int dimension) {                                                   \
     return HWY_DYNAMIC_DISPATCH(Name##_extremes)(block_i, count_i, cut_i, block_j, count_j, cut_j, \
                                                  dimension);                                       \
   }                                                                                                \
   template <>                                                                                      \
-  void keys(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out) {            \
+  void keys(const Scalar* block, Index count, int dimension, const AnyCut& cut, Scalar* out) {     \
     HWY_DYNAMIC_DISPATCH(Name##_keys)(block, count, dimension, cut, out);                          \
+  }                                                                                                \
+  template <>                                                                                      \
+  Index places_beyond(const Scalar* block, Index count, int dimension, const AnyCut& cut,          \
+                      Beyond beyond, Scalar threshold, Index* places) {                            \
+    return HWY_DYNAMIC_DISPATCH(Name##_places)(block, count, dimension, cut, beyond, threshold,    \
+                                               places);                                            \
   }
-
 #define CCVT_DISPATCH(Scalar, Name)                                                           \
   CCVT_DISPATCH_CUT(Scalar, Name, Cut<Scalar>)                                                \
   CCVT_DISPATCH_CUT(Scalar, Name##_wrapped, WrappedCut<Scalar>)                               \
+  CCVT_DISPATCH_CUT(Scalar, Name##_face, FaceCut<Scalar>)                                     \
   CCVT_DISPATCH_CUT(Scalar, Name##_torus, TorusCut<Scalar>)                                   \
-  HWY_EXPORT(Name##_above);                                                                   \
-  HWY_EXPORT(Name##_below);                                                                   \
+  HWY_EXPORT(Name##_range);                                                                   \
   HWY_EXPORT(Name##_sum);                                                                     \
   HWY_EXPORT(Name##_spread);                                                                  \
   template <>                                                                                 \
-  Index places_above(const Scalar* values, Index count, Scalar threshold, Index* places) {    \
-    return HWY_DYNAMIC_DISPATCH(Name##_above)(values, count, threshold, places);              \
-  }                                                                                           \
-  template <>                                                                                 \
-  Index places_below(const Scalar* values, Index count, Scalar threshold, Index* places) {    \
-    return HWY_DYNAMIC_DISPATCH(Name##_below)(values, count, threshold, places);              \
+  Range<Scalar> range(const Scalar* stream, Index count) {                                    \
+    return HWY_DYNAMIC_DISPATCH(Name##_range)(stream, count);                                 \
   }                                                                                           \
   template <>                                                                                 \
   double sum_from(const Scalar* stream, Index count, double origin, double extent) {          \

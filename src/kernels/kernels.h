@@ -27,6 +27,17 @@ struct WrappedCut {
   const Scalar* extent;
 };
 
+/// The same where the cells cross faces in the one dimension `across`: `jump` is its extent times
+/// the normal there, added to the keys of points whose coordinate is below `turn`.
+template <class Scalar>
+struct FaceCut {
+  const Scalar* origin;
+  const Scalar* normal;
+  Scalar turn;
+  Scalar jump;
+  int across;
+};
+
 /// The same on a torus for cells that have no common frame: key(p) = (|p - a|^2 - |p - b|^2) / 2
 /// with wrapped differences. The larger the key, the more a point belongs to b.
 template <class Scalar>
@@ -44,20 +55,33 @@ struct Extremes {
 };
 
 /// The highest key of a block of `count_i` >= 1 points and the lowest of one of `count_j` >= 1.
-/// AnyCut is one of the three.
+/// AnyCut is one of the four.
 template <class Scalar, class AnyCut>
-Extremes<Scalar> key_extremes(const Scalar* block_i, Index count_i, AnyCut cut_i,
-                              const Scalar* block_j, Index count_j, AnyCut cut_j, int dimension);
+Extremes<Scalar> key_extremes(const Scalar* block_i, Index count_i, const AnyCut& cut_i,
+                              const Scalar* block_j, Index count_j, const AnyCut& cut_j,
+                              int dimension);
 
 /// The keys of a block of points.
 template <class Scalar, class AnyCut>
-void keys(const Scalar* block, Index count, int dimension, AnyCut cut, Scalar* out);
+void keys(const Scalar* block, Index count, int dimension, const AnyCut& cut, Scalar* out);
 
-/// The places, ascending, of values above (below) a threshold; returns how many there are.
+enum class Beyond { above, below };
+
+/// The places, ascending, of the points of a block whose keys are above, or below, a threshold;
+/// returns how many. `places` has room for all of the block.
+template <class Scalar, class AnyCut>
+Index places_beyond(const Scalar* block, Index count, int dimension, const AnyCut& cut,
+                    Beyond beyond, Scalar threshold, Index* places);
+
 template <class Scalar>
-Index places_above(const Scalar* values, Index count, Scalar threshold, Index* places);
+struct Range {
+  Scalar low;
+  Scalar high;
+};
+
+/// The least and the greatest of `count` >= 1 coordinates.
 template <class Scalar>
-Index places_below(const Scalar* values, Index count, Scalar threshold, Index* places);
+Range<Scalar> range(const Scalar* stream, Index count);
 
 /// The sum of coordinates[k] - origin over one stream, in eight interleaved partial sums; of the
 /// shortest differences on a torus when `extent` is not 0.

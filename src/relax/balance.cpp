@@ -1,7 +1,10 @@
 #include "relax/balance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <stdexcept>
 
 #include "kernels/kernels.h"
@@ -72,6 +75,8 @@ class Mover {
   }
 
  private:
+  static constexpr std::size_t kColumns = 16;
+
   struct Choice {
     Scalar key;
     Index place;
@@ -83,19 +88,38 @@ class Mover {
     }
   };
 
-  /// Chooses the best `wanted` of all places, in a heap with the worst of them on top.
+  /// Chooses the best `wanted` of all places; of equal keys the first place is better. Places are
+  /// dealt out to columns: of the columns with the highest keys, as many as are wanted, the lowest
+  /// of these keys is one that no chosen place can be below, and few columns have a place above.
   void choose(std::size_t wanted, std::size_t places) {
     choices_.clear();
-    for (std::size_t k = 0; k < wanted; ++k) choices_.push_back({keys_[k], static_cast<Index>(k)});
     if (wanted == 0) return;
-    std::make_heap(choices_.begin(), choices_.end(), Better());
-    for (std::size_t k = wanted; k < places; ++k) {
-      // Of equal keys the first place is better.
-      if (!(keys_[k] > choices_.front().key)) continue;
-      std::pop_heap(choices_.begin(), choices_.end(), Better());
-      choices_.back() = {keys_[k], static_cast<Index>(k)};
-      std::push_heap(choices_.begin(), choices_.end(), Better());
+    std::array<Scalar, kColumns> highest;
+    highest.fill(-std::numeric_limits<Scalar>::infinity());
+    const std::size_t whole = places - places % kColumns;
+    for (std::size_t row = 0; row < whole; row += kColumns) {
+      for (std::size_t c = 0; c < kColumns; ++c) highest[c] = std::max(highest[c], keys_[row + c]);
     }
+    for (std::size_t k = whole; k < places; ++k) {
+      highest[k - whole] = std::max(highest[k - whole], keys_[k]);
+    }
+    Scalar floor = -std::numeric_limits<Scalar>::infinity();
+    if (wanted <= kColumns) {
+      std::array<Scalar, kColumns> sorted = highest;
+      const auto last = sorted.begin() + static_cast<std::ptrdiff_t>(wanted) - 1;
+      std::nth_element(sorted.begin(), last, sorted.end(), std::greater<>());
+      floor = *last;
+    }
+    for (std::size_t c = 0; c < kColumns; ++c) {
+      if (highest[c] < floor) continue;
+      for (std::size_t k = c; k < places; k += kColumns) {
+        if (keys_[k] >= floor) choices_.push_back({keys_[k], static_cast<Index>(k)});
+      }
+    }
+    if (choices_.size() <= wanted) return;
+    std::nth_element(choices_.begin(), choices_.begin() + static_cast<std::ptrdiff_t>(wanted),
+                     choices_.end(), Better());
+    choices_.resize(wanted);
   }
 
   /// The points that wait, with a stream for each dimension.

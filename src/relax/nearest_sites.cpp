@@ -71,16 +71,17 @@ const SiteTree& NearestSites<Scalar>::tree() const {
 }
 
 template <class Scalar>
+template <std::size_t Dimension>
 std::uint32_t NearestSites<Scalar>::cell_of(const Scalar* position) const {
   std::uint32_t bin = 0;
   std::uint32_t child = 0;
-  for (std::size_t d = dimension_; d-- > 0;) {
+  for (std::size_t d = Dimension; d-- > 0;) {
     const double along = (static_cast<double>(position[d]) - lower_[d]) * inverse_width_[d];
     const auto k = static_cast<std::uint32_t>(std::clamp(along, 0.0, last_[d]));
     bin = bin * static_cast<std::uint32_t>(bins_->bins(d)) + k / 2;
     child = 2 * child + k % 2;
   }
-  return (bin << dimension_) + child;
+  return (bin << Dimension) + child;
 }
 
 /// The points of cell g become those from first[g] to first[g + 1]. They go into buckets of
@@ -105,7 +106,8 @@ void NearestSites<Scalar>::sort_by_cell(const PointsView<Scalar>& points,
   arena.for_each(slices, 1, [&](std::size_t slice) {
     std::vector<std::size_t> count(buckets, 0);
     for_slice(slice, [&](std::size_t k) {
-      cell[k] = cell_of(points[which[k]]);
+      const Scalar* position = points[which[k]];
+      cell[k] = dimension_ == 2 ? cell_of<2>(position) : cell_of<3>(position);
       ++count[cell[k] >> shift];
     });
     for (std::size_t b = 0; b < buckets; ++b) place[b * slices + slice + 1] = count[b];
@@ -168,21 +170,20 @@ bool NearestSites<Scalar>::gather(const Vector& centre, Around& around) const {
     bool fits = true;
     double nearest = std::numeric_limits<double>::infinity();
     std::size_t c = 0;
-    bins_->for_each_run(centre.data(), reach, [&](std::size_t first, std::size_t last) {
-      fits = fits && count + (last - first) <= kMostAround;
-      for (std::size_t place = first; fits && place < last; ++place, ++count) {
-        const double* position = bins_->position(place);
-        double squared = 0;
-        for (std::size_t d = 0; d < Dimension; ++d) {
-          const double offset = shortest_difference(position[d] - centre[d], extent_[d]);
-          around.offset[d][count] = offset;
-          squared += offset * offset;
-        }
-        around.site[count] = bins_->site(place);
-        c = squared < nearest ? count : c;
-        nearest = squared < nearest ? squared : nearest;
-      }
-    });
+    bins_->for_each_offset<Dimension>(
+        centre.data(), reach, [&](std::size_t place, const std::array<double, Dimension>& offset) {
+          fits = fits && count < kMostAround;
+          if (!fits) return;
+          double squared = 0;
+          for (std::size_t d = 0; d < Dimension; ++d) {
+            around.offset[d][count] = offset[d];
+            squared += offset[d] * offset[d];
+          }
+          around.site[count] = bins_->site(place);
+          c = squared < nearest ? count : c;
+          nearest = squared < nearest ? squared : nearest;
+          ++count;
+        });
     around.count = count;
     if (!fits) return false;
     if (count == 0) {

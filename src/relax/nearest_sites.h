@@ -48,6 +48,7 @@ class NearestSites {
   struct Around;
   struct Worker;
 
+  template <std::size_t Dimension>
   [[nodiscard]] std::uint32_t cell_of(const Scalar* position) const;
   void sort_by_cell(const PointsView<Scalar>& points, std::span<const Index> which,
                     const Arena& arena, std::vector<std::size_t>& first, Found& found) const;

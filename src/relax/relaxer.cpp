@@ -52,17 +52,15 @@ bool Relaxer<Scalar>::cancelled() {
 }
 
 template <class Scalar>
-void Relaxer<Scalar>::examine(Worker& worker, Index i, Index j, bool full) {
-  const auto a = static_cast<std::size_t>(i);
-  const auto b = static_cast<std::size_t>(j);
-  if (options_.pairs == PairSelection::meeting) {
-    if (full && (touched_[a] | touched_[b]) == 0) return;
-    if (!PairSwapper<Scalar>::spheres_meet(metric_, sites_, i, j)) return;
+void Relaxer<Scalar>::examine(Worker& worker, Index i, Index j) {
+  if (options_.pairs == PairSelection::meeting &&
+      !PairSwapper<Scalar>::spheres_meet(metric_, sites_, i, j)) {
+    return;
   }
   ++worker.count.pairs;
   const Index exchanged = worker.swap(cells_, sites_, i, j);
   if (exchanged == 0) return;
-  changed_[a] = changed_[b] = 1;
+  changed_[static_cast<std::size_t>(i)] = changed_[static_cast<std::size_t>(j)] = 1;
   ++worker.count.swaps;
   worker.count.exchanged += 2 * static_cast<std::int64_t>(exchanged);
   if (options_.cached_passes > 0) worker.swapped.emplace_back(i, j);
@@ -72,21 +70,24 @@ void Relaxer<Scalar>::examine(Worker& worker, Index i, Index j, bool full) {
 /// are whole tasks between tiles without a changed site.
 template <class Scalar>
 void Relaxer<Scalar>::run(const Schedule& schedule, bool full) {
+  const Pair* const pairs = schedule.pairs.data();
+  const std::uint8_t* const touched = touched_.data();
   const auto touches = [&](const Pair& pair) {
     return (touched_tile_[static_cast<std::size_t>(pair.first / options_.tile_sites)] |
             touched_tile_[static_cast<std::size_t>(pair.second / options_.tile_sites)]) != 0;
   };
   for (std::size_t b = 0; b < schedule.batch_count() && !cancelled(); ++b) {
     const auto tasks = schedule.batch(b);
-    const auto pairs = static_cast<std::size_t>(tasks.back().end - tasks.front().begin);
-    const std::size_t grain = std::max<std::size_t>(1, kPairsPerGrain * tasks.size() / pairs);
+    const auto count = static_cast<std::size_t>(tasks.back().end - tasks.front().begin);
+    const std::size_t grain = std::max<std::size_t>(1, kPairsPerGrain * tasks.size() / count);
     arena_.for_ranges(tasks.size(), grain, [&](std::size_t begin, std::size_t end, int w) {
       Worker& worker = workers_[static_cast<std::size_t>(w)];
       for (std::size_t t = begin; t < end; ++t) {
-        if (full && !touches(schedule.pairs[static_cast<std::size_t>(tasks[t].begin)])) continue;
+        if (full && !touches(pairs[tasks[t].begin])) continue;
         for (std::int64_t p = tasks[t].begin; p < tasks[t].end; ++p) {
-          const Pair& pair = schedule.pairs[static_cast<std::size_t>(p)];
-          examine(worker, pair.first, pair.second, full);
+          const auto [i, j] = pairs[p];
+          if (full && (touched[i] | touched[j]) == 0) continue;
+          examine(worker, i, j);
         }
       }
     });
@@ -102,13 +103,21 @@ void Relaxer<Scalar>::all_pairs_pass() {
   const auto last = [&](Index t) { return n - t * tile > tile ? (t + 1) * tile : n; };
   const auto grain = std::max<std::size_t>(
       1, kPairsPerGrain / (static_cast<std::size_t>(tile) * static_cast<std::size_t>(tile)));
+  // Every pair is every pair; of those whose spheres meet, some have nothing to gain since the last
+  // pass.
+  const auto visit = [&](int w, Index i, Index j) {
+    const auto touched =
+        touched_[static_cast<std::size_t>(i)] | touched_[static_cast<std::size_t>(j)];
+    if (options_.pairs == PairSelection::meeting && touched == 0) return;
+    examine(workers_[static_cast<std::size_t>(w)], i, j);
+  };
   if (tile > 1 && !cancelled()) {
     arena_.for_ranges(static_cast<std::size_t>(tiles), 1,
                       [&](std::size_t begin, std::size_t end, int w) {
                         for (auto t = static_cast<Index>(begin); t < static_cast<Index>(end); ++t) {
                           for (Index i = t * tile; i < last(t); ++i) {
                             for (Index j = i + 1; j < last(t); ++j) {
-                              examine(workers_[static_cast<std::size_t>(w)], i, j, true);
+                              visit(w, i, j);
                             }
                           }
                         }
@@ -123,7 +132,7 @@ void Relaxer<Scalar>::all_pairs_pass() {
         const auto [a, b] = round[k];
         for (Index i = a * tile; i < last(a); ++i) {
           for (Index j = b * tile; j < last(b); ++j) {
-            examine(workers_[static_cast<std::size_t>(w)], i, j, true);
+            visit(w, i, j);
           }
         }
       }

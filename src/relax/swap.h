@@ -1,11 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
 #include "ccvt/options.h"
 #include "geometry/metric.h"
 #include "relax/cells.h"
+#include "relax/pair_cut.h"
 #include "relax/site_state.h"
 
 namespace ccvt {
@@ -58,58 +60,33 @@ class PairSwapper {
 
   /// Whether the bounding spheres of two sites meet [5.1, eq. 7].
   [[nodiscard]] static bool spheres_meet(const Metric& metric, const SiteState& sites, Index i,
-                                         Index j);
+                                         Index j) {
+    const double reach =
+        sites.radius[static_cast<std::size_t>(i)] + sites.radius[static_cast<std::size_t>(j)];
+    return metric.squared_distance(sites.at(i), sites.at(j)) <= reach * reach;
+  }
 
  private:
-  void place_cut(const SiteState& sites, Index i, Index j);
-  template <std::size_t Dimension>
-  void place_cut_in(const SiteState& sites, Index i, Index j);
-  [[nodiscard]] double exact_key(const Scalar* block, Index count, Index place,
-                                 const std::vector<double>& middle) const;
-  void exact_keys(const Scalar* block, Index count, const std::vector<double>& middle);
   void find_candidates(const Cells<Scalar>& cells, const SiteState& sites, Index i, Index j);
   bool already_separated(const Cells<Scalar>& cells, Index i, Index j);
-  void within_reach(const Cells<Scalar>& cells, const SiteState& sites, Index cell, Index other,
-                    std::vector<Index>& places);
+  void within_reach(const Cells<Scalar>& cells, const SiteState& sites, Index cell, Index other);
+  void make_room(Index places) {
+    places_.resize(std::max(places_.size(), static_cast<std::size_t>(places)));
+  }
   void exchange(Cells<Scalar>& cells, SiteState& sites, Index i, Index j);
-  template <class Visit>
-  auto with_cuts(Visit visit) const;
 
   const Metric& metric_;
   SwapMethod method_;
   PointPruning pruning_;
   bool median_cut_;
   double coordinate_bound_;
-  double largest_wrapped_ = 0;  ///< of the extent: two cells in a wrapped frame
-
-  /// How the two cells of the current pair lie: as they stand in one frame; in one frame, but
-  /// across the faces of the box; or in none, being too large for the torus.
-  enum class Frame { plain, wrapped, none };
-
-  // The cut between the current pair: a plane where both cells fit in one frame.
-  Frame frame_ = Frame::plain;
-  bool shifted_ = false;
-  double length_ = 0;
-  double tolerance_ = 0;  ///< bounds the error of keys in Scalar
-  double rounding_ = 0;   ///< bounds the error of keys in double
-  std::vector<double> normal_;
-  std::vector<double> middle_i_;
-  std::vector<double> middle_j_;
-  const double* site_i_ = nullptr;
-  const double* site_j_ = nullptr;
-  std::vector<Scalar> scalar_normal_;
-  std::vector<Scalar> scalar_middle_i_;
-  std::vector<Scalar> scalar_middle_j_;
-  std::vector<Scalar> extent_;
-  std::vector<Scalar> inverse_extent_;
-  std::vector<Scalar> turn_;  ///< of coordinates, in a wrapped frame
-
+  PairCut<Scalar> cut_;  ///< of the current pair
   double highest_i_ = 0;
   double lowest_j_ = 0;
-  std::vector<Scalar> keys_;       ///< of one cell; or the coordinates of one point
-  std::vector<double> per_point_;  ///< exact keys, or squared distances, of one cell
-  std::vector<Index> places_i_;
-  std::vector<Index> places_j_;
+  std::vector<Scalar> coordinates_;  ///< of one point
+  std::vector<double> per_point_;    ///< exact keys, or squared distances, of one cell
+  std::vector<Index> places_;        ///< the first found_ of them: points of one cell
+  Index found_ = 0;
   Exchange moves_;
 };
 

@@ -13,17 +13,10 @@ struct Range {
   double high;
 };
 
-template <class Scalar, class AnyCut>
-Range range_of_keys(const Scalar* stream, Index count, AnyCut cut) {
-  const auto [high, low] = kernels::key_extremes(stream, count, cut, stream, count, cut, 1);
-  return {static_cast<double>(low), static_cast<double>(high)};
-}
-
 template <class Scalar>
 Range range(const Scalar* stream, Index count) {
-  const Scalar zero = 0;
-  const Scalar one = 1;
-  return range_of_keys(stream, count, kernels::Cut<Scalar>{&zero, &one});
+  const auto [low, high] = kernels::range(stream, count);
+  return {static_cast<double>(low), static_cast<double>(high)};
 }
 
 /// The range of the shortest differences on a torus to the stream's first coordinate.
@@ -34,7 +27,9 @@ Range wrapped_range(const Metric& metric, const Scalar* stream, Index count, int
   const auto turn = static_cast<Scalar>(frame.turn);
   const auto extent = static_cast<Scalar>(metric.extent()[d]);
   const Scalar one = 1;
-  return range_of_keys(stream, count, kernels::WrappedCut<Scalar>{&origin, &one, &turn, &extent});
+  const kernels::WrappedCut<Scalar> cut{&origin, &one, &turn, &extent};
+  const auto [high, low] = kernels::key_extremes(stream, count, cut, stream, count, cut, 1);
+  return {static_cast<double>(low), static_cast<double>(high)};
 }
 
 /// Whether no point of the cell is nearer to another image of `site`.
@@ -53,13 +48,10 @@ bool is_compact(const Metric& metric, const Cells<Scalar>& cells, const double* 
 
 enum class Size { small, small_across_faces, large };
 
-/// Whether a ball neither crosses the box's faces nor is too large for what is said below.
-bool ball_is_small(const Metric& metric, const double* centre, double radius) {
-  for (int d = 0; d < metric.dimension(); ++d) {
-    if (metric.reaches_face(centre[d], radius, d)) return false;
-    if (radius > 0.24 * metric.extent()[d]) return false;
-  }
-  return true;
+/// Whether, along dimension d, a ball neither crosses the box's faces nor is too large for what is
+/// said below.
+bool ball_is_small(const Metric& metric, const double* centre, double radius, int d) {
+  return radius <= 0.24 * metric.extent()[d] && !metric.reaches_face(centre[d], radius, d);
 }
 
 /// Whether the cell is so small that the shortest differences between its points are differences
@@ -69,13 +61,12 @@ bool ball_is_small(const Metric& metric, const double* centre, double radius) {
 template <class Scalar>
 Size size_on_torus(const Metric& metric, const Cells<Scalar>& cells, const SiteState& sites,
                    Index site) {
-  if (ball_is_small(metric, sites.at(site), sites.radius[static_cast<std::size_t>(site)])) {
-    return Size::small;
-  }
+  const double radius = sites.radius[static_cast<std::size_t>(site)];
   const Index count = cells.size(site);
   const Scalar* stream = cells.block(site);
   Size size = Size::small;
   for (int d = 0; d < metric.dimension(); ++d, stream += count) {
+    if (ball_is_small(metric, sites.at(site), radius, d)) continue;
     const double extent = metric.extent()[d];
     const auto is_narrow = [extent](const Range& r) { return r.high - r.low < extent * 0.49; };
     if (is_narrow(range(stream, count))) continue;

@@ -1,6 +1,7 @@
 #include "spatial/site_bins.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 namespace ccvt {
@@ -34,6 +35,8 @@ std::optional<SiteBins> SiteBins::sort(const Metric& metric, std::span<const dou
     const double along = std::clamp(std::round(extent / width), 1.0, static_cast<double>(count));
     bins.bins_[d] = static_cast<std::size_t>(along);
     bins.lower_[d] = lower[d];
+    bins.extent_[d] =
+        metric.periodic() ? metric.extent()[d] : std::numeric_limits<double>::infinity();
     bins.width_[d] = extent / along;
     bins.inverse_width_[d] = along / extent;
     if (!std::isfinite(2 * bins.inverse_width_[d])) return std::nullopt;  // halves of bins, too

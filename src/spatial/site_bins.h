@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -25,10 +26,12 @@ class SiteBins {
   static std::optional<SiteBins> sort(const Metric& metric, std::span<const double> positions,
                                       const double* lower, const double* upper);
 
-  /// Calls visit(first, last) for runs of places that together hold every site whose offset from
-  /// `centre` is at most `reach` in each dimension; each place once. Others are among them.
-  template <class Visit>
-  void for_each_run(const double* centre, double reach, Visit visit) const;
+  /// Calls visit(place, offset) for every site whose offset from `centre`, in the box, is at most
+  /// `reach` in each dimension, each once, and for others near them. Offsets are an array of
+  /// `Dimension`, the bins' own; on a torus, of the images nearest to `centre` for those within
+  /// reach.
+  template <std::size_t Dimension, class Visit>
+  void for_each_offset(const double* centre, double reach, Visit visit) const;
 
   [[nodiscard]] std::size_t site_count() const { return site_.size(); }
   [[nodiscard]] std::size_t bin_count() const { return first_.size() - 1; }
@@ -52,8 +55,9 @@ class SiteBins {
   }
 
  private:
+  /// Bins along a dimension; on a torus, of its images too: -1 is the last bin, one turn before.
   struct Range {
-    std::size_t first;
+    std::ptrdiff_t first;
     std::size_t count;
   };
   [[nodiscard]] Range range(double centre, double reach, std::size_t d) const;
@@ -63,6 +67,7 @@ class SiteBins {
   double rounding_ = 0;
   std::array<std::size_t, kMostDimensions> bins_{};
   std::array<double, kMostDimensions> lower_{};
+  std::array<double, kMostDimensions> extent_{};  ///< of the torus; infinite in Euclidean space
   std::array<double, kMostDimensions> width_{};
   std::array<double, kMostDimensions> inverse_width_{};
   std::vector<std::size_t> first_;  ///< of bin b: places first_[b] to first_[b + 1] - 1
@@ -75,30 +80,53 @@ inline SiteBins::Range SiteBins::range(double centre, double reach, std::size_t 
   const double room = reach + rounding_;
   if (!periodic_) {
     const std::size_t first = bin_along(centre - room, d);
-    return {first, bin_along(centre + room, d) - first + 1};
+    return {static_cast<std::ptrdiff_t>(first), bin_along(centre + room, d) - first + 1};
   }
   const double from = std::floor((centre - room - lower_[d]) * inverse_width_[d]);
   const double to = std::floor((centre + room - lower_[d]) * inverse_width_[d]);
-  const auto bins = static_cast<double>(bins_[d]);
-  if (!(to - from + 1 < bins)) return {0, bins_[d]};
-  const double first = from - bins * std::floor(from / bins);
-  return {static_cast<std::size_t>(first), static_cast<std::size_t>(to - from) + 1};
+  if (!(to - from + 1 < static_cast<double>(bins_[d]))) return {0, bins_[d]};
+  return {static_cast<std::ptrdiff_t>(from), static_cast<std::size_t>(to - from) + 1};
 }
 
-template <class Visit>
-void SiteBins::for_each_run(const double* centre, double reach, Visit visit) const {
+template <std::size_t Dimension, class Visit>
+void SiteBins::for_each_offset(const double* centre, double reach, Visit visit) const {
   std::array<Range, kMostDimensions> ranges{Range{0, 1}, Range{0, 1}, Range{0, 1}};
-  for (std::size_t d = 0; d < dimension_; ++d) ranges[d] = range(centre[d], reach, d);
-  const auto around = [&](std::size_t k, std::size_t d) { return k < bins_[d] ? k : k - bins_[d]; };
-  const auto [x, along] = ranges[0];
-  const std::size_t stop = std::min(x + along, bins_[0]);
-  const std::size_t beyond = x + along - stop;
-  for (std::size_t z = 0; z < ranges[2].count; ++z) {
-    const std::size_t plane = dimension_ == 3 ? around(ranges[2].first + z, 2) * bins_[1] : 0;
-    for (std::size_t y = 0; y < ranges[1].count; ++y) {
-      const std::size_t row = (plane + around(ranges[1].first + y, 1)) * bins_[0];
-      visit(first_[row + x], first_[row + stop]);
-      if (beyond > 0) visit(first_[row], first_[row + beyond]);
+  // Whether the nearest image of a site within reach is the one in the range of bins.
+  bool narrow = true;
+  for (std::size_t d = 0; d < Dimension; ++d) {
+    ranges[d] = range(centre[d], reach, d);
+    narrow = narrow && (!periodic_ || 2 * (reach + rounding_ + width_[d]) < extent_[d]);
+  }
+  std::array<double, kMostDimensions> turn{};
+  const auto visit_run = [&](std::size_t first, std::size_t last) {
+    std::array<double, Dimension> offset;
+    for (std::size_t place = first; place < last; ++place) {
+      const double* at = position(place);
+      for (std::size_t d = 0; d < Dimension; ++d) {
+        const double difference = at[d] - centre[d];
+        offset[d] = narrow ? difference + turn[d] : shortest_difference(difference, extent_[d]);
+      }
+      visit(place, offset);
+    }
+  };
+  /// The bin within the box, having set the turn that leads to its image.
+  const auto into_box = [&](std::ptrdiff_t bin, std::size_t d) {
+    const auto bins = static_cast<std::ptrdiff_t>(bins_[d]);
+    turn[d] = bin < 0 ? -extent_[d] : bin >= bins ? extent_[d] : 0;
+    return static_cast<std::size_t>(bin < 0 ? bin + bins : bin >= bins ? bin - bins : bin);
+  };
+  const auto along = static_cast<std::ptrdiff_t>(ranges[0].count);
+  for (std::ptrdiff_t z = 0; z < static_cast<std::ptrdiff_t>(ranges[2].count); ++z) {
+    const std::size_t plane = Dimension == 3 ? into_box(ranges[2].first + z, 2) * bins_[1] : 0;
+    for (std::ptrdiff_t y = 0; y < static_cast<std::ptrdiff_t>(ranges[1].count); ++y) {
+      const std::size_t row = (plane + into_box(ranges[1].first + y, 1)) * bins_[0];
+      const std::size_t x = into_box(ranges[0].first, 0);
+      const std::size_t stop = std::min(x + static_cast<std::size_t>(along), bins_[0]);
+      visit_run(first_[row + x], first_[row + stop]);
+      const std::size_t beyond = x + static_cast<std::size_t>(along) - stop;
+      if (beyond == 0) continue;
+      into_box(ranges[0].first + along - 1, 0);
+      visit_run(first_[row], first_[row + beyond]);
     }
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -23,7 +24,7 @@ class SiteSearch {
   void within(const double* query, double radius, std::vector<Index>& scratch, Visit visit) const;
 
  private:
-  template <int Dimension, class Visit>
+  template <std::size_t Dimension, class Visit>
   void within_bins(const double* query, double radius, Visit visit) const;
 
   const Metric& metric_;
@@ -33,20 +34,14 @@ class SiteSearch {
   std::vector<double> extent_;  ///< of the torus; infinite in Euclidean space
 };
 
-template <int Dimension, class Visit>
+template <std::size_t Dimension, class Visit>
 void SiteSearch::within_bins(const double* query, double radius, Visit visit) const {
-  bins_->for_each_run(query, radius, [&](std::size_t first, std::size_t last) {
-    for (std::size_t place = first; place < last; ++place) {
-      const double* position = bins_->position(place);
-      double squared = 0;
-      for (int d = 0; d < Dimension; ++d) {
-        const double difference =
-            shortest_difference(position[d] - query[d], extent_[static_cast<std::size_t>(d)]);
-        squared += difference * difference;
-      }
-      if (squared <= radius * radius) visit(bins_->site(place), squared);
-    }
-  });
+  bins_->for_each_offset<Dimension>(
+      query, radius, [&](std::size_t place, const std::array<double, Dimension>& offset) {
+        double squared = 0;
+        for (const double difference : offset) squared += difference * difference;
+        if (squared <= radius * radius) visit(bins_->site(place), squared);
+      });
 }
 
 template <class Visit>

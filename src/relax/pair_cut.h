@@ -1,0 +1,113 @@
+#pragma once
+
+#include <vector>
+
+#include "geometry/metric.h"
+#include "kernels/kernels.h"
+#include "relax/site_state.h"
+
+namespace ccvt {
+
+/// The cut between the cells of a pair of sites: the plane half way between the sites; on a torus,
+/// what takes its place. Points are told apart by their keys: half of their energy at site i less
+/// half of that at site j [eq. 6]. Holds one pair at a time.
+template <class Scalar>
+class PairCut {
+ public:
+  /// `coordinate_bound`: on the absolute values of all coordinates.
+  PairCut(const Metric& metric, double coordinate_bound);
+
+  /// Sets up the cut between sites i and j, whose state must not change while it is in use. O(D).
+  void place(const SiteState& sites, Index i, Index j);
+
+  /// Which of the two cells a point is in.
+  enum class Side { i, j };
+
+  /// The key of a point in double; and added to `keys`, those of all `count` points of a cell, a
+  /// stream at a time: the same sums in the same order.
+  [[nodiscard]] double key(Side side, const Scalar* block, Index count, Index place) const;
+  void add_keys(Side side, const Scalar* block, Index count, double* keys) const;
+
+  /// Calls `visit` with the cut as the kernels see it from cell i and from cell j.
+  template <class Visit>
+  auto with_kernels(const Visit& visit) const;
+
+  /// The distance between the two sites.
+  [[nodiscard]] double length() const { return length_; }
+  /// A bound on the error of the kernels' keys, and on that of keys in double.
+  [[nodiscard]] double tolerance() const { return tolerance_; }
+  [[nodiscard]] double rounding() const { return rounding_; }
+  /// Whether a point that changes its owner may need wrapping at its new site.
+  [[nodiscard]] bool crosses_faces() const { return crosses_faces_; }
+
+ private:
+  /// How the two cells lie: as they stand in one frame; in one frame, but across the box's faces in
+  /// one dimension or in several; or in none, being too large for the torus.
+  enum class Frame { plain, one_face, wrapped, none };
+
+  template <std::size_t Dimension, bool Periodic>
+  void place_in(const SiteState& sites, Index i, Index j);
+  Frame frame_across(double radius, bool compact, bool small);
+  void bound_errors(double radius);
+  [[nodiscard]] const std::vector<double>& middle(Side side) const {
+    return side == Side::i ? middle_i_ : middle_j_;
+  }
+
+  const Metric& metric_;
+  double least_extent_;
+  double largest_wrapped_ = 0;  ///< of the extent: two cells in a wrapped frame
+  double placement_;            ///< bounds what coordinates are rounded as
+  double rounding_of_size_;     ///< factors of both error bounds
+  double tolerance_of_size_;
+  double least_tolerance_;
+
+  Frame frame_ = Frame::plain;
+  std::size_t across_ = 0;  ///< the dimension of Frame::one_face
+  bool crosses_faces_ = false;
+  double length_ = 0;
+  double tolerance_ = 0;
+  double rounding_ = 0;
+  const double* site_i_ = nullptr;
+  const double* site_j_ = nullptr;
+  std::vector<double> normal_;
+  std::vector<double> middle_i_;
+  std::vector<double> middle_j_;
+  std::vector<Scalar> scalar_normal_;
+  std::vector<Scalar> scalar_middle_i_;
+  std::vector<Scalar> scalar_middle_j_;
+  std::vector<Scalar> extent_;
+  std::vector<Scalar> inverse_extent_;
+  std::vector<Scalar> turn_;  ///< of coordinates, in a wrapped frame
+};
+
+template <class Scalar>
+template <class Visit>
+auto PairCut<Scalar>::with_kernels(const Visit& visit) const {
+  switch (frame_) {
+    case Frame::plain:
+      break;
+    case Frame::one_face: {
+      const kernels::FaceCut<Scalar> cut{scalar_middle_i_.data(), scalar_normal_.data(),
+                                         turn_[across_], extent_[across_] * scalar_normal_[across_],
+                                         static_cast<int>(across_)};
+      return visit(cut, cut);
+    }
+    case Frame::wrapped: {
+      const kernels::WrappedCut<Scalar> cut{scalar_middle_i_.data(), scalar_normal_.data(),
+                                            turn_.data(), extent_.data()};
+      return visit(cut, cut);
+    }
+    case Frame::none: {
+      const kernels::TorusCut<Scalar> cut{scalar_middle_i_.data(), scalar_middle_j_.data(),
+                                          extent_.data(), inverse_extent_.data()};
+      return visit(cut, cut);
+    }
+  }
+  return visit(kernels::Cut<Scalar>{scalar_middle_i_.data(), scalar_normal_.data()},
+               kernels::Cut<Scalar>{scalar_middle_j_.data(), scalar_normal_.data()});
+}
+
+extern template class PairCut<float>;
+extern template class PairCut<double>;
+
+}  // namespace ccvt
