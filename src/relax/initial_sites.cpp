@@ -1,5 +1,6 @@
 #include "relax/initial_sites.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "random.h"
@@ -14,15 +15,15 @@ constexpr std::uint64_t kSiteStream = 1;
 std::vector<Index> distinct_indices(Index count, Index total, std::uint64_t seed) {
   Random random(seed, kSiteStream);
   std::vector<bool> drawn(static_cast<std::size_t>(total), false);
-  for (Index last = total - count; last < total; ++last) {
-    const auto k = static_cast<std::size_t>(random.below(static_cast<std::uint64_t>(last) + 1));
-    drawn[drawn[k] ? static_cast<std::size_t>(last) : k] = true;
-  }
   std::vector<Index> indices;
   indices.reserve(static_cast<std::size_t>(count));
-  for (Index p = 0; p < total; ++p) {
-    if (drawn[static_cast<std::size_t>(p)]) indices.push_back(p);
+  for (Index last = total - count; last < total; ++last) {
+    const auto k = static_cast<Index>(random.below(static_cast<std::uint64_t>(last) + 1));
+    const Index index = drawn[static_cast<std::size_t>(k)] ? last : k;
+    drawn[static_cast<std::size_t>(index)] = true;
+    indices.push_back(index);
   }
+  std::sort(indices.begin(), indices.end());
   return indices;
 }
 

@@ -16,6 +16,8 @@ constexpr double kLargestFrame = 0.499;
 template <class Scalar>
 PairCut<Scalar>::PairCut(const Metric& metric, double coordinate_bound)
     : metric_(metric),
+      place_(metric.periodic() ? place_for<true>(metric.dimension())
+                               : place_for<false>(metric.dimension())),
       least_extent_(std::numeric_limits<double>::infinity()),
       placement_(metric.largest_extent() + coordinate_bound) {
   const auto size = static_cast<std::size_t>(metric.dimension());
@@ -38,16 +40,11 @@ PairCut<Scalar>::PairCut(const Metric& metric, double coordinate_bound)
 }
 
 template <class Scalar>
-void PairCut<Scalar>::place(const SiteState& sites, Index i, Index j) {
-  const int dimension = metric_.dimension();
-  if (metric_.periodic()) {
-    if (dimension == 2) return place_in<2, true>(sites, i, j);
-    if (dimension == 3) return place_in<3, true>(sites, i, j);
-    return place_in<0, true>(sites, i, j);
-  }
-  if (dimension == 2) return place_in<2, false>(sites, i, j);
-  if (dimension == 3) return place_in<3, false>(sites, i, j);
-  place_in<0, false>(sites, i, j);
+template <bool Periodic>
+auto PairCut<Scalar>::place_for(int dimension) -> Place {
+  if (dimension == 2) return &PairCut::place_in<2, Periodic>;
+  if (dimension == 3) return &PairCut::place_in<3, Periodic>;
+  return &PairCut::place_in<0, Periodic>;
 }
 
 /// A straight cut needs both cells in one frame: no point of either cell may be nearer to another
@@ -114,8 +111,8 @@ auto PairCut<Scalar>::frame_across(double radius, bool compact, bool small) -> F
   int crossed = 0;
   for (std::size_t d = 0; d < dimension; ++d) {
     const auto k = static_cast<int>(d);
-    const bool crosses = (normal_[d] != site_j_[d] - site_i_[d]) |
-                         metric_.reaches_face(site_i_[d], radius, k) |
+    const bool crosses = normal_[d] != site_j_[d] - site_i_[d] ||
+                         metric_.reaches_face(site_i_[d], radius, k) ||
                          metric_.reaches_face(site_j_[d], radius, k);
     crossed += crosses ? 1 : 0;
     across_ = crosses ? d : across_;

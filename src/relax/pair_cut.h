@@ -18,7 +18,7 @@ class PairCut {
   PairCut(const Metric& metric, double coordinate_bound);
 
   /// Sets up the cut between sites i and j, whose state must not change while it is in use. O(D).
-  void place(const SiteState& sites, Index i, Index j);
+  void place(const SiteState& sites, Index i, Index j) { (this->*place_)(sites, i, j); }
 
   /// Which of the two cells a point is in.
   enum class Side { i, j };
@@ -53,7 +53,12 @@ class PairCut {
     return side == Side::i ? middle_i_ : middle_j_;
   }
 
+  using Place = void (PairCut::*)(const SiteState&, Index, Index);
+  template <bool Periodic>
+  [[nodiscard]] static Place place_for(int dimension);
+
   const Metric& metric_;
+  Place place_;  ///< for the dimension and domain
   double least_extent_;
   double largest_wrapped_ = 0;  ///< of the extent: two cells in a wrapped frame
   double placement_;            ///< bounds what coordinates are rounded as

@@ -53,10 +53,6 @@ bool Relaxer<Scalar>::cancelled() {
 
 template <class Scalar>
 void Relaxer<Scalar>::examine(Worker& worker, Index i, Index j) {
-  if (options_.pairs == PairSelection::meeting &&
-      !PairSwapper<Scalar>::spheres_meet(metric_, sites_, i, j)) {
-    return;
-  }
   ++worker.count.pairs;
   const Index exchanged = worker.swap(cells_, sites_, i, j);
   if (exchanged == 0) return;
@@ -70,6 +66,7 @@ void Relaxer<Scalar>::examine(Worker& worker, Index i, Index j) {
 /// are whole tasks between tiles without a changed site.
 template <class Scalar>
 void Relaxer<Scalar>::run(const Schedule& schedule, bool full) {
+  const bool meeting = options_.pairs == PairSelection::meeting;
   const Pair* const pairs = schedule.pairs.data();
   const std::uint8_t* const touched = touched_.data();
   const auto touches = [&](const Pair& pair) {
@@ -87,6 +84,7 @@ void Relaxer<Scalar>::run(const Schedule& schedule, bool full) {
         for (std::int64_t p = tasks[t].begin; p < tasks[t].end; ++p) {
           const auto [i, j] = pairs[p];
           if (full && (touched[i] | touched[j]) == 0) continue;
+          if (meeting && !PairSwapper<Scalar>::spheres_meet(metric_, sites_, i, j)) continue;
           examine(worker, i, j);
         }
       }
@@ -103,12 +101,13 @@ void Relaxer<Scalar>::all_pairs_pass() {
   const auto last = [&](Index t) { return n - t * tile > tile ? (t + 1) * tile : n; };
   const auto grain = std::max<std::size_t>(
       1, kPairsPerGrain / (static_cast<std::size_t>(tile) * static_cast<std::size_t>(tile)));
-  // Every pair is every pair; of those whose spheres meet, some have nothing to gain since the last
-  // pass.
   const auto visit = [&](int w, Index i, Index j) {
-    const auto touched =
-        touched_[static_cast<std::size_t>(i)] | touched_[static_cast<std::size_t>(j)];
-    if (options_.pairs == PairSelection::meeting && touched == 0) return;
+    if (options_.pairs == PairSelection::meeting) {
+      const auto a = static_cast<std::size_t>(i);
+      const auto b = static_cast<std::size_t>(j);
+      if ((touched_[a] | touched_[b]) == 0) return;
+      if (!PairSwapper<Scalar>::spheres_meet(metric_, sites_, i, j)) return;
+    }
     examine(workers_[static_cast<std::size_t>(w)], i, j);
   };
   if (tile > 1 && !cancelled()) {
