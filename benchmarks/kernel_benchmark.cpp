@@ -13,7 +13,7 @@
 #include "ccvt/problem.h"
 #include "ccvt/sampling.h"
 #include "geometry/metric.h"
-#include "kernels/kernels.h"
+#include "kernels/keys.h"
 #include "parallel/arena.h"
 #include "relax/cells.h"
 #include "relax/filling.h"

@@ -210,6 +210,26 @@ TEST_CASE_TEMPLATE("where capacities allow it, every point gets its nearest site
   }
 }
 
+TEST_CASE("between two sites the points change that lose least by it") {
+  for (const Layout layout : {Layout::random, Layout::grid, Layout::duplicates}) {
+    for (const Index size : {1, 3, 60, 150, 240, 297, 299}) {
+      CAPTURE(name_of(layout));
+      CAPTURE(size);
+      Start<double> start(layout, 2, false, {size, 300 - size});
+      std::vector<Real> loss;
+      Real least = 0;
+      for (Index p = 0; p < 300; ++p) {
+        loss.push_back(start.squared(p, 0) - start.squared(p, 1));
+        least += start.squared(p, 1);
+      }
+      std::sort(loss.begin(), loss.end());
+      for (Index k = 0; k < size; ++k) least += loss[static_cast<std::size_t>(k)];
+      CHECK(start.energy(start.owners(Initialization::balanced)) ==
+            doctest::Approx(static_cast<double>(least)).epsilon(1e-12));
+    }
+  }
+}
+
 TEST_CASE("balanced starts lower than coherent, and that lower than random") {
   for (const bool periodic : {false, true}) {
     Start<float> start(Layout::random, 2, periodic, std::vector<Index>(300, 30));

@@ -1,6 +1,4 @@
 // The loops over points, against the same sums and comparisons one by one.
-#include "kernels/kernels.h"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -12,7 +10,9 @@
 #include <vector>
 
 #include "geometry/metric.h"
+#include "kernels/keys.h"
 #include "kernels/nearest.h"
+#include "kernels/streams.h"
 #include "random.h"
 #include "support/generate.h"
 

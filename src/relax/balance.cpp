@@ -7,7 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "kernels/kernels.h"
+#include "kernels/keys.h"
 #include "relax/potential.h"
 #include "relax/site_graph.h"
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "geometry/metric.h"
-#include "kernels/kernels.h"
+#include "kernels/keys.h"
 #include "relax/site_state.h"
 
 namespace ccvt {

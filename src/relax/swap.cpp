@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "kernels/kernels.h"
+#include "kernels/keys.h"
 #include "relax/update.h"
 
 namespace ccvt {

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/kernels.h"
+#include "kernels/keys.h"
+#include "kernels/streams.h"
 
 namespace ccvt {
 namespace {

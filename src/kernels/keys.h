@@ -4,8 +4,8 @@
 
 /// The loops over the points of a cell, compiled for each instruction set and chosen at run time.
 /// A block holds one stream per dimension: coordinate d of point k is at block[d * count + k].
-/// Results do not depend on the instruction set but for the last bits of keys, which their callers
-/// treat as approximate.
+/// Keys may differ in their last bits from one instruction set to another, and their callers treat
+/// them as approximate; those of keys() do not.
 namespace ccvt::kernels {
 
 /// The hyperplane between two sites, as seen from one cell: key(p) = sum over d of
@@ -72,30 +72,5 @@ enum class Beyond { above, below };
 template <class Scalar, class AnyCut>
 Index places_beyond(const Scalar* block, Index count, int dimension, const AnyCut& cut,
                     Beyond beyond, Scalar threshold, Index* places);
-
-template <class Scalar>
-struct Range {
-  Scalar low;
-  Scalar high;
-};
-
-/// The least and the greatest of `count` >= 1 coordinates.
-template <class Scalar>
-Range<Scalar> range(const Scalar* stream, Index count);
-
-/// The sum of coordinates[k] - origin over one stream, in eight interleaved partial sums; of the
-/// shortest differences on a torus when `extent` is not 0.
-template <class Scalar>
-double sum_from(const Scalar* stream, Index count, double origin, double extent);
-
-struct Spread {
-  double energy;          ///< sum of squared distances to the centre
-  double squared_radius;  ///< largest squared distance to the centre
-};
-
-/// How a block is spread around `centre`; on a torus when `extent` is given.
-template <class Scalar>
-Spread spread_around(const Scalar* block, Index count, int dimension, const double* centre,
-                     const double* extent);
 
 }  // namespace ccvt::kernels

@@ -1,0 +1,179 @@
+// The cut between two cells, against the energies of their points at both sites.
+#include "relax/pair_cut.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+#include <vector>
+
+#include "random.h"
+#include "relax/update.h"
+#include "support/generate.h"
+
+using ccvt::Box;
+using ccvt::Cells;
+using ccvt::Domain;
+using ccvt::Index;
+using ccvt::Metric;
+using ccvt::PairCut;
+using ccvt::Points;
+using ccvt::Random;
+using ccvt::SiteState;
+using namespace ccvt::test;
+
+namespace {
+
+constexpr Index kPoints = 37;
+
+/// Two balls of points in a domain, their centres a step apart.
+template <class Scalar>
+struct Pair {
+  Pair(const Metric& metric, const Box& box, Random& random, double radius)
+      : cells(metric.dimension(), std::vector<Index>{kPoints, kPoints}),
+        sites(metric.dimension(), 2) {
+    const int dimension = metric.dimension();
+    std::vector<double> centre;
+    for (int d = 0; d < dimension; ++d) {
+      centre.push_back(box.lower[d] + random.uniform() * box.extent()[d]);
+    }
+    std::vector<Scalar> x(static_cast<std::size_t>(dimension));
+    for (const Index cell : {0, 1}) {
+      for (Index k = 0; k < kPoints; ++k) {
+        for (int d = 0; d < dimension; ++d) {
+          const auto e = static_cast<std::size_t>(d);
+          const double offset = radius * (2 * random.uniform() - 1) * box.extent()[d];
+          x[e] = metric.as<Scalar>(metric.into_box(centre[e] + offset, d), d);
+        }
+        cells.put(cell, k, cell * kPoints + k, x.data());
+      }
+      for (int d = 0; d < dimension; ++d) {
+        sites.at(cell)[d] = metric.into_box(centre[static_cast<std::size_t>(d)], d);
+        centre[static_cast<std::size_t>(d)] += radius * random.uniform() * box.extent()[d];
+      }
+      update_site(metric, cells, sites, cell);
+    }
+  }
+
+  Cells<Scalar> cells;
+  SiteState sites;
+};
+
+/// Half of the squared distance to site 0 less half of that to site 1, with digits to spare.
+template <class Scalar>
+long double exact_key(const Metric& metric, const Pair<Scalar>& pair,
+                      const std::vector<Scalar>& x) {
+  long double key = 0;
+  for (int d = 0; d < metric.dimension(); ++d) {
+    const auto squared = [&](Index site) {
+      const auto difference = std::abs(static_cast<long double>(x[static_cast<std::size_t>(d)]) -
+                                       pair.sites.at(site)[d]);
+      const long double distance =
+          metric.periodic() ? std::min(difference, metric.extent()[d] - difference) : difference;
+      return distance * distance;
+    };
+    key += (squared(0) - squared(1)) / 2;
+  }
+  return key;
+}
+
+/// The least and the greatest error of keys. What all share does not matter: where both cells see
+/// the same cut, that is the rounding of its place.
+struct Errors {
+  double least = std::numeric_limits<double>::infinity();
+  double greatest = -least;
+
+  void add(double error) {
+    least = std::min(least, error);
+    greatest = std::max(greatest, error);
+  }
+};
+
+struct Checked {
+  Errors in_double;
+  Errors in_kernels;
+  bool same_one_by_one = true;
+};
+
+template <class Scalar, class AnyCut>
+void check_keys(const Metric& metric, const Pair<Scalar>& pair, const PairCut<Scalar>& cut,
+                typename PairCut<Scalar>::Side side, const AnyCut& seen, Checked& checked) {
+  const Index cell = side == PairCut<Scalar>::Side::i ? 0 : 1;
+  const Scalar* block = pair.cells.block(cell);
+  std::vector<double> added(kPoints, 0.0);
+  cut.add_keys(side, block, kPoints, added.data());
+  std::vector<Scalar> keys(kPoints);
+  ccvt::kernels::keys(block, kPoints, metric.dimension(), seen, keys.data());
+  const auto extremes =
+      ccvt::kernels::key_extremes(block, kPoints, seen, block, kPoints, seen, metric.dimension());
+  auto lowest = std::numeric_limits<long double>::infinity();
+  auto highest = -lowest;
+  std::vector<Scalar> x(static_cast<std::size_t>(metric.dimension()));
+  for (Index k = 0; k < kPoints; ++k) {
+    pair.cells.get(cell, k, x.data());
+    const long double exact = exact_key(metric, pair, x);
+    const double key = cut.key(side, block, kPoints, k);
+    checked.same_one_by_one &= key == added[static_cast<std::size_t>(k)];
+    checked.in_double.add(static_cast<double>(key - exact));
+    checked.in_kernels.add(static_cast<double>(keys[static_cast<std::size_t>(k)] - exact));
+    lowest = std::min(lowest, exact);
+    highest = std::max(highest, exact);
+  }
+  checked.in_kernels.add(static_cast<double>(extremes.lowest_j - lowest));
+  checked.in_kernels.add(static_cast<double>(extremes.highest_i - highest));
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("swap");
+
+TEST_CASE_TEMPLATE("keys are half the difference of the energies at both sites", Scalar, float,
+                   double) {
+  using Side = typename PairCut<Scalar>::Side;
+  int plain = 0;
+  int face = 0;
+  int wrapped = 0;
+  int torus = 0;
+  for (const int dimension : {1, 2, 3, 5}) {
+    for (const bool periodic : {false, true}) {
+      const Box box = uneven_box(dimension);
+      const Metric metric(dimension, periodic ? Domain::periodic(box) : Domain());
+      const double bound =
+          std::max(box.lower.array().abs().maxCoeff(), box.upper.array().abs().maxCoeff());
+      PairCut<Scalar> cut(metric, bound + 1);
+      for (const double radius : {1e-3, 0.05, 0.15, 0.4}) {
+        Random random(1, static_cast<std::uint64_t>(dimension));
+        for (int trial = 0; trial < 100; ++trial) {
+          CAPTURE(dimension);
+          CAPTURE(periodic);
+          CAPTURE(radius);
+          CAPTURE(trial);
+          const Pair<Scalar> pair(metric, box, random, radius);
+          cut.place(pair.sites, 0, 1);
+          Checked checked;
+          cut.with_kernels([&](const auto& cut_i, const auto& cut_j) {
+            using AnyCut = std::decay_t<decltype(cut_i)>;
+            plain += std::is_same_v<AnyCut, ccvt::kernels::Cut<Scalar>> ? 1 : 0;
+            face += std::is_same_v<AnyCut, ccvt::kernels::FaceCut<Scalar>> ? 1 : 0;
+            wrapped += std::is_same_v<AnyCut, ccvt::kernels::WrappedCut<Scalar>> ? 1 : 0;
+            torus += std::is_same_v<AnyCut, ccvt::kernels::TorusCut<Scalar>> ? 1 : 0;
+            check_keys(metric, pair, cut, Side::i, cut_i, checked);
+            check_keys(metric, pair, cut, Side::j, cut_j, checked);
+          });
+          REQUIRE(checked.same_one_by_one);
+          REQUIRE(checked.in_double.greatest - checked.in_double.least <= 2 * cut.rounding());
+          REQUIRE(checked.in_kernels.greatest - checked.in_kernels.least <= 2 * cut.tolerance());
+        }
+      }
+    }
+  }
+  // Every kind of cut was there.
+  CHECK(plain > 100);
+  CHECK(face > 100);
+  CHECK(wrapped > 100);
+  CHECK(torus > 100);
+}
+
+TEST_SUITE_END();
