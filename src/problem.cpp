@@ -42,6 +42,20 @@ void require_inside(const char* argument, const PointsView<Scalar>& points, cons
   }
 }
 
+template <class Scalar>
+void require_moderate(const Box& box) {
+  const auto check = [](const char* corner, const Eigen::VectorXd& x) {
+    for (Eigen::Index d = 0; d < x.size(); ++d) {
+      if (std::abs(x[d]) <= kLargest<Scalar>) continue;
+      throw InvalidInput("domain: coordinate " + std::to_string(d) + " of its box's " + corner +
+                         " corner is " + text(x[d]) + ": it must be at most " +
+                         text(kLargest<Scalar>) + " in magnitude");
+    }
+  };
+  check("lower", box.lower);
+  check("upper", box.upper);
+}
+
 }  // namespace
 
 template <class Scalar>
@@ -64,6 +78,7 @@ Problem<Scalar>& Problem<Scalar>::set_domain(Domain domain) {
       throw InvalidInput("domain: its box has " + std::to_string(domain.box().dimension()) +
                          " dimensions, the points have " + std::to_string(dimension()));
     }
+    require_moderate<Scalar>(domain.box());
     require_inside("points", points_, domain.box());
   }
   domain_ = std::move(domain);

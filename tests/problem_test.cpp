@@ -145,6 +145,10 @@ TEST_CASE("domains that do not hold the points") {
     check_refused({
         {[&] { problem.set_domain(make(Box::unit(3))); }, {"domain", "3", "2"}},
         {[&] { problem.set_domain(make(Box::unit(1))); }, {"domain", "1", "2"}},
+        {[&] { problem.set_domain(make(box(Vector2d(0, 0), Vector2d(9, 1e300)))); },
+         {"domain", "coordinate 1", "upper", "1e+300", "at most"}},
+        {[&] { problem.set_domain(make(box(Vector2d(-1e151, 0), Vector2d(9, 1)))); },
+         {"domain", "coordinate 0", "lower", "-1e+151", "at most"}},
         {[&] { problem.set_domain(make(box(Vector2d(0, 0), Vector2d(4.5, 1)))); },
          {"points[5]", "coordinate 0", "5", "4.5"}},
         {[&] { problem.set_domain(make(box(Vector2d(0.25, 0), Vector2d(9, 1)))); },

@@ -28,7 +28,8 @@ class CCVT_EXPORT Problem {
   Problem(PointsView<Scalar> points, Index sites);
 
   /// Default: Euclidean space. A box must have the points' dimension and contain all points (a
-  /// periodic box: both faces included).
+  /// periodic box: both faces included); its corners are at most 1e17 (1e150 for double points) in
+  /// magnitude, as coordinates are.
   Problem& set_domain(Domain domain);
   /// Default: equal, see equal_capacities(). One positive number per site, summing to m.
   Problem& set_capacities(std::vector<Index> capacities);

@@ -17,7 +17,7 @@ inline double shortest_difference(double difference, double extent) {
   return difference - turn;
 }
 
-/// Its absolute value, sooner.
+/// Its absolute value, in fewer operations; for differences of at most one extent.
 inline double shortest_distance(double difference, double extent) {
   const double one_way = std::abs(difference);
   return std::min(one_way, extent - one_way);

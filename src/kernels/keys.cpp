@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
@@ -180,7 +181,7 @@ HWY_INLINE Index places_in(const Scalar* block, Index count, Dimension dimension
   const auto note = [&](std::uint64_t bits, Index first) {
     for (; bits != 0; bits &= bits - 1) places[found++] = first + std::countr_zero(bits);
   };
-  const hn::ScalableTag<Scalar> wide;
+  const hn::CappedTag<Scalar, 64> wide;  // as many as there are bits
   const auto lanes = static_cast<Index>(hn::Lanes(wide));
   if (count < lanes) {
     const hn::CappedTag<Scalar, 1> one;

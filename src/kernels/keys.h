@@ -27,8 +27,9 @@ struct WrappedCut {
   const Scalar* extent;
 };
 
-/// The same where the cells cross faces in the one dimension `across`: `jump` is its extent times
-/// the normal there, added to the keys of points whose coordinate is below `turn`.
+/// The same where the cells cross faces in the one dimension `across`, the only one in which
+/// `origin` is not the middle: `jump` is the extent times the normal there, added to the keys of
+/// points whose coordinate is below `turn`.
 template <class Scalar>
 struct FaceCut {
   const Scalar* origin;
@@ -61,7 +62,8 @@ Extremes<Scalar> key_extremes(const Scalar* block_i, Index count_i, const AnyCut
                               const Scalar* block_j, Index count_j, const AnyCut& cut_j,
                               int dimension);
 
-/// The keys of a block of points.
+/// The keys of a block of points. The library asks for those of Cut and WrappedCut only, tests for
+/// all.
 template <class Scalar, class AnyCut>
 void keys(const Scalar* block, Index count, int dimension, const AnyCut& cut, Scalar* out);
 

@@ -116,7 +116,8 @@ class Mover {
         if (keys_[k] >= floor) choices_.push_back({keys_[k], static_cast<Index>(k)});
       }
     }
-    if (choices_.size() <= wanted) return;
+    if (choices_.size() < wanted) throw std::logic_error("balance: a key is not a number");
+    if (choices_.size() == wanted) return;
     std::nth_element(choices_.begin(), choices_.begin() + static_cast<std::ptrdiff_t>(wanted),
                      choices_.end(), Better());
     choices_.resize(wanted);

@@ -34,15 +34,17 @@ class PairCut {
 
   /// The distance between the two sites.
   [[nodiscard]] double length() const { return length_; }
-  /// A bound on the error of the kernels' keys, and on that of keys in double.
+  /// A bound on the error of the kernels' keys, and on that of keys in double; but for what all
+  /// keys of the pair share, which differs: the two kinds must not be compared.
   [[nodiscard]] double tolerance() const { return tolerance_; }
   [[nodiscard]] double rounding() const { return rounding_; }
   /// Whether a point that changes its owner may need wrapping at its new site.
   [[nodiscard]] bool crosses_faces() const { return crosses_faces_; }
 
  private:
-  /// How the two cells lie: as they stand in one frame; in one frame, but across the box's faces in
-  /// one dimension or in several; or in none, being too large for the torus.
+  /// How the two cells lie: as they stand in one frame, or in two that a shift of one makes one; in
+  /// one frame, but across the box's faces in one dimension or in several; or in none, being too
+  /// large for the torus.
   enum class Frame { plain, one_face, wrapped, none };
 
   template <std::size_t Dimension, bool Periodic>

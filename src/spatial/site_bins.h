@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -90,12 +91,14 @@ inline SiteBins::Range SiteBins::range(double centre, double reach, std::size_t 
 
 template <std::size_t Dimension, class Visit>
 void SiteBins::for_each_offset(const double* centre, double reach, Visit visit) const {
+  assert(Dimension == dimension_);
   std::array<Range, kMostDimensions> ranges{Range{0, 1}, Range{0, 1}, Range{0, 1}};
   // Whether the nearest image of a site within reach is the one in the range of bins.
   bool narrow = true;
   for (std::size_t d = 0; d < Dimension; ++d) {
     ranges[d] = range(centre[d], reach, d);
-    narrow = narrow && (!periodic_ || 2 * (reach + rounding_ + width_[d]) < extent_[d]);
+    narrow = narrow && (!periodic_ || (ranges[d].count < bins_[d] &&
+                                       2 * (reach + rounding_ + width_[d]) < extent_[d]));
   }
   std::array<double, kMostDimensions> turn{};
   const auto visit_run = [&](std::size_t first, std::size_t last) {
@@ -115,17 +118,17 @@ void SiteBins::for_each_offset(const double* centre, double reach, Visit visit) 
     turn[d] = bin < 0 ? -extent_[d] : bin >= bins ? extent_[d] : 0;
     return static_cast<std::size_t>(bin < 0 ? bin + bins : bin >= bins ? bin - bins : bin);
   };
-  const auto along = static_cast<std::ptrdiff_t>(ranges[0].count);
+  const std::size_t along = ranges[0].count;
   for (std::ptrdiff_t z = 0; z < static_cast<std::ptrdiff_t>(ranges[2].count); ++z) {
     const std::size_t plane = Dimension == 3 ? into_box(ranges[2].first + z, 2) * bins_[1] : 0;
     for (std::ptrdiff_t y = 0; y < static_cast<std::ptrdiff_t>(ranges[1].count); ++y) {
       const std::size_t row = (plane + into_box(ranges[1].first + y, 1)) * bins_[0];
       const std::size_t x = into_box(ranges[0].first, 0);
-      const std::size_t stop = std::min(x + static_cast<std::size_t>(along), bins_[0]);
+      const std::size_t stop = std::min(x + along, bins_[0]);
       visit_run(first_[row + x], first_[row + stop]);
-      const std::size_t beyond = x + static_cast<std::size_t>(along) - stop;
+      const std::size_t beyond = x + along - stop;
       if (beyond == 0) continue;
-      into_box(ranges[0].first + along - 1, 0);
+      into_box(ranges[0].first + static_cast<std::ptrdiff_t>(along) - 1, 0);
       visit_run(first_[row], first_[row + beyond]);
     }
   }

@@ -1,22 +1,17 @@
 #include "spatial/site_search.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace ccvt {
 
-SiteSearch::SiteSearch(const Metric& metric, std::span<const double> positions)
-    : metric_(metric),
-      extent_(static_cast<std::size_t>(metric.dimension()),
-              std::numeric_limits<double>::infinity()) {
-  const std::size_t dimension = extent_.size();
+SiteSearch::SiteSearch(const Metric& metric, std::span<const double> positions) : metric_(metric) {
+  const auto dimension = static_cast<std::size_t>(metric.dimension());
   std::vector<double> lower(positions.begin(),
                             positions.begin() + static_cast<std::ptrdiff_t>(dimension));
   std::vector<double> upper(lower);
   if (metric.periodic()) {
-    extent_.assign(metric.extent(), metric.extent() + dimension);
     lower.assign(metric.lower(), metric.lower() + dimension);
-    for (std::size_t d = 0; d < dimension; ++d) upper[d] = lower[d] + extent_[d];
+    for (std::size_t d = 0; d < dimension; ++d) upper[d] = lower[d] + metric.extent()[d];
   } else {
     for (std::size_t k = 0; k < positions.size(); ++k) {
       lower[k % dimension] = std::min(lower[k % dimension], positions[k]);

@@ -18,8 +18,9 @@ class SiteSearch {
   /// `positions`: #dimensions by n, one site after the other; copied.
   SiteSearch(const Metric& metric, std::span<const double> positions);
 
-  /// Calls visit(site, squared distance) for each site within `radius` of `query`, in no particular
-  /// but always the same order. `scratch` is for its own use.
+  /// Calls visit(site, squared distance) for each site within `radius` of `query`, which lies in
+  /// the box when there is one, in no particular but always the same order. `scratch` is for its
+  /// own use.
   template <class Visit>
   void within(const double* query, double radius, std::vector<Index>& scratch, Visit visit) const;
 
@@ -31,7 +32,6 @@ class SiteSearch {
   std::vector<double> positions_;
   std::optional<SiteBins> bins_;
   std::optional<SiteTree> tree_;
-  std::vector<double> extent_;  ///< of the torus; infinite in Euclidean space
 };
 
 template <std::size_t Dimension, class Visit>
@@ -53,7 +53,8 @@ void SiteSearch::within(const double* query, double radius, std::vector<Index>& 
   tree_->within(query, radius, scratch);
   for (const Index site : scratch) {
     const double squared = metric_.squared_distance(
-        &positions_[static_cast<std::size_t>(site) * extent_.size()], query);
+        &positions_[static_cast<std::size_t>(site) * static_cast<std::size_t>(metric_.dimension())],
+        query);
     if (squared <= radius * radius) visit(site, squared);
   }
 }
