@@ -60,8 +60,7 @@ void uniform(int repetitions) {
   std::printf("## Uniform 3D: torus, float, one thread, to stable\n\n");
   std::printf(
       "| sites x points a site | points | seconds | million FLANN queries | normalized energy, "
-      "worst "
-      "| smallest distance / FCC, worst | mean distance / FCC, worst "
+      "worst | smallest distance / FCC, worst | mean distance / FCC, worst "
       "|\n|---|---|---|---|---|---|---|\n");
   for (const auto& [sites, capacity] : {std::pair{1000, 256}, {8000, 64}}) {
     for (const auto distribution : {ccvt::Distribution::jittered, ccvt::Distribution::white}) {

@@ -12,6 +12,7 @@
 #include "random.h"
 #include "relax/update.h"
 #include "support/generate.h"
+#include "support/oracle.h"
 
 using ccvt::Box;
 using ccvt::Cells;
@@ -61,24 +62,6 @@ struct Pair {
   SiteState sites;
 };
 
-/// Half of the squared distance to site 0 less half of that to site 1, with digits to spare.
-template <class Scalar>
-long double exact_key(const Metric& metric, const Pair<Scalar>& pair,
-                      const std::vector<Scalar>& x) {
-  long double key = 0;
-  for (int d = 0; d < metric.dimension(); ++d) {
-    const auto squared = [&](Index site) {
-      const auto difference = std::abs(static_cast<long double>(x[static_cast<std::size_t>(d)]) -
-                                       pair.sites.at(site)[d]);
-      const long double distance =
-          metric.periodic() ? std::min(difference, metric.extent()[d] - difference) : difference;
-      return distance * distance;
-    };
-    key += (squared(0) - squared(1)) / 2;
-  }
-  return key;
-}
-
 /// The least and the greatest error of keys. What all share does not matter: where both cells see
 /// the same cut, that is the rounding of its place.
 struct Errors {
@@ -98,22 +81,26 @@ struct Checked {
 };
 
 template <class Scalar, class AnyCut>
-void check_keys(const Metric& metric, const Pair<Scalar>& pair, const PairCut<Scalar>& cut,
+void check_keys(const Domain& domain, const Pair<Scalar>& pair, const PairCut<Scalar>& cut,
                 typename PairCut<Scalar>::Side side, const AnyCut& seen, Checked& checked) {
+  const int dimension = pair.cells.dimension();
   const Index cell = side == PairCut<Scalar>::Side::i ? 0 : 1;
   const Scalar* block = pair.cells.block(cell);
   std::vector<double> added(kPoints, 0.0);
   cut.add_keys(side, block, kPoints, added.data());
   std::vector<Scalar> keys(kPoints);
-  ccvt::kernels::keys(block, kPoints, metric.dimension(), seen, keys.data());
+  ccvt::kernels::keys(block, kPoints, dimension, seen, keys.data());
   const auto extremes =
-      ccvt::kernels::key_extremes(block, kPoints, seen, block, kPoints, seen, metric.dimension());
-  auto lowest = std::numeric_limits<long double>::infinity();
+      ccvt::kernels::key_extremes(block, kPoints, seen, block, kPoints, seen, dimension);
+  auto lowest = std::numeric_limits<Real>::infinity();
   auto highest = -lowest;
-  std::vector<Scalar> x(static_cast<std::size_t>(metric.dimension()));
+  std::vector<Scalar> x(static_cast<std::size_t>(dimension));
   for (Index k = 0; k < kPoints; ++k) {
     pair.cells.get(cell, k, x.data());
-    const long double exact = exact_key(metric, pair, x);
+    const auto squared = [&](Index site) {
+      return squared_distance(domain, dimension, x.data(), pair.sites.at(site));
+    };
+    const Real exact = (squared(0) - squared(1)) / 2;
     const double key = cut.key(side, block, kPoints, k);
     checked.same_one_by_one &= key == added[static_cast<std::size_t>(k)];
     checked.in_double.add(static_cast<double>(key - exact));
@@ -139,7 +126,8 @@ TEST_CASE_TEMPLATE("keys are half the difference of the energies at both sites",
   for (const int dimension : {1, 2, 3, 5}) {
     for (const bool periodic : {false, true}) {
       const Box box = uneven_box(dimension);
-      const Metric metric(dimension, periodic ? Domain::periodic(box) : Domain());
+      const Domain domain = periodic ? Domain::periodic(box) : Domain();
+      const Metric metric(dimension, domain);
       const double bound =
           std::max(box.lower.array().abs().maxCoeff(), box.upper.array().abs().maxCoeff());
       PairCut<Scalar> cut(metric, bound + 1);
@@ -159,8 +147,8 @@ TEST_CASE_TEMPLATE("keys are half the difference of the energies at both sites",
             face += std::is_same_v<AnyCut, ccvt::kernels::FaceCut<Scalar>> ? 1 : 0;
             wrapped += std::is_same_v<AnyCut, ccvt::kernels::WrappedCut<Scalar>> ? 1 : 0;
             torus += std::is_same_v<AnyCut, ccvt::kernels::TorusCut<Scalar>> ? 1 : 0;
-            check_keys(metric, pair, cut, Side::i, cut_i, checked);
-            check_keys(metric, pair, cut, Side::j, cut_j, checked);
+            check_keys(domain, pair, cut, Side::i, cut_i, checked);
+            check_keys(domain, pair, cut, Side::j, cut_j, checked);
           });
           REQUIRE(checked.same_one_by_one);
           REQUIRE(checked.in_double.greatest - checked.in_double.least <= 2 * cut.rounding());

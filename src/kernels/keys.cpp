@@ -14,6 +14,11 @@
 #include <cstring>
 #include <type_traits>
 
+/// Every kind of cut, with the name that its functions begin with.
+#define CCVT_FOR_CUTS(Each, Scalar, Name)                                          \
+  Each(Scalar, Name, Cut<Scalar>) Each(Scalar, Name##_wrapped, WrappedCut<Scalar>) \
+      Each(Scalar, Name##_face, FaceCut<Scalar>) Each(Scalar, Name##_torus, TorusCut<Scalar>)
+
 HWY_BEFORE_NAMESPACE();
 namespace ccvt::kernels {
 namespace HWY_NAMESPACE {
@@ -217,15 +222,8 @@ HWY_INLINE Index any_places(const Scalar* block, Index count, int dimension, con
                       Beyond beyond, Scalar threshold, Index* places) {                       \
     return any_places(block, count, dimension, cut, beyond, threshold, places);               \
   }
-#define CCVT_FOR_SCALAR(Scalar, Name)                      \
-  CCVT_FOR_CUT(Scalar, Name, Cut<Scalar>)                  \
-  CCVT_FOR_CUT(Scalar, Name##_wrapped, WrappedCut<Scalar>) \
-  CCVT_FOR_CUT(Scalar, Name##_face, FaceCut<Scalar>)       \
-  CCVT_FOR_CUT(Scalar, Name##_torus, TorusCut<Scalar>)
-
-CCVT_FOR_SCALAR(float, float32)
-CCVT_FOR_SCALAR(double, float64)
-#undef CCVT_FOR_SCALAR
+CCVT_FOR_CUTS(CCVT_FOR_CUT, float, float32)
+CCVT_FOR_CUTS(CCVT_FOR_CUT, double, float64)
 #undef CCVT_FOR_CUT
 
 }  // namespace HWY_NAMESPACE
@@ -256,16 +254,11 @@ namespace ccvt::kernels {
     return HWY_DYNAMIC_DISPATCH(Name##_places)(block, count, dimension, cut, beyond, threshold,    \
                                                places);                                            \
   }
-#define CCVT_DISPATCH(Scalar, Name)                             \
-  CCVT_DISPATCH_CUT(Scalar, Name, Cut<Scalar>)                  \
-  CCVT_DISPATCH_CUT(Scalar, Name##_wrapped, WrappedCut<Scalar>) \
-  CCVT_DISPATCH_CUT(Scalar, Name##_face, FaceCut<Scalar>)       \
-  CCVT_DISPATCH_CUT(Scalar, Name##_torus, TorusCut<Scalar>)
-
-CCVT_DISPATCH(float, float32)
-CCVT_DISPATCH(double, float64)
-#undef CCVT_DISPATCH
+CCVT_FOR_CUTS(CCVT_DISPATCH_CUT, float, float32)
+CCVT_FOR_CUTS(CCVT_DISPATCH_CUT, double, float64)
 #undef CCVT_DISPATCH_CUT
 
 }  // namespace ccvt::kernels
 #endif
+
+#undef CCVT_FOR_CUTS

@@ -12,6 +12,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "geometry/metric.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace ccvt::kernels {
 namespace HWY_NAMESPACE {
@@ -29,8 +31,7 @@ struct Straight {
 struct Around {
   const double* extent;
   double operator()(double difference, int d) const {
-    const double size = std::abs(difference);
-    return std::min(size, extent[d] - size);
+    return shortest_distance(difference, extent[d]);
   }
 };
 

@@ -51,6 +51,17 @@ bool Relaxer<Scalar>::cancelled() {
   return stopped_;
 }
 
+/// Whether a pair is worth a look: of those whose spheres meet, in a full pass, one of two sites
+/// that have not changed is not.
+template <class Scalar>
+bool Relaxer<Scalar>::may_gain(Index i, Index j, bool full) const {
+  if (options_.pairs == PairSelection::all) return true;
+  const auto a = static_cast<std::size_t>(i);
+  const auto b = static_cast<std::size_t>(j);
+  if (full && (touched_[a] | touched_[b]) == 0) return false;
+  return PairSwapper<Scalar>::spheres_meet(metric_, sites_, i, j);
+}
+
 template <class Scalar>
 void Relaxer<Scalar>::examine(Worker& worker, Index i, Index j) {
   ++worker.count.pairs;
@@ -66,9 +77,7 @@ void Relaxer<Scalar>::examine(Worker& worker, Index i, Index j) {
 /// are whole tasks between tiles without a changed site.
 template <class Scalar>
 void Relaxer<Scalar>::run(const Schedule& schedule, bool full) {
-  const bool meeting = options_.pairs == PairSelection::meeting;
   const Pair* const pairs = schedule.pairs.data();
-  const std::uint8_t* const touched = touched_.data();
   const auto touches = [&](const Pair& pair) {
     return (touched_tile_[static_cast<std::size_t>(pair.first / options_.tile_sites)] |
             touched_tile_[static_cast<std::size_t>(pair.second / options_.tile_sites)]) != 0;
@@ -83,9 +92,7 @@ void Relaxer<Scalar>::run(const Schedule& schedule, bool full) {
         if (full && !touches(pairs[tasks[t].begin])) continue;
         for (std::int64_t p = tasks[t].begin; p < tasks[t].end; ++p) {
           const auto [i, j] = pairs[p];
-          if (full && (touched[i] | touched[j]) == 0) continue;
-          if (meeting && !PairSwapper<Scalar>::spheres_meet(metric_, sites_, i, j)) continue;
-          examine(worker, i, j);
+          if (may_gain(i, j, full)) examine(worker, i, j);
         }
       }
     });
@@ -102,13 +109,7 @@ void Relaxer<Scalar>::all_pairs_pass() {
   const auto grain = std::max<std::size_t>(
       1, kPairsPerGrain / (static_cast<std::size_t>(tile) * static_cast<std::size_t>(tile)));
   const auto visit = [&](int w, Index i, Index j) {
-    if (options_.pairs == PairSelection::meeting) {
-      const auto a = static_cast<std::size_t>(i);
-      const auto b = static_cast<std::size_t>(j);
-      if ((touched_[a] | touched_[b]) == 0) return;
-      if (!PairSwapper<Scalar>::spheres_meet(metric_, sites_, i, j)) return;
-    }
-    examine(workers_[static_cast<std::size_t>(w)], i, j);
+    if (may_gain(i, j, true)) examine(workers_[static_cast<std::size_t>(w)], i, j);
   };
   if (tile > 1 && !cancelled()) {
     arena_.for_ranges(static_cast<std::size_t>(tiles), 1,

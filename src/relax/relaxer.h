@@ -62,6 +62,7 @@ class Relaxer {
   void all_pairs_pass();
   void screened_pass();
   void run(const Schedule& schedule, bool full);
+  [[nodiscard]] bool may_gain(Index i, Index j, bool full) const;
   void examine(Worker& worker, Index i, Index j);
   bool cancelled();
   void update_changed(bool full);

@@ -39,10 +39,10 @@ bool PairSwapper<Scalar>::already_separated(const Cells<Scalar>& cells, Index i,
 }
 
 /// Point distance pruning [5.2, eq. 8 and 9]: the points of `cell` that are near enough to the
-/// other site to gain by an exchange.
+/// other site to gain by an exchange. Notes their places and returns how many.
 template <class Scalar>
-void PairSwapper<Scalar>::within_reach(const Cells<Scalar>& cells, const SiteState& sites,
-                                       Index cell, Index other) {
+Index PairSwapper<Scalar>::within_reach(const Cells<Scalar>& cells, const SiteState& sites,
+                                        Index cell, Index other) {
   const double own = sites.radius[static_cast<std::size_t>(cell)];
   const double others = sites.radius[static_cast<std::size_t>(other)];
   const double nearest = std::max(0.0, cut_.length() - others);
@@ -54,29 +54,30 @@ void PairSwapper<Scalar>::within_reach(const Cells<Scalar>& cells, const SiteSta
   const Scalar* stream = cells.block(cell);
   for (int d = 0; d < metric_.dimension(); ++d, stream += count) {
     const double x = site[d];
-    const double half = metric_.periodic() ? metric_.extent()[d] / 2 : 0;
+    const double extent =
+        metric_.periodic() ? metric_.extent()[d] : std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < per_point_.size(); ++k) {
-      double difference = std::abs(static_cast<double>(stream[k]) - x);
-      if (half > 0) difference = std::min(difference, 2 * half - difference);
-      per_point_[k] += difference * difference;
+      const double distance = shortest_distance(static_cast<double>(stream[k]) - x, extent);
+      per_point_[k] += distance * distance;
     }
   }
   make_room(count);
-  found_ = 0;
+  Index found = 0;
   for (Index k = 0; k < count; ++k) {
-    places_[static_cast<std::size_t>(found_)] = k;
-    found_ += per_point_[static_cast<std::size_t>(k)] <= limit ? 1 : 0;
+    places_[static_cast<std::size_t>(found)] = k;
+    found += per_point_[static_cast<std::size_t>(k)] <= limit ? 1 : 0;
   }
+  return found;
 }
 
 template <class Scalar>
 void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const SiteState& sites,
                                           Index i, Index j) {
   using Side = typename PairCut<Scalar>::Side;
-  const auto keep = [&](Index cell, Side side, std::vector<Candidate>& candidates) {
+  const auto keep = [&](Index cell, Side side, Index found, std::vector<Candidate>& candidates) {
     candidates.clear();
     const Scalar* block = cells.block(cell);
-    for (Index k = 0; k < found_; ++k) {
+    for (Index k = 0; k < found; ++k) {
       const Index place = places_[static_cast<std::size_t>(k)];
       __builtin_prefetch(cells.points(cell) + place, 1);
       candidates.push_back({cut_.key(side, block, cells.size(cell), place), place});
@@ -97,10 +98,8 @@ void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const Site
       return;
     }
     case PointPruning::distance:
-      within_reach(cells, sites, i, j);
-      keep(i, Side::i, moves_.from_i);
-      within_reach(cells, sites, j, i);
-      keep(j, Side::j, moves_.from_j);
+      keep(i, Side::i, within_reach(cells, sites, i, j), moves_.from_i);
+      keep(j, Side::j, within_reach(cells, sites, j, i), moves_.from_j);
       return;
     case PointPruning::extremes: {
       // Thresholds are rounded outwards, away from the points that can move.
@@ -111,14 +110,12 @@ void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const Site
           std::nextafter(static_cast<Scalar>(highest_i_ + cut_.tolerance()), infinity);
       const auto find = [&](Index cell, const auto& cut, kernels::Beyond beyond, Scalar threshold) {
         make_room(cells.size(cell));
-        found_ = kernels::places_beyond(cells.block(cell), cells.size(cell), metric_.dimension(),
-                                        cut, beyond, threshold, places_.data());
+        return kernels::places_beyond(cells.block(cell), cells.size(cell), metric_.dimension(), cut,
+                                      beyond, threshold, places_.data());
       };
       cut_.with_kernels([&](const auto& cut_i, const auto& cut_j) {
-        find(i, cut_i, kernels::Beyond::above, floor);
-        keep(i, Side::i, moves_.from_i);
-        find(j, cut_j, kernels::Beyond::below, ceiling);
-        keep(j, Side::j, moves_.from_j);
+        keep(i, Side::i, find(i, cut_i, kernels::Beyond::above, floor), moves_.from_i);
+        keep(j, Side::j, find(j, cut_j, kernels::Beyond::below, ceiling), moves_.from_j);
       });
       return;
     }

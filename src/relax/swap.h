@@ -69,7 +69,7 @@ class PairSwapper {
  private:
   void find_candidates(const Cells<Scalar>& cells, const SiteState& sites, Index i, Index j);
   bool already_separated(const Cells<Scalar>& cells, Index i, Index j);
-  void within_reach(const Cells<Scalar>& cells, const SiteState& sites, Index cell, Index other);
+  Index within_reach(const Cells<Scalar>& cells, const SiteState& sites, Index cell, Index other);
   void make_room(Index places) {
     places_.resize(std::max(places_.size(), static_cast<std::size_t>(places)));
   }
@@ -85,8 +85,7 @@ class PairSwapper {
   double lowest_j_ = 0;
   std::vector<Scalar> coordinates_;  ///< of one point
   std::vector<double> per_point_;    ///< exact keys, or squared distances, of one cell
-  std::vector<Index> places_;        ///< the first found_ of them: points of one cell
-  Index found_ = 0;
+  std::vector<Index> places_;        ///< points of one cell, found last
   Exchange moves_;
 };
 

@@ -10,10 +10,7 @@
 namespace ccvt {
 namespace {
 
-struct Range {
-  double low;
-  double high;
-};
+using Range = kernels::Range<double>;
 
 template <class Scalar>
 Range range(const Scalar* stream, Index count) {
