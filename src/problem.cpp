@@ -92,8 +92,15 @@ Problem<Scalar>& Problem<Scalar>::set_capacities(std::vector<Index> capacities) 
                        std::to_string(site_count()) + " sites: there must be one per site");
   }
   validate_capacities(capacities, point_count());
+  // Owners that are there own as many points as the capacities in force say.
+  for (std::size_t s = 0; s < capacities.size() && !initial_owners_.empty(); ++s) {
+    if (capacities[s] == capacities_[s]) continue;
+    throw InvalidInput("capacities[" + std::to_string(s) + "] is " + std::to_string(capacities[s]) +
+                       ", but the initial_owners set before give that site " +
+                       std::to_string(capacities_[s]) +
+                       " points: the two must be equal; set capacities first");
+  }
   capacities_ = std::move(capacities);
-  initial_owners_.clear();
   return *this;
 }
 
@@ -126,7 +133,8 @@ Problem<Scalar>& Problem<Scalar>::set_initial_owners(std::vector<Index> owners) 
     if (room[static_cast<std::size_t>(owners[p])]-- == 0) {
       throw InvalidInput(element + " is " + std::to_string(owners[p]) +
                          ": that site owns more points than its capacity " +
-                         std::to_string(capacities_[static_cast<std::size_t>(owners[p])]));
+                         std::to_string(capacities_[static_cast<std::size_t>(owners[p])]) +
+                         "; capacities that are not equal must be set first");
     }
   }
   initial_owners_ = std::move(owners);

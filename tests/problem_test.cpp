@@ -11,6 +11,7 @@
 
 #include "ccvt/capacity.h"
 #include "ccvt/options.h"
+#include "ccvt/sampling.h"
 #include "ccvt/solver.h"
 #include "ccvt/tessellation.h"
 
@@ -256,11 +257,39 @@ TEST_CASE("initial owners") {
        {"initial_owners[3]", "0", "capacity 2"}},
   });
   CHECK(problem.initial_owners().empty());
-  problem.set_initial_owners({0, 1, 2, 0, 1, 2});
-  // They belong to the capacities that they were checked against.
-  problem.set_capacities({1, 4, 1});
-  CHECK(problem.initial_owners().empty());
-  CHECK_NOTHROW(problem.set_initial_owners({0, 1, 1, 1, 1, 2}));
+  // Whichever comes second: owners and capacities must agree.
+  const std::vector<Index> owners{0, 1, 2, 0, 1, 2};
+  problem.set_initial_owners(owners);
+  check_refused({{[&] {
+                    problem.set_capacities({2, 3, 1});
+                  },
+                  {"capacities[1]", "3", "initial_owners", "2"}}});
+  CHECK(problem.capacities() == std::vector<Index>{2, 2, 2});
+  CHECK(problem.initial_owners() == owners);
+  CHECK_NOTHROW(problem.set_capacities({2, 2, 2}));
+  CHECK(problem.initial_owners() == owners);
+  Problem<double> uneven(points, 3);
+  check_refused({{[&] {
+                    uneven.set_initial_owners({0, 1, 1, 1, 1, 2});
+                  },
+                  {"initial_owners[3]", "1", "capacity 2", "set first"}}});
+  uneven.set_capacities({1, 4, 1});
+  CHECK_NOTHROW(uneven.set_initial_owners({0, 1, 1, 1, 1, 2}));
+}
+
+TEST_CASE("initial sites and owners, in either order: the same bits") {
+  const auto points = ccvt::sample_uniform<double>(ccvt::Box::unit(2), 2000, 3);
+  Problem<double> first(points, 20);
+  first.set_domain(Domain::periodic(ccvt::Box::unit(2)));
+  const auto start = ccvt::tessellate(first, {.max_iterations = 1});
+  Problem<double> second = first;
+  first.set_initial_owners(start.owners).set_initial_sites(start.sites);
+  second.set_initial_sites(start.sites).set_initial_owners(start.owners);
+  const auto a = ccvt::tessellate(first);
+  const auto b = ccvt::tessellate(second);
+  CHECK(a.summary.initialization_used == "owners");
+  CHECK(a.owners == b.owners);
+  CHECK(a.sites == b.sites);
 }
 
 TEST_CASE("options") {

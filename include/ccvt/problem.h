@@ -12,7 +12,8 @@ namespace ccvt {
 /// What is to be tessellated: m points, n sites with capacities that sum to m, and a domain.
 ///
 /// The points are not copied: they must outlive the problem and every solver made from it.
-/// Each setter checks its argument at once and throws InvalidInput; a Problem that exists is valid.
+/// Each setter checks its argument at once, against what was set before too, and throws
+/// InvalidInput: a Problem that exists is valid, and no order of setters drops anything.
 ///
 ///     ccvt::Problem problem(points, 1000);
 ///     problem.set_domain(ccvt::Domain::periodic(ccvt::Box::unit(2)));
@@ -31,12 +32,17 @@ class CCVT_EXPORT Problem {
   /// periodic box: both faces included); its corners are at most 1e17 (1e150 for double points) in
   /// magnitude, as coordinates are.
   Problem& set_domain(Domain domain);
-  /// Default: equal, see equal_capacities(). One positive number per site, summing to m.
+  /// Default: equal, see equal_capacities(). One positive number per site, summing to m, and after
+  /// set_initial_owners() as many as each site owns.
   Problem& set_capacities(std::vector<Index> capacities);
-  /// Default: n distinct points drawn by Options::seed. #dimensions by n, finite.
+  /// Default: n distinct points drawn by Options::seed. #dimensions by n, finite. Beside initial
+  /// owners, set before or after, they are no more than hints: sites start at the centroids of
+  /// their cells, of which a cell that winds round a periodic domain has several; it is given the
+  /// one that its hint leads to.
   Problem& set_initial_sites(const Eigen::Ref<const Points<Scalar>>& sites);
   /// A warm start: the owner of every point, in 0..n-1, each site owning as many points as its
-  /// capacity. Initial sites are then the centroids of the cells. Set capacities first.
+  /// capacity; capacities that are not equal must be set first. Sites start at the centroids of the
+  /// cells.
   Problem& set_initial_owners(std::vector<Index> owners);
 
   [[nodiscard]] const PointsView<Scalar>& points() const { return points_; }

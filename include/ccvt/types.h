@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 namespace ccvt {
 
@@ -34,11 +35,15 @@ struct PointsView {
   [[nodiscard]] const Scalar* operator[](Index point) const { return data + point * stride; }
 };
 
-/// Views any Eigen matrix that stores its points as columns, without a copy.
+/// Views any Eigen matrix of float or double that stores its points as columns, without a copy.
 /// RowMajor matrices and unevaluated expressions are refused at compile time: they would have to
 /// be copied. Throws InvalidInput when there are 2^31 points or more.
 template <class Derived>
 PointsView<typename Derived::Scalar> view_points(const Eigen::DenseBase<Derived>& points) {
+  using Scalar = typename Derived::Scalar;
+  static_assert(std::is_same_v<Scalar, float> || std::is_same_v<Scalar, double>,
+                "ccvt: coordinates must be float or double: convert integers and other numbers by "
+                "points.cast<float>().eval() first");
   static_assert((Derived::Flags & Eigen::DirectAccessBit) != 0,
                 "ccvt: evaluate the expression into a matrix first: points are used in place");
   static_assert(!Derived::IsRowMajor || Derived::RowsAtCompileTime == 1,

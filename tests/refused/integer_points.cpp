@@ -1,0 +1,4 @@
+// Must not compile: see tests/CMakeLists.txt.
+#include <ccvt/ccvt.h>
+
+void take_integers(const Eigen::MatrixXi& points) { CCVT_CALL; }
