@@ -1,0 +1,97 @@
+# What .ci/run and .ci/full are made of; they source this file. A failed stage does not keep the
+# later ones from running.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+jobs=$(nproc)
+passed=0
+failed=0
+
+stage() {  # name, command
+  local name=$1 start=$SECONDS
+  shift
+  echo "=== $name"
+  if "$@"; then
+    passed=$((passed + 1))
+    echo "=== $name: passed in $((SECONDS - start)) s"
+  else
+    failed=$((failed + 1))
+    echo "=== $name: FAILED after $((SECONDS - start)) s"
+  fi
+}
+
+# The last line of the output, and the exit status.
+close() {
+  echo "=== all stages: $SECONDS s"
+  echo "$passed passed, $failed failed"
+  [ "$failed" -eq 0 ]
+}
+
+build() {  # preset, further arguments for the build
+  local preset=$1
+  shift
+  cmake --preset "$preset" && cmake --build --preset "$preset" -j "$jobs" "$@"
+}
+
+build_and_test() {  # preset, further arguments for ctest
+  local preset=$1
+  shift
+  build "$preset" && ctest --preset "$preset" -j "$jobs" "$@"
+}
+
+# The command as it stands; warnings of g++ are errors here, not for users.
+readme_test_command() {
+  env CXXFLAGS=-Werror cmake/test.sh
+}
+
+public_headers() {  # each alone
+  cmake --build --preset release --target all_verify_interface_header_sets
+}
+
+quick_benchmarks() {
+  build/release/bin/ccvt-bench all --quick -o build/release/quick-benchmarks >/dev/null
+}
+
+developer_packages() {
+  cmake/install-packages.sh \
+    chromium clang clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev python3
+}
+
+format() {
+  find include src tests benchmarks \( -name '*.h' -o -name '*.cpp' \) -print0 |
+    xargs -0 clang-format-14 --dry-run --Werror
+}
+
+fuzz() {  # seconds for each fuzzer, from valid files
+  local seconds=$1 fuzzer name corpus
+  for fuzzer in build/asan-ubsan/tests/*_fuzzer; do
+    name=$(basename "$fuzzer" _fuzzer)
+    corpus=build/asan-ubsan/corpus/$name
+    python3 "tests/fuzz/${name}_corpus.py" "$corpus" &&
+      "$fuzzer" -max_len=4096 -malloc_limit_mb=64 -max_total_time="$seconds" \
+        -print_final_stats=1 -verbosity=0 "$corpus" || return 1
+  done
+}
+
+tidy_all() {
+  build tidy
+}
+
+# The sources that differ from where this branch left the main one; on that itself, those of the
+# last commits. The first 40 of them: time is short where this is used.
+changed_sources() {
+  local base
+  base=$(git merge-base HEAD origin/main 2>/dev/null || git merge-base HEAD main 2>/dev/null ||
+    git rev-parse HEAD) || return 1
+  if [ "$base" = "$(git rev-parse HEAD)" ]; then
+    base=$(git rev-list --max-count=20 HEAD | tail -n 1)
+  fi
+  git diff --name-only --diff-filter=d "$base" -- 'src/*.cpp' | sed -n 1,40p
+}
+
+tidy_changed() {
+  local sources
+  sources=$(changed_sources) && cmake --preset tidy || return 1
+  echo "clang-tidy: $(echo "$sources" | grep -c .) sources"
+  [ -n "$sources" ] || return 0
+  echo "$sources" | xargs -P "$jobs" -n 1 clang-tidy-14 --quiet -p build/tidy
+}
