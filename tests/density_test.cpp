@@ -508,7 +508,7 @@ TEST_CASE("refused densities are named by the value, the density and the first c
   for (const int threads : {1, 2}) {
     const auto message =
         refusal([&] { sample_density<float>(grid, 5, 0, DensitySampling::white, threads); });
-    CHECK(mentions(message, "values[40000], cell (0, 200), is -7, but"));
+    CHECK(mentions(message, "values[40000], cell (0, 200) (fastest axis first), is -7, but"));
   }
   grid.map = [](double v) { return v - 1; };
   CHECK(mentions(refusal([&] { sample_density<float>(grid, 5); }), "is -7, and its density -8"));
@@ -613,7 +613,7 @@ TEST_CASE("refused grids name index and value") {
   for (const double bad : {-0.5, std::nan(""), HUGE_VAL}) {
     std::vector<double> values = good;
     values[7] = bad;
-    CHECK(mentions(message(values, {3, 4}), "values[7], cell (1, 2), is"));
+    CHECK(mentions(message(values, {3, 4}), "values[7], cell (1, 2) (fastest axis first), is"));
   }
   std::vector<double> negative = good;
   negative[7] = -0.5;

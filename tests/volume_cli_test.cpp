@@ -39,7 +39,8 @@ TEST_CASE("volume: samples, preview, summary; the same for any number of threads
   CHECK(ran.status == 0);
   CHECK(ran.errors == "");
   CHECK(ran.output.substr(0, 12) == "needs about ");
-  const auto samples = read_points<float>(directory / "a.csv");
+  const auto samples = read_points<float>(
+      directory / "a.csv", {.columns = {"x", "y", "z", "radius", "capacity", "weight"}});
   REQUIRE(samples.cols() == 60);
   CHECK(samples.rows() == 6);
   CHECK(samples.row(0).minCoeff() > 7);
@@ -98,7 +99,8 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
     CHECK(std::count(ran.errors.begin(), ran.errors.end(), '\n') == 1);
     CHECK(ran.errors.find(part) != std::string::npos);
   };
-  check("v.nii", "v.nii: grid: values[0], cell (0, 0, 0), is -100, but must be finite");
+  check("v.nii",
+        "v.nii: grid: values[0], cell (0, 0, 0) (fastest axis first), is -100, but must be finite");
   check("none.nii", "there is no such file");
   check("v.nii --map window:5,5", "LO less than HI");
   check("v.nii --map window:5", "needs 2, with commas");

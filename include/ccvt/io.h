@@ -14,18 +14,24 @@
 
 /// Points, owners and pictures in files, by extension:
 ///
-///   .npy        NumPy arrays, versions 1.0 to 3.0, little endian, C order. Points: float32 or
-///               float64 of shape (#points, #dimensions), read also from uint8, which becomes
-///               Scalar. Owners: int32 of shape (#points,).
+///   .npy        NumPy arrays, versions 1.0 to 3.0. Points: float32 or float64 of shape
+///               (#points, #dimensions), read also from bool, float16 and whole numbers that Scalar
+///               holds exactly, of either byte order, in C or Fortran order, which takes no more
+///               memory. Owners: int32 of shape (#points,), read also from other whole numbers.
 ///   .fvecs,     Points, read only: of each its dimension (int32), then as many float32 or uint8.
 ///   .bvecs
 ///   .csv, .txt  One point, or one whole number, a line. Fields are separated by blanks, or by
 ///               one comma or one semicolon. '#' starts a comment, blank lines count for nothing,
-///               and a first line in which no field is a number is a header. Numbers are written
-///               with as many digits as it takes to read the same bits back.
+///               and a first line in which no field is a number is a header. It names the columns,
+///               if there is one name for each: those called x, y and z, as many as there are of
+///               them, or else x0, x1, …, are then the coordinates, in that order, in either case.
+///               All columns are where there is neither x nor x0. Numbers are written with as many
+///               digits as it takes to read the same bits back.
 ///   .ply        Read only: the vertices of a PLY file, ascii or binary of either byte order: x and
 ///               y, and z if there is one. Other properties and elements are skipped.
 ///   .png, .jpg  Pictures.
+///
+/// ReadOptions::columns says which columns are coordinates where this is not what is meant.
 ///
 /// Readers throw InvalidInput with one line that names the file, the place (rows of .npy and
 /// columns from 0, lines of text from 1), the value and the rule. They compare what a header
@@ -42,7 +48,8 @@ class IoError : public std::runtime_error {
   explicit IoError(const std::string& message) : std::runtime_error(message) {}
 };
 
-/// How a file stores its coordinates; of bytes, what holds them exactly: float32.
+/// How a file stores its coordinates; of others than these, what holds all numbers of their type
+/// exactly, or else float64.
 enum class ScalarType { float32, float64 };
 
 /// What a file of points promises to hold.
@@ -50,15 +57,28 @@ struct PointsHeader {
   ScalarType scalar = ScalarType::float64;  ///< float64 for text
   int dimension = 0;
   std::uint64_t count = 0;  ///< points; of text the number of lines, an upper bound
+  /// What the header of a text file calls the coordinates; empty where there is none.
+  std::vector<std::string> columns = {};
+  /// Its other columns, where nobody said which are coordinates.
+  std::vector<std::string> left_out = {};
+};
+
+struct ReadOptions {
+  /// The columns that are coordinates, in this order: names of a text file's header or of
+  /// properties of PLY vertices, or numbers, from 1, in any file. Empty: as the format has it.
+  std::vector<std::string> columns = {};
 };
 
 /// Looks at a file of points without reading the points.
-CCVT_EXPORT PointsHeader inspect_points(const std::filesystem::path& path);
+CCVT_EXPORT PointsHeader inspect_points(const std::filesystem::path& path,
+                                        const ReadOptions& options = {});
 
 /// #dimensions by #points, all finite, at least one point. A float64 file read as float is
-/// rounded; a coordinate too large for float is refused.
+/// rounded; a coordinate too large for float is refused, and so is a whole number of an .npy file
+/// that Scalar does not hold exactly.
 template <class Scalar>
-CCVT_EXPORT Points<Scalar> read_points(const std::filesystem::path& path);
+CCVT_EXPORT Points<Scalar> read_points(const std::filesystem::path& path,
+                                       const ReadOptions& options = {});
 
 /// `points`: one a row or line, float32 or float64 as Scalar is.
 template <class Scalar>
@@ -68,7 +88,7 @@ void write_points(const std::filesystem::path& path, const Eigen::DenseBase<Deri
   write_points(path, view_points(points));
 }
 
-/// Whole numbers, such as capacities or owners: one a line, or int32 or int64 of shape (#,).
+/// Whole numbers, such as capacities or owners: one a line, or of any integer type and shape (#,).
 /// At least one. Throws InvalidInput for those that do not fit Index.
 CCVT_EXPORT std::vector<Index> read_indices(const std::filesystem::path& path);
 

@@ -126,7 +126,8 @@ struct VolumeLayout {
 ///                  pixdim. One volume: 4D series, colours and complex numbers are refused.
 ///   .nrrd, .nhdr   NRRD 1 to 5, the data in the same file or in one other; raw or gzip; world
 ///                  coordinates as in the file's own space.
-///   .npy           Shape (A, B, C), C order. World coordinates are in the order of the array's
+///   .npy           Shape (A, B, C), C or Fortran order, either byte order; bool becomes uint8,
+///                  float16 becomes float32. World coordinates are in the order of the array's
 ///                  axes: entry [a, b, c] is at origin + spacing * (a, b, c).
 ///   .raw           With the shape and type from `layout`.
 ///

@@ -79,10 +79,10 @@ AnalyzedSet read_set(const AnalyzeArguments& arguments, const PointFiles& given,
   for (const fs::path& path : given.files) {
     stop_if_interrupted();
     check_not_overwritten(path, arguments.output);
-    const PointsHeader header = inspect_points(path);
+    const PointsHeader header = inspect_and_tell(path, arguments.reading, arguments.quiet);
     check_memory(path.string(), header.count, static_cast<std::uint64_t>(header.dimension),
                  sizeof(double));
-    Points<double> points = read_points<double>(path);
+    Points<double> points = read_points<double>(path, arguments.reading);
     if (points.rows() != dimension) {
       throw InvalidInput(path.string() + ": points have " + std::to_string(points.rows()) +
                          " coordinates, those in " + arguments.sets.front().files.front().string() +
@@ -168,7 +168,8 @@ int run_analyze(const AnalyzeArguments& arguments) {
     throw InvalidInput("analyze: needs POINTS or --compare; see ccvt analyze --help");
   }
   check_directory(arguments.output);
-  const int dimension = inspect_points(arguments.sets.front().files.front()).dimension;
+  const int dimension =
+      inspect_points(arguments.sets.front().files.front(), arguments.reading).dimension;
   std::vector<AnalyzedSet> sets;
   for (const PointFiles& given : arguments.sets) {
     sets.push_back(read_set(arguments, given, dimension));

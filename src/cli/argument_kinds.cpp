@@ -19,6 +19,17 @@ std::string parse_box(const std::string& text, std::vector<double>& box) {
   return box.empty() ? "has no numbers" : wrong;
 }
 
+std::string parse_columns(const std::string& text, std::vector<std::string>& columns) {
+  columns.clear();
+  for (std::size_t begin = 0;;) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    if (end == begin) return "'" + text + "' has an empty name; names are separated by commas";
+    columns.push_back(text.substr(begin, end - begin));
+    if (end == text.size()) return {};
+    begin = end + 1;
+  }
+}
+
 }  // namespace
 
 CLI::Option* add_file(CLI::App& app, const std::string& name, std::filesystem::path& target,
@@ -30,6 +41,26 @@ CLI::Option* add_file(CLI::App& app, const std::string& name, std::filesystem::p
       [](std::string& text) { return text.empty() ? std::string("is empty") : std::string(); },
       ""));
   return option;
+}
+
+CLI::Option* add_file(CLI::App& app, const std::string& name, std::filesystem::path& target,
+                      const std::string& description, io::Extensions extensions) {
+  const auto end = std::min(description.find(" ["), description.size());  // a default comes last
+  return add_file(
+      app, name, target,
+      description.substr(0, end) + ": " + io::list_of(extensions) + description.substr(end));
+}
+
+void add_columns(CLI::App& app, ReadOptions& target) {
+  add_parsed(app, "--columns", target.columns, parse_columns,
+             "Which columns are coordinates: names in a header or of PLY properties, or numbers "
+             "from 1 [those named x, y, z or x0, x1, ..., if there are any, else all]",
+             "A,B,..");
+}
+
+void add_flag(CLI::App& app, const std::string& name, bool& target,
+              const std::string& description) {
+  app.add_flag(name, target, description)->disable_flag_override();
 }
 
 void add_sites(CLI::App& app, Index& target, const std::string& description, bool required) {
@@ -58,12 +89,12 @@ void add_run(CLI::App& app, CommonArguments& common) {
                      "Stop when an iteration lowers the energy by less than this share [0]", "E",
                      {.least = 0, .most = 1, .open_above = true});
   add_file(app, "--summary", common.summary, "Write a summary of the run as JSON");
-  app.add_flag("-q,--quiet", common.quiet, "Print nothing but errors");
+  add_flag(app, "-q,--quiet", common.quiet, "Print nothing but errors");
 }
 
-void add_common(CLI::App& app, CommonArguments& common, const std::string& formats,
+void add_common(CLI::App& app, CommonArguments& common, io::Extensions extensions,
                 const std::string& default_scalar) {
-  add_file(app, "-o,--output", common.output, "Where the sites go: " + formats)->required();
+  add_file(app, "-o,--output", common.output, "Where the sites go", extensions)->required();
   add_run(app, common);
   app.add_option(
          "--preset", common.preset,
@@ -89,7 +120,7 @@ void add_common(CLI::App& app, CommonArguments& common, const std::string& forma
       "--double", [&common](std::int64_t) { common.scalar = ScalarType::float64; },
       "Compute and write in float64" +
           std::string(default_scalar == "float32" ? "" : " [default: " + default_scalar + "]"));
-  single->excludes(wide);
+  single->disable_flag_override()->excludes(wide->disable_flag_override());
 }
 
 void add_box(CLI::App& app, std::vector<double>& box, const std::string& description) {

@@ -9,6 +9,7 @@
 #include "ccvt/types.h"
 #include "cli/arguments.h"
 #include "cli/values.h"
+#include "io/formats.h"
 
 /// What the commands' options are made of.
 namespace ccvt::cli {
@@ -53,6 +54,13 @@ void add_parsed(CLI::App& app, const std::string& name, Target& target, const Pa
 
 CLI::Option* add_file(CLI::App& app, const std::string& name, std::filesystem::path& target,
                       const std::string& description);
+/// The same, of one of `extensions`, which the help lists.
+CLI::Option* add_file(CLI::App& app, const std::string& name, std::filesystem::path& target,
+                      const std::string& description, io::Extensions extensions);
+/// --columns: which columns of the files of points are coordinates.
+void add_columns(CLI::App& app, ReadOptions& target);
+/// An option without a value.
+void add_flag(CLI::App& app, const std::string& name, bool& target, const std::string& description);
 void add_sites(CLI::App& app, Index& target, const std::string& description, bool required);
 void add_points_per_site(CLI::App& app, Index& target);
 void add_seed_and_threads(CLI::App& app, std::uint64_t& seed, int& threads);
@@ -61,8 +69,8 @@ void add_box(CLI::App& app, std::vector<double>& box, const std::string& descrip
 /// What all commands that iterate have in common.
 void add_run(CLI::App& app, CommonArguments& common);
 
-/// That, and where the sites go: to a file of one of `formats`.
-void add_common(CLI::App& app, CommonArguments& common, const std::string& formats,
+/// That, and where the sites go: to a file of one of `extensions`.
+void add_common(CLI::App& app, CommonArguments& common, io::Extensions extensions,
                 const std::string& default_scalar);
 
 /// The arguments, last one first, with all numbers that follow --box made its one value: CLI11

@@ -10,6 +10,7 @@
 
 #include "ccvt/version.h"
 #include "cli/argument_kinds.h"
+#include "cli/usage_error.h"
 #include "cli/volume_values.h"
 
 namespace ccvt::cli {
@@ -34,7 +35,7 @@ CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
       ->required();
   add_sites(*command, arguments.sites, "Number of sites", true);
   add_points_per_site(*command, arguments.points_per_site);
-  command->add_flag("--periodic", arguments.periodic, "Opposite faces of the box are one");
+  add_flag(*command, "--periodic", arguments.periodic, "Opposite faces of the box are one");
   static const std::map<std::string, Distribution> names = {{"white", Distribution::white},
                                                             {"jittered", Distribution::jittered},
                                                             {"square", Distribution::square},
@@ -51,25 +52,30 @@ CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
             return "'" + name + "' is not one of white, jittered, square, hexagonal";
           },
           ""));
-  add_common(*command, arguments, ".npy, .csv, .txt", "float32");
-  add_file(*command, "--points-out", arguments.points_out, "Write the points too");
-  add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too");
+  add_common(*command, arguments, io::kTableFiles, "float32");
+  add_file(*command, "--points-out", arguments.points_out, "Write the points too", io::kTableFiles);
+  add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too",
+           io::kTableFiles);
   command->footer("Example: ccvt sample --dim 2 --sites 1024 --periodic -o sites.npy");
   return command;
 }
 
 CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
   auto* const command = app.add_subcommand("tessellate", "Sites and owners for given points");
-  add_file(*command, "POINTS", arguments.points, "Points: .npy, .csv, .txt")->required();
+  add_file(*command, "POINTS", arguments.points, "Points", io::kPointFiles)->required();
+  add_columns(*command, arguments.reading);
   add_sites(*command, arguments.sites, "Number of sites, drawn from the points", false);
-  add_file(*command, "--initial-sites", arguments.initial_sites, "Where the sites start")
+  add_file(*command, "--initial-sites", arguments.initial_sites, "Where the sites start",
+           io::kPointFiles)
       ->excludes("--sites");
   add_file(*command, "--capacities", arguments.capacities,
-           "How many points each site owns, summing to the number of points [equal]");
-  command->add_flag("--periodic", arguments.periodic, "Opposite faces of --box are one");
+           "How many points each site owns, summing to the number of points [equal]",
+           io::kTableFiles);
+  add_flag(*command, "--periodic", arguments.periodic, "Opposite faces of --box are one");
   add_box(*command, arguments.box, "The box that holds the points");
-  add_common(*command, arguments, ".npy, .csv, .txt", "as the points are stored; text: float64");
-  add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too");
+  add_common(*command, arguments, io::kTableFiles, "as the points are stored; text: float64");
+  add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too",
+           io::kTableFiles);
   command->footer(
       "Example: ccvt tessellate points.csv --sites 100 --periodic --box 0 0 1 1 -o sites.csv");
   return command;
@@ -80,7 +86,7 @@ CLI::App* add_stipple(CLI::App& app, StippleArguments& arguments) {
   add_file(*command, "IMAGE", arguments.image, "The picture: PNG or JPEG")->required();
   add_sites(*command, arguments.sites, "Number of dots", true);
   add_points_per_site(*command, arguments.points_per_site);
-  command->add_flag("--invert", arguments.invert, "Put the dots where the picture is light");
+  add_flag(*command, "--invert", arguments.invert, "Put the dots where the picture is light");
   constexpr double infinity = std::numeric_limits<double>::max();
   add_number<double>(*command, "--gamma", arguments.gamma,
                      "Exponent on the darkness; above 1: fewer dots in light parts [1]", "G",
@@ -88,7 +94,9 @@ CLI::App* add_stipple(CLI::App& app, StippleArguments& arguments) {
   add_number<double>(*command, "--dot-radius", arguments.dot_radius,
                      "In pixels of the picture [such that dots cover as much as is dark]", "R",
                      {.least = 0, .most = infinity, .open_below = true});
-  add_common(*command, arguments, ".svg, .png; dot centres in pixels: .csv, .txt, .npy", "float32");
+  add_common(*command, arguments, io::kStippleFiles, "float32");
+  auto* const output = command->get_option("--output");
+  output->description(output->get_description() + "; the last three hold dot centres in pixels");
   command->footer("Example: ccvt stipple photo.png --sites 20000 -o dots.svg");
   return command;
 }
@@ -130,18 +138,20 @@ CLI::App* add_analyze(CLI::App& app, AnalyzeArguments& arguments) {
           [&arguments](const std::vector<std::string>& files) {
             arguments.sets.push_back({"points", {files.begin(), files.end()}});
           },
-          "Points: .npy, .csv, .txt, .ply. Several files are runs of one kind, and averaged")
+          "Points: " + io::list_of(io::kPointFiles) +
+              ". Several files are runs of one kind, and averaged")
       ->type_name("FILE");
+  add_columns(*command, arguments.reading);
   command
       ->add_option_function<std::vector<std::string>>(
           "--compare",
           [&arguments](const std::vector<std::string>& words) {
             add_compared(words, arguments.sets);
           },
-          "Further sets, side by side with the first. Files after it without a name are runs of "
-          "it")
+          "Further sets, side by side with the first: " + io::list_of(io::kPointFiles) +
+              ". Files after one without a name are runs of it")
       ->type_name("NAME=FILE");
-  command->add_flag("--periodic", arguments.periodic, "Opposite faces of the box are one");
+  add_flag(*command, "--periodic", arguments.periodic, "Opposite faces of the box are one");
   add_box(*command, arguments.box, "The box that the points fill [the unit box]");
   add_number<double>(*command, "--max-frequency", arguments.max_frequency,
                      "Up to which frequency, in units of n^(1/D) in the unit box [2]", "F",
@@ -151,7 +161,7 @@ CLI::App* add_analyze(CLI::App& app, AnalyzeArguments& arguments) {
       ->type_name("DIR")
       ->required();
   add_seed_and_threads(*command, arguments.seed, arguments.threads);
-  command->add_flag("-q,--quiet", arguments.quiet, "Print nothing but errors");
+  add_flag(*command, "-q,--quiet", arguments.quiet, "Print nothing but errors");
   command->footer(
       "Examples: ccvt analyze run1.npy run2.npy --periodic -o report\n"
       "          ccvt analyze ours.npy --compare theirs=a.csv white=b.csv --periodic -o report");
@@ -160,15 +170,15 @@ CLI::App* add_analyze(CLI::App& app, AnalyzeArguments& arguments) {
 
 CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
   auto* const command = app.add_subcommand("volume", "Samples that follow a scalar field in 3D");
-  add_file(*command, "FILE", arguments.volume, "The field: .nii, .nii.gz, .nrrd, .nhdr, .npy, .raw")
-      ->required();
+  add_file(*command, "FILE", arguments.volume, "The field", io::kVolumeFiles)->required();
   add_sites(*command, arguments.sites, "Number of samples", true);
   add_points_per_site(*command, arguments.points_per_site);
   add_parsed(*command, "--map", arguments.map, parse_map,
              "How values become densities: linear, window:LO,HI, threshold:T, gamma:G [linear]",
              "MAP");
-  command->add_flag("--invert", arguments.map.invert, "Dense where values are low");
-  add_file(*command, "--mask", arguments.mask, "A volume that is not 0 where samples may be");
+  add_flag(*command, "--invert", arguments.map.invert, "Dense where values are low");
+  add_file(*command, "--mask", arguments.mask, "A volume that is not 0 where samples may be",
+           io::kVolumeFiles);
   const auto three = [](const Range<double>& range) {
     return [range](const std::string& text, std::vector<double>& values) {
       return parse_list(text, 3, range, values);
@@ -188,9 +198,9 @@ CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
       "Of .raw: cells along each axis, the first one fastest", "X,Y,Z");
   add_parsed(*command, "--type", arguments.layout, parse_voxel_type,
              "Of .raw: uint8, int16, float32, …; int16be: big endian", "TYPE");
-  add_common(*command, arguments, ".ply, .vtp, .vtk, .csv, .txt, .npy", "float32");
+  add_common(*command, arguments, io::kSampleFiles, "float32");
   add_file(*command, "--preview", arguments.preview,
-           "Draw the field along its three axes, with the samples over it: .png");
+           "Draw the field along its three axes, with the samples over it", io::kPictureFiles);
   command->footer(
       "Example: ccvt volume head.nii.gz --sites 20000 -o samples.ply --preview samples.png");
   return command;
@@ -199,8 +209,9 @@ CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
 CLI::App* add_quantize(CLI::App& app, QuantizeArguments& arguments) {
   auto* const command = app.add_subcommand("quantize", "A codebook for given vectors");
   add_file(*command, "VECTORS", arguments.vectors,
-           "Vectors: .npy, .fvecs, .bvecs, .csv, .txt; with --image-blocks a PNG or JPEG")
+           "With --image-blocks a PNG or JPEG, else vectors", io::kPointFiles)
       ->required();
+  add_columns(*command, arguments.reading);
   add_number<Index>(*command, "--codewords", arguments.codewords, "Number of codewords", "K",
                     {.least = 1})
       ->required();
@@ -223,23 +234,25 @@ CLI::App* add_quantize(CLI::App& app, QuantizeArguments& arguments) {
   command
       ->add_option_function<std::string>(
           "--seeding", [&arguments](const std::string& text) { arguments.seeding = text; },
-          "kmeans++, random, or a file of codewords to start from [kmeans++]")
+          "kmeans++, random, or a file of codewords to start from, " +
+              io::list_of(io::kPointFiles) + " [kmeans++]")
       ->type_name("HOW");
   add_number<int>(*command, "--restarts", arguments.restarts,
                   "Seedings tried on a sample; the best is used [4]", "R",
                   {.least = 1, .most = 1'000'000});
   add_file(*command, "--capacities", arguments.capacities,
-           "How many vectors each codeword gets, summing to their number [equal]");
-  add_file(*command, "-o,--output", arguments.output, "Where the codewords go: .npy, .csv, .txt")
+           "How many vectors each codeword gets, summing to their number [equal]", io::kTableFiles);
+  add_file(*command, "-o,--output", arguments.output, "Where the codewords go", io::kTableFiles)
       ->required();
-  add_file(*command, "--codes-out", arguments.codes_out, "Write the code of each vector too");
+  add_file(*command, "--codes-out", arguments.codes_out, "Write the code of each vector too",
+           io::kTableFiles);
   add_file(*command, "--weights-out", arguments.weights_out,
-           "Write the weights of the codewords too, for ccvt encode --weights");
+           "Write the weights of the codewords too, for ccvt encode --weights", io::kTableFiles);
   add_number<int>(*command, "--image-blocks", arguments.image_blocks,
                   "Take the B x B blocks of a picture for vectors of 3 B^2 values, 0 to 255", "B",
                   {.least = 1, .most = 256});
   add_file(*command, "--image-out", arguments.image_out,
-           "Write the picture that the codes stand for as .png");
+           "Write the picture that the codes stand for", io::kPictureFiles);
   add_run(*command, arguments);
   command->footer(
       "Example: ccvt quantize vectors.fvecs --codewords 1024 -o codebook.npy --codes-out "
@@ -249,18 +262,20 @@ CLI::App* add_quantize(CLI::App& app, QuantizeArguments& arguments) {
 
 CLI::App* add_encode(CLI::App& app, EncodeArguments& arguments) {
   auto* const command = app.add_subcommand("encode", "The code of each vector");
-  add_file(*command, "VECTORS", arguments.vectors, "Vectors: .npy, .fvecs, .bvecs, .csv, .txt")
-      ->required();
-  add_file(*command, "--codebook", arguments.codebook, "The codewords, from ccvt quantize")
+  add_file(*command, "VECTORS", arguments.vectors, "Vectors", io::kPointFiles)->required();
+  add_columns(*command, arguments.reading);
+  add_file(*command, "--codebook", arguments.codebook, "The codewords, from ccvt quantize",
+           io::kPointFiles)
       ->required();
   add_file(*command, "--weights", arguments.weights,
-           "Their weights: codes are used as evenly as in training [nearest codeword]");
-  add_file(*command, "-o,--output", arguments.output, "Where the codes go: .npy, .csv, .txt")
+           "Their weights: codes are used as evenly as in training [nearest codeword]",
+           io::kPointFiles);
+  add_file(*command, "-o,--output", arguments.output, "Where the codes go", io::kTableFiles)
       ->required();
   add_number<int>(*command, "--threads", arguments.threads,
                   "Threads; 0: one per processor [0]. The result is the same for any number", "T",
                   {.least = 0, .most = 4096});
-  command->add_flag("-q,--quiet", arguments.quiet, "Print nothing but errors");
+  add_flag(*command, "-q,--quiet", arguments.quiet, "Print nothing but errors");
   command->footer(
       "Example: ccvt encode new.fvecs --codebook codebook.npy --weights w.npy -o codes.npy");
   return command;
@@ -295,10 +310,7 @@ int run_command_line(int argc, const char* const* argv) {
   } catch (const CLI::Success& success) {  // help, version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    const std::vector<std::string> unknown = app.remaining(true);
-    throw InvalidInput(
-        (unknown.empty() ? error.what() : "unknown argument '" + unknown.front() + "'") +
-        "; see ccvt --help, or ccvt COMMAND --help");
+    throw InvalidInput(usage_error(app, error));
   }
   const auto given = std::find_if(commands.begin(), commands.end(),
                                   [](const auto& command) { return command.first->parsed(); });

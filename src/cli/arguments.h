@@ -40,6 +40,7 @@ struct SampleArguments : CommonArguments {
 
 struct TessellateArguments : CommonArguments {
   std::filesystem::path points;
+  ReadOptions reading;                  ///< of the points
   Index sites = 0;                      ///< 0: as many as there are initial sites
   std::filesystem::path initial_sites;  ///< empty: drawn from the points
   std::filesystem::path capacities;     ///< empty: equal
@@ -65,6 +66,7 @@ struct PointFiles {
 
 struct AnalyzeArguments {
   std::vector<PointFiles> sets;
+  ReadOptions reading;  ///< of all files
   bool periodic = false;
   std::vector<double> box;  ///< all lower bounds, then all upper bounds; empty: the unit box
   double max_frequency = 2;
@@ -86,6 +88,7 @@ struct VolumeArguments : CommonArguments {
 
 struct QuantizeArguments : CommonArguments {
   std::filesystem::path vectors;
+  ReadOptions reading;  ///< of the vectors
   Index codewords = 0;
   CodebookMethod method = CodebookMethod::exact;
   std::string seeding = "kmeans++";  ///< or "random", or a file of codewords
@@ -99,6 +102,7 @@ struct QuantizeArguments : CommonArguments {
 
 struct EncodeArguments {
   std::filesystem::path vectors;
+  ReadOptions reading;  ///< of the vectors
   std::filesystem::path codebook;
   std::filesystem::path weights;  ///< empty: nearest codewords
   std::filesystem::path output;

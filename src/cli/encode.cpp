@@ -18,7 +18,7 @@ int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header)
   check_memory(arguments.vectors.string(), header.count,
                static_cast<std::uint64_t>(header.dimension), sizeof(Scalar));
   const Codebook codebook = Codebook::load(arguments.codebook, arguments.weights);
-  const Points<Scalar> vectors = read_points<Scalar>(arguments.vectors);
+  const Points<Scalar> vectors = read_points<Scalar>(arguments.vectors, arguments.reading);
   stop_if_interrupted();
   const auto start = std::chrono::steady_clock::now();
   const auto codes = blame(arguments.vectors, [&] {
@@ -44,9 +44,10 @@ int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header)
 }  // namespace
 
 int run_encode(const EncodeArguments& arguments) {
-  const PointsHeader header = inspect_points(arguments.vectors);
+  const PointsHeader header =
+      inspect_and_tell(arguments.vectors, arguments.reading, arguments.quiet);
   Outputs()
-      .add("--output", arguments.output, {".npy", ".csv", ".txt"})
+      .add("--output", arguments.output, io::kTableFiles)
       .add_input("VECTORS", arguments.vectors)
       .add_input("--codebook", arguments.codebook)
       .add_input("--weights", arguments.weights)

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -11,12 +10,8 @@
 
 namespace {
 
-/// One line, whatever file names and values hold.
-int report(std::string message, int status) {
-  std::replace_if(
-      message.begin(), message.end(),
-      [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, '?');
-  std::cerr << "ccvt: error: " + message + "\n";
+int report(const std::string& message, int status) {
+  std::cerr << ccvt::cli::one_line("ccvt: error: " + message);
   return status;
 }
 

@@ -6,7 +6,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
-#include <utility>
 
 #include "ccvt/io.h"
 #include "cli/signals.h"
@@ -17,16 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void check_extension(const fs::path& path, const std::vector<std::string>& allowed) {
-  if (allowed.empty()) return;
+void check_extension(const fs::path& path, io::Extensions allowed) {
   const std::string extension = lower_extension(path);
-  if (std::find(allowed.begin(), allowed.end(), extension) != allowed.end()) return;
-  std::string list;
-  for (std::size_t i = 0; i < allowed.size(); ++i) {
-    if (i > 0) list += i + 1 == allowed.size() ? " or " : ", ";
-    list += allowed[i];
-  }
-  throw InvalidInput(path.string() + ": unknown extension '" + extension + "'; must be " + list);
+  if (allowed.empty() || io::is_among(allowed, extension)) return;
+  throw InvalidInput(path.string() + ": unknown extension '" + extension + "'; must be " +
+                     io::list_of(allowed, " or "));
 }
 
 /// Creates and removes the temporary file: what else would tell for sure.
@@ -62,9 +56,8 @@ std::string lower_extension(const fs::path& path) {
   return extension;
 }
 
-Outputs& Outputs::add(const std::string& option, const fs::path& path,
-                      std::vector<std::string> extensions) {
-  if (!path.empty()) files_.push_back({option, path, std::move(extensions), false});
+Outputs& Outputs::add(const std::string& option, const fs::path& path, io::Extensions extensions) {
+  if (!path.empty()) files_.push_back({option, path, extensions, false});
   return *this;
 }
 

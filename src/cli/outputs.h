@@ -4,15 +4,17 @@
 #include <string>
 #include <vector>
 
+#include "io/formats.h"
+
 namespace ccvt::cli {
 
 /// The files that a run is going to write, checked before it starts.
 class Outputs {
  public:
-  /// `option` is how the user named the file. `extensions`: those allowed, in lower case; none:
+  /// `option` is how the user named the file. `extensions`: those allowed, of which none means
   /// any. An empty path is no output.
   Outputs& add(const std::string& option, const std::filesystem::path& path,
-               std::vector<std::string> extensions);
+               io::Extensions extensions = {});
   /// A file that is read, and must not be written.
   Outputs& add_input(const std::string& option, const std::filesystem::path& path);
 
@@ -24,7 +26,7 @@ class Outputs {
   struct File {
     std::string option;
     std::filesystem::path path;
-    std::vector<std::string> extensions;
+    io::Extensions extensions;
     bool input = false;
   };
   std::vector<File> files_;

@@ -104,7 +104,7 @@ template <class Scalar>
 int quantize_vectors(const QuantizeArguments& arguments, const PointsHeader& header) {
   check_memory(arguments.vectors.string(), header.count,
                static_cast<std::uint64_t>(header.dimension), sizeof(Scalar));
-  const Points<Scalar> vectors = read_points<Scalar>(arguments.vectors);
+  const Points<Scalar> vectors = read_points<Scalar>(arguments.vectors, arguments.reading);
   stop_if_interrupted();
   return finish_training(arguments, train(arguments, arguments.vectors.string(), vectors), {});
 }
@@ -135,13 +135,18 @@ int run_quantize(const QuantizeArguments& arguments) {
     throw InvalidInput("--capacities: --method lloyd does not keep any");
   }
   const bool picture = arguments.image_blocks > 0;
-  const PointsHeader header = picture ? PointsHeader{} : inspect_points(arguments.vectors);
+  if (picture && !arguments.reading.columns.empty()) {
+    throw InvalidInput("--columns: a picture, which --image-blocks reads, has none");
+  }
+  const PointsHeader header =
+      picture ? PointsHeader{}
+              : inspect_and_tell(arguments.vectors, arguments.reading, arguments.quiet);
   Outputs()
-      .add("--output", arguments.output, {".npy", ".csv", ".txt"})
-      .add("--codes-out", arguments.codes_out, {".npy", ".csv", ".txt"})
-      .add("--weights-out", arguments.weights_out, {".npy", ".csv", ".txt"})
-      .add("--image-out", arguments.image_out, {".png"})
-      .add("--summary", arguments.summary, {})
+      .add("--output", arguments.output, io::kTableFiles)
+      .add("--codes-out", arguments.codes_out, io::kTableFiles)
+      .add("--weights-out", arguments.weights_out, io::kTableFiles)
+      .add("--image-out", arguments.image_out, io::kPictureFiles)
+      .add("--summary", arguments.summary)
       .add_input("VECTORS", arguments.vectors)
       .add_input("--capacities", arguments.capacities)
       .add_input("--seeding", file ? arguments.seeding : "")

@@ -1,9 +1,9 @@
 #include "cli/run.h"
 
+#include <algorithm>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "ccvt/io.h"
 #include "ccvt/presets.h"
 #include "ccvt/version.h"
 #include "cli/memory.h"
@@ -43,6 +43,17 @@ std::string summary_json(const std::string& command, const Summary& summary) {
   return json.dump(2) + "\n";
 }
 
+/// "x, y, z"; of many names the first ones.
+std::string few_of(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 8;
+  std::string list;
+  for (std::size_t i = 0; i < names.size() && i < most; ++i) {
+    list += (i > 0 ? ", " : "") + names[i].substr(0, 40);
+  }
+  return list +
+         (names.size() > most ? " and " + std::to_string(names.size() - most) + " more" : "");
+}
+
 }  // namespace
 
 Options make_options(const CommonArguments& common, Index sites, Progress& progress) {
@@ -75,6 +86,22 @@ Box make_box(const std::vector<double>& numbers, int dimension, const std::strin
                        "; the upper bound must be above the lower one");
   }
   return box;
+}
+
+PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptions& options,
+                              bool quiet) {
+  PointsHeader header = inspect_points(path, options);
+  if (quiet || header.left_out.empty()) return header;
+  std::cerr << one_line("ccvt: " + path.string() + ": coordinates are " + few_of(header.columns) +
+                        "; left out: " + few_of(header.left_out) + "; --columns says otherwise");
+  return header;
+}
+
+std::string one_line(std::string message) {
+  std::replace_if(
+      message.begin(), message.end(),
+      [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, '?');
+  return message + "\n";
 }
 
 void stop_if_interrupted() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ccvt/domain.h"
+#include "ccvt/io.h"
 #include "ccvt/options.h"
 #include "ccvt/summary.h"
 #include "ccvt/types.h"
@@ -21,6 +22,14 @@ Options make_options(const CommonArguments& common, Index sites, Progress& progr
 /// The box that --box gives: all lower bounds, then all upper bounds. Throws InvalidInput unless it
 /// has `dimension` dimensions, those of the points in `file`, of positive extent.
 Box make_box(const std::vector<double>& numbers, int dimension, const std::string& file);
+
+/// inspect_points(), and says on standard error which columns are left out, if any are, unless the
+/// user said which are wanted, or wants quiet.
+PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptions& options,
+                              bool quiet);
+
+/// `message` with what is no letter replaced, and a line end: one line, whatever names it holds.
+std::string one_line(std::string message);
 
 /// Throws Interrupted when there was a Ctrl-C. For use before there is anything to write.
 void stop_if_interrupted();

@@ -40,10 +40,10 @@ int sample(const SampleArguments& arguments) {
 
 int run_sample(const SampleArguments& arguments) {
   Outputs()
-      .add("--output", arguments.output, {".npy", ".csv", ".txt"})
-      .add("--points-out", arguments.points_out, {".npy", ".csv", ".txt"})
-      .add("--owners-out", arguments.owners_out, {".npy", ".csv", ".txt"})
-      .add("--summary", arguments.summary, {})
+      .add("--output", arguments.output, io::kTableFiles)
+      .add("--points-out", arguments.points_out, io::kTableFiles)
+      .add("--owners-out", arguments.owners_out, io::kTableFiles)
+      .add("--summary", arguments.summary)
       .check();
   return arguments.scalar == ScalarType::float64 ? sample<double>(arguments)
                                                  : sample<float>(arguments);

@@ -45,8 +45,8 @@ int stipple_file(const StippleArguments& arguments) {
 
 int run_stipple(const StippleArguments& arguments) {
   Outputs()
-      .add("--output", arguments.output, {".svg", ".png", ".csv", ".txt", ".npy"})
-      .add("--summary", arguments.summary, {})
+      .add("--output", arguments.output, io::kStippleFiles)
+      .add("--summary", arguments.summary)
       .add_input("IMAGE", arguments.image)
       .check();
   return arguments.scalar == ScalarType::float64 ? stipple_file<double>(arguments)

@@ -34,7 +34,7 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
     }
     sites = static_cast<Index>(initial_sites.cols());
   }
-  const Points<Scalar> points = read_points<Scalar>(arguments.points);
+  const Points<Scalar> points = read_points<Scalar>(arguments.points, arguments.reading);
   stop_if_interrupted();
 
   Problem<Scalar> problem = blame(arguments.points, [&] { return Problem<Scalar>(points, sites); });
@@ -66,11 +66,12 @@ int run_tessellate(const TessellateArguments& arguments) {
     throw InvalidInput(
         "--periodic: needs --box, the bounds of one period; see ccvt tessellate --help");
   }
-  const PointsHeader header = inspect_points(arguments.points);
+  const PointsHeader header =
+      inspect_and_tell(arguments.points, arguments.reading, arguments.quiet);
   Outputs()
-      .add("--output", arguments.output, {".npy", ".csv", ".txt"})
-      .add("--owners-out", arguments.owners_out, {".npy", ".csv", ".txt"})
-      .add("--summary", arguments.summary, {})
+      .add("--output", arguments.output, io::kTableFiles)
+      .add("--owners-out", arguments.owners_out, io::kTableFiles)
+      .add("--summary", arguments.summary)
       .add_input("POINTS", arguments.points)
       .add_input("--initial-sites", arguments.initial_sites)
       .add_input("--capacities", arguments.capacities)

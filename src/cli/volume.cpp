@@ -91,9 +91,9 @@ int sample(const VolumeArguments& arguments) {
 
 int run_volume(const VolumeArguments& arguments) {
   Outputs()
-      .add("--output", arguments.output, {".ply", ".vtp", ".vtk", ".csv", ".txt", ".npy"})
-      .add("--preview", arguments.preview, {".png"})
-      .add("--summary", arguments.summary, {})
+      .add("--output", arguments.output, io::kSampleFiles)
+      .add("--preview", arguments.preview, io::kPictureFiles)
+      .add("--summary", arguments.summary)
       .add_input("FILE", arguments.volume)
       .add_input("--mask", arguments.mask)
       .check();

@@ -1,8 +1,11 @@
 #include "io/npy.h"
 
+#include <array>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <system_error>
 
 namespace ccvt::io {
@@ -35,7 +38,7 @@ class HeaderParser {
         header.descr = string();
       } else if (key == "fortran_order" && !order) {
         order = true;
-        if (boolean()) file_.fail("is in Fortran order (fortran_order: True); C order is needed");
+        header.fortran_order = boolean();
       } else if (key == "shape" && !shape) {
         shape = true;
         header.shape = tuple();
@@ -134,6 +137,42 @@ NpyHeader read_npy_header(InputFile& file) {
   HeaderParser(file, text).parse(header);
   header.data_bytes = file.size() - before - length;
   return header;
+}
+
+std::optional<NpyItem> parse_npy_descr(std::string_view descr) {
+  struct Code {
+    std::string_view text;
+    NpyType type;
+    std::size_t bytes;
+  };
+  constexpr std::array<Code, 12> codes = {{{"b1", NpyType::boolean, 1},
+                                           {"i1", NpyType::int8, 1},
+                                           {"u1", NpyType::uint8, 1},
+                                           {"i2", NpyType::int16, 2},
+                                           {"u2", NpyType::uint16, 2},
+                                           {"i4", NpyType::int32, 4},
+                                           {"u4", NpyType::uint32, 4},
+                                           {"i8", NpyType::int64, 8},
+                                           {"u8", NpyType::uint64, 8},
+                                           {"f2", NpyType::float16, 2},
+                                           {"f4", NpyType::float32, 4},
+                                           {"f8", NpyType::float64, 8}}};
+  if (descr.empty() || std::string_view("<>|=").find(descr[0]) == std::string_view::npos) return {};
+  for (const Code& code : codes) {
+    if (descr.substr(1) != code.text) continue;
+    return NpyItem{code.type, code.bytes, descr[0] == '>' && code.bytes > 1};
+  }
+  return {};
+}
+
+float float_of_half(std::uint16_t half) {
+  const float sign = (half & 0x8000U) != 0 ? -1.F : 1.F;
+  const int exponent = static_cast<int>((half >> 10U) & 0x1FU);
+  const auto fraction = static_cast<float>(half & 0x3FFU);
+  if (exponent == 0) return sign * std::ldexp(fraction, -24);
+  if (exponent < 31) return sign * std::ldexp(1024 + fraction, exponent - 25);
+  return fraction == 0 ? sign * std::numeric_limits<float>::infinity()
+                       : std::numeric_limits<float>::quiet_NaN();
 }
 
 void check_npy_size(const InputFile& file, const NpyHeader& header, std::size_t item_bytes) {

@@ -10,8 +10,10 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "io/columns.h"
 #include "io/input_file.h"
 #include "io/text.h"
 
@@ -27,7 +29,8 @@ struct Property {
   Type type = Type::float32;
   bool list = false;
   Type length = Type::uint8;  ///< of a list
-  int axis = -1;              ///< 0, 1, 2 for x, y, z of a vertex
+  std::string name;
+  int axis = -1;  ///< of a vertex: which coordinate of the point
 };
 
 struct Element {
@@ -96,7 +99,10 @@ std::vector<std::string_view> words_of(std::string_view line) {
 /// The file from its header on.
 class PlyFile {
  public:
-  explicit PlyFile(const std::filesystem::path& path) : file_(path) { read_header(); }
+  PlyFile(const std::filesystem::path& path, const ReadOptions& options)
+      : file_(path), wanted_(options.columns) {
+    read_header();
+  }
 
   [[nodiscard]] PointsHeader points_header() const {
     PointsHeader header;
@@ -124,7 +130,7 @@ class PlyFile {
         if (!std::isfinite(x)) {
           std::string text;
           append(text, value);
-          file_.fail("vertex " + std::to_string(i) + ": " + "xyz"[axis] + " is " + text +
+          file_.fail("vertex " + std::to_string(i) + ": " + name_of(axis) + " is " + text +
                      (std::isfinite(value) ? ", out of the range of float32"
                                            : "; coordinates must be finite"));
         }
@@ -140,6 +146,8 @@ class PlyFile {
   void read_header();
   void add_property(const std::vector<std::string_view>& words);
   void check_vertices();
+  void choose_axes(Element& element) const;
+  [[nodiscard]] const std::string& name_of(int axis) const;
   /// A line without its end; false at the end of the file.
   bool read_line();
   std::string_view next_word();
@@ -150,6 +158,7 @@ class PlyFile {
   void read_item(const Element& element, std::uint64_t item, Visit visit);
 
   InputFile file_;
+  std::vector<std::string> wanted_;  ///< columns; empty: x, y and z
   Encoding encoding_ = Encoding::ascii;
   std::vector<Element> elements_;
   std::size_t vertex_ = 0;
@@ -212,13 +221,41 @@ void PlyFile::add_property(const std::vector<std::string_view>& words) {
                               property.length < Type::float32 && type_named(words[3], property.type)
                         : words.size() == 3 && type_named(words[1], property.type);
   if (!good) file_.fail("header: " + io::quoted(line_) + " is not understood");
-  Element& element = elements_.back();
-  const std::string_view name = words.back();
-  if (element.name == "vertex" && !property.list && name.size() == 1) {
-    const auto axis = std::string_view("xyz").find(name);
-    if (axis != std::string_view::npos) property.axis = static_cast<int>(axis);
+  property.name = words.back();
+  elements_.back().properties.push_back(std::move(property));
+}
+
+/// Gives the properties that are coordinates their axes.
+void PlyFile::choose_axes(Element& element) const {
+  std::vector<std::string> names;
+  std::vector<Property*> properties;
+  for (Property& property : element.properties) {
+    if (property.list) continue;
+    names.push_back(property.name);
+    properties.push_back(&property);
   }
-  element.properties.push_back(property);
+  std::vector<std::string> wanted = wanted_;
+  if (wanted.empty()) {
+    std::array<std::ptrdiff_t, 3> given{};
+    for (std::size_t d = 0; d < 3; ++d) {
+      given[d] = std::count(names.begin(), names.end(), std::string(1, "xyz"[d]));
+    }
+    if (given[0] != 1 || given[1] != 1 || given[2] > 1) {
+      file_.fail("vertices need one x and one y, and at most one z");
+    }
+    wanted = {"x", "y", "z"};
+    wanted.resize(given[2] == 1 ? 3 : 2);
+  }
+  const Columns columns = choose_columns(file_, wanted, names, names.size());
+  for (std::size_t axis = 0; axis < columns.at.size(); ++axis) {
+    properties[columns.at[axis]]->axis = static_cast<int>(axis);
+  }
+}
+
+const std::string& PlyFile::name_of(int axis) const {
+  return std::find_if(vertices().properties.begin(), vertices().properties.end(),
+                      [&](const Property& property) { return property.axis == axis; })
+      ->name;
 }
 
 void PlyFile::check_vertices() {
@@ -231,16 +268,12 @@ void PlyFile::check_vertices() {
                                   [](const Element& e) { return e.name == "vertex"; });
   if (found == elements_.end()) file_.fail("has no element 'vertex'");
   vertex_ = static_cast<std::size_t>(found - elements_.begin());
-  std::array<int, 3> given{};
+  choose_axes(*found);
   std::uint64_t bytes = 0;
   for (const Property& property : found->properties) {
-    if (property.axis >= 0) ++given[static_cast<std::size_t>(property.axis)];
     bytes += encoding_ == Encoding::ascii
                  ? 2
                  : bytes_of(property.list ? property.length : property.type);
-  }
-  if (given[0] != 1 || given[1] != 1 || given[2] > 1) {
-    file_.fail("vertices need one x and one y, and at most one z");
   }
   if (found->count == 0) file_.fail("has no vertices");
   if (found->count > static_cast<std::uint64_t>(std::numeric_limits<Index>::max())) {
@@ -339,16 +372,16 @@ void PlyFile::read_item(const Element& element, std::uint64_t item, Visit visit)
 
 }  // namespace
 
-PointsHeader inspect_ply_points(const std::filesystem::path& path) {
-  return PlyFile(path).points_header();
+PointsHeader inspect_ply_points(const std::filesystem::path& path, const ReadOptions& options) {
+  return PlyFile(path, options).points_header();
 }
 
 template <class Scalar>
-Points<Scalar> read_ply_points(const std::filesystem::path& path) {
-  return PlyFile(path).read<Scalar>();
+Points<Scalar> read_ply_points(const std::filesystem::path& path, const ReadOptions& options) {
+  return PlyFile(path, options).read<Scalar>();
 }
 
-template Points<float> read_ply_points<float>(const std::filesystem::path&);
-template Points<double> read_ply_points<double>(const std::filesystem::path&);
+template Points<float> read_ply_points<float>(const std::filesystem::path&, const ReadOptions&);
+template Points<double> read_ply_points<double>(const std::filesystem::path&, const ReadOptions&);
 
 }  // namespace ccvt::io

@@ -7,9 +7,10 @@
 namespace ccvt::io {
 
 /// The vertices of a PLY file, ascii or binary of either byte order, as points: x and y, and z
-/// where there is one. Other properties and elements are skipped. Messages count vertices from 0.
-PointsHeader inspect_ply_points(const std::filesystem::path& path);
+/// where there is one, or the properties that `options` names, lists aside. Other properties and
+/// elements are skipped. Messages count vertices from 0.
+PointsHeader inspect_ply_points(const std::filesystem::path& path, const ReadOptions& options);
 template <class Scalar>
-Points<Scalar> read_ply_points(const std::filesystem::path& path);
+Points<Scalar> read_ply_points(const std::filesystem::path& path, const ReadOptions& options);
 
 }  // namespace ccvt::io

@@ -27,6 +27,32 @@ bool looks_numeric(std::string_view field) {
   return error != std::errc::invalid_argument && end == field.data() + field.size();
 }
 
+/// The names in a header: unlike numbers, they may hold blanks where something else parts them.
+std::vector<std::string> split_names(std::string_view line) {
+  const char separator = line.find(',') != std::string_view::npos   ? ','
+                         : line.find(';') != std::string_view::npos ? ';'
+                                                                    : ' ';
+  std::vector<std::string> names;
+  while (true) {
+    while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+    while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
+    if (separator == ' ' && line.empty()) return names;
+    std::size_t end = 0;
+    while (end < line.size() && line[end] != separator &&
+           !(separator == ' ' && is_blank(line[end]))) {
+      ++end;
+    }
+    std::string_view name = line.substr(0, end);
+    while (!name.empty() && is_blank(name.back())) name.remove_suffix(1);
+    if (name.size() > 1 && name.front() == '"' && name.back() == '"') {
+      name = name.substr(1, name.size() - 2);
+    }
+    names.emplace_back(name);
+    if (end == line.size()) return names;
+    line.remove_prefix(end + 1);
+  }
+}
+
 template <class Number>
 std::from_chars_result parse_whole(std::string_view field, Number& value) {
   if (field.size() > 1 && field.front() == '+' && field[1] != '-') field.remove_prefix(1);
@@ -117,11 +143,15 @@ bool TextRows::next() {
   std::string_view line;
   while (next_line(line)) {
     if (line_ == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
-    const std::string problem = split(line.substr(0, line.find('#')));
+    line = line.substr(0, line.find('#'));
+    const std::string problem = split(line);
     if (fields_.empty()) continue;
     const bool header = first_ && std::none_of(fields_.begin(), fields_.end(), looks_numeric);
     first_ = false;
-    if (header) continue;
+    if (header) {
+      names_ = split_names(line);
+      continue;
+    }
     if (!problem.empty()) fail(problem);
     return true;
   }

@@ -20,6 +20,8 @@ class TextRows {
   bool next();
   /// The fields of the row, valid until the next call of next(). Never empty.
   [[nodiscard]] const std::vector<std::string_view>& fields() const { return fields_; }
+  /// What the header calls the columns; empty where there is none. After next().
+  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
   /// 1-based number of the line that the row is on.
   [[nodiscard]] std::uint64_t line() const { return line_; }
   /// Counts the lines left in the file, by their ends; next() is then of no use any more.
@@ -29,6 +31,7 @@ class TextRows {
   [[noreturn]] void fail(const std::string& message) const;
   /// Throws InvalidInput(path: message).
   [[noreturn]] void fail_file(const std::string& message) const { file_.fail(message); }
+  [[nodiscard]] const InputFile& file() const { return file_; }
 
  private:
   bool next_line(std::string_view& line);
@@ -42,6 +45,7 @@ class TextRows {
   std::uint64_t line_ = 0;
   bool first_ = true;
   std::vector<std::string_view> fields_;
+  std::vector<std::string> names_;
 };
 
 /// The value of a whole field. Sets it and returns nullptr, or returns what is wrong with it.

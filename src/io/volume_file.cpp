@@ -5,12 +5,15 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "ccvt/volume.h"
 #include "format.h"
+#include "io/formats.h"
 #include "io/npy.h"
 
 namespace ccvt {
@@ -30,7 +33,7 @@ Format format_of(const std::filesystem::path& path) {
   if (extension == ".npy") return Format::npy;
   if (extension == ".raw") return Format::raw;
   throw InvalidInput(path.string() + ": unknown extension " + io::quoted(extension) +
-                     "; volumes are .nii, .nii.gz, .nrrd, .nhdr, .npy or .raw");
+                     "; volumes are " + io::list_of(io::kVolumeFiles, " or "));
 }
 
 /// World coordinates in the order of `position`: axis a of the grid is axis position[a] there.
@@ -58,42 +61,62 @@ void place(const std::filesystem::path& path, const VolumeLayout& layout,
   }
 }
 
+/// The type that holds what an .npy file stores.
+VoxelType voxel_type(io::NpyType type) {
+  switch (type) {
+    case io::NpyType::int8:
+      return VoxelType::int8;
+    case io::NpyType::boolean:
+    case io::NpyType::uint8:
+      return VoxelType::uint8;
+    case io::NpyType::int16:
+      return VoxelType::int16;
+    case io::NpyType::uint16:
+      return VoxelType::uint16;
+    case io::NpyType::int32:
+      return VoxelType::int32;
+    case io::NpyType::uint32:
+      return VoxelType::uint32;
+    case io::NpyType::int64:
+      return VoxelType::int64;
+    case io::NpyType::uint64:
+      return VoxelType::uint64;
+    case io::NpyType::float16:
+    case io::NpyType::float32:
+      return VoxelType::float32;
+    case io::NpyType::float64:
+      break;
+  }
+  return VoxelType::float64;
+}
+
 VolumeFile open_npy(const std::filesystem::path& path, const VolumeLayout& layout) {
-  struct Descr {
-    const char* code;
-    VoxelType type;
-  };
-  constexpr std::array<Descr, 10> descrs = {{{"i1", VoxelType::int8},
-                                             {"u1", VoxelType::uint8},
-                                             {"i2", VoxelType::int16},
-                                             {"u2", VoxelType::uint16},
-                                             {"i4", VoxelType::int32},
-                                             {"u4", VoxelType::uint32},
-                                             {"i8", VoxelType::int64},
-                                             {"u8", VoxelType::uint64},
-                                             {"f4", VoxelType::float32},
-                                             {"f8", VoxelType::float64}}};
   InputFile file(path);
   const io::NpyHeader npy = io::read_npy_header(file);
-  VolumeFile result;
-  const auto* const found = std::find_if(descrs.begin(), descrs.end(), [&](const Descr& d) {
-    return npy.descr.size() == 3 && npy.descr.substr(1) == d.code &&
-           std::string("<>|=").find(npy.descr[0]) != std::string::npos;
-  });
-  if (found == descrs.end()) {
+  const auto item = io::parse_npy_descr(npy.descr);
+  if (!item) {
     file.fail("has dtype " + io::quoted(npy.descr) +
-              "; whole numbers and floats of 8 to 64 bits can be read");
+              "; bool, whole numbers of 8 to 64 bits and floats of 16 to 64 can be read");
   }
-  result.header.type = found->type;
-  result.big_endian = npy.descr[0] == '>';
-  if (npy.shape.size() != 3) {
-    file.fail("has the shape " + io::shape_text(npy.shape) + "; a volume needs 3 extents");
+  const std::string shape = "has the shape " + io::shape_text(npy.shape);
+  if (npy.shape.size() != 3) file.fail(shape + "; a volume needs 3 extents");
+  io::check_npy_size(file, npy, item->bytes);
+  if (std::find(npy.shape.begin(), npy.shape.end(), 0U) != npy.shape.end()) {
+    file.fail(shape + ": no cells");
   }
-  io::check_npy_size(file, npy, bytes_of(found->type));
-  for (std::size_t d = 3; d-- > 0;) {  // the last one varies fastest
-    result.header.grid.shape.push_back(static_cast<std::int64_t>(npy.shape[d]));
+  VolumeFile result;
+  result.header.type = voxel_type(item->type);
+  if (item->type == io::NpyType::boolean) result.packing = io::Packing::boolean;
+  if (item->type == io::NpyType::float16) result.packing = io::Packing::float16;
+  result.big_endian = item->big_endian;
+  auto& cells = result.header.grid.shape;  // the axis along which memory runs first
+  cells.assign(npy.shape.begin(), npy.shape.end());
+  if (npy.fortran_order) {
+    place(path, layout, {0, 1, 2}, result.header.grid);
+  } else {
+    std::reverse(cells.begin(), cells.end());
+    place(path, layout, {2, 1, 0}, result.header.grid);
   }
-  place(path, layout, {2, 1, 0}, result.header.grid);
   result.data = path;
   result.begin = file.size() - npy.data_bytes;
   io::check_volume(file, result.header);
@@ -135,6 +158,16 @@ VolumeFile open_volume(const std::filesystem::path& path, const VolumeLayout& la
       break;
   }
   return open_raw(path, layout);
+}
+
+/// Writes the float32 of each float16 in `halves`, which may be the last half of `floats`.
+void widen_halves(std::span<const std::byte> halves, std::byte* floats) {
+  for (std::size_t i = 0; 2 * i < halves.size(); ++i) {
+    std::uint16_t half = 0;
+    std::memcpy(&half, halves.data() + 2 * i, sizeof half);
+    const float value = io::float_of_half(half);
+    std::memcpy(floats + 4 * i, &value, sizeof value);
+  }
 }
 
 }  // namespace
@@ -186,7 +219,8 @@ Volume read_volume(const std::filesystem::path& path, const VolumeLayout& layout
 
   Volume volume;
   static_cast<VolumeHeader&>(volume) = std::move(opened.header);
-  const std::uint64_t bytes = volume.bytes();
+  const std::size_t stored = opened.packing == io::Packing::float16 ? 2 : bytes_of(volume.type);
+  const std::uint64_t bytes = volume.cells() * stored;
   const std::uint64_t most = stream.most_left();
   if (opened.at_end && bytes <= most) opened.skip = most - bytes;
   if (bytes > most || opened.skip > most - bytes) {
@@ -195,11 +229,16 @@ Volume read_volume(const std::filesystem::path& path, const VolumeLayout& layout
               std::to_string(most > opened.skip ? most - opened.skip : 0));
   }
   stream.skip(opened.skip);
-  volume.data.resize(bytes);
-  stream.read(volume.data.data(), volume.data.size());
+  volume.data.resize(volume.bytes());
+  // At the end of the memory, so that what is narrower can be widened from the front on.
+  const std::span<std::byte> data = std::span(volume.data).last(bytes);
+  stream.read(data.data(), data.size());
   stream.expect_end();
-  const std::size_t item = bytes_of(volume.type);
-  if (opened.big_endian && item > 1) io::swap_bytes(volume.data, item);
+  if (opened.big_endian && stored > 1) io::swap_bytes(data, stored);
+  if (opened.packing == io::Packing::boolean) {
+    for (std::byte& value : data) value = value == std::byte{0} ? std::byte{0} : std::byte{1};
+  }
+  if (opened.packing == io::Packing::float16) widen_halves(data, volume.data.data());
   return volume;
 }
 

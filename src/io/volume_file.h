@@ -14,9 +14,13 @@
 /// What the readers of volumes share.
 namespace ccvt::io {
 
+/// How a file stores values of a type that no volume has.
+enum class Packing { none, boolean, float16 };
+
 /// A header, and where its data are.
 struct VolumeFile {
   VolumeHeader header;
+  Packing packing = Packing::none;  ///< boolean becomes uint8, float16 becomes float32
   bool big_endian = false;
   std::filesystem::path data;  ///< the file that holds the values
   std::uint64_t begin = 0;     ///< where in it the stream of bytes begins

@@ -92,8 +92,8 @@ bool is_density(double value) { return value >= 0 && value <= std::numeric_limit
   cell_position(cell, grid.shape, position);
   const std::string mapped =
       grid.map ? concat(", and its density ", densities(cell)) : std::string();
-  throw InvalidInput(concat("grid: values[", cell, "], cell ", std::span(position), ", is ",
-                            densities.value(cell), mapped,
+  throw InvalidInput(concat("grid: values[", cell, "], cell ", std::span(position),
+                            " (fastest axis first), is ", densities.value(cell), mapped,
                             ", but must be finite and not negative"));
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ccvt/volume.h"
+#include "io/formats.h"
 #include "io/input_file.h"
 #include "io/output_file.h"
 #include "io/text.h"
@@ -219,7 +220,7 @@ void write_samples(const std::filesystem::path& path, const VolumeSamples<Scalar
   if (extension == ".vtp") return write_vtp(path, samples);
   if (extension == ".vtk") return write_vtk(path, samples);
   throw InvalidInput(path.string() + ": unknown extension " + io::quoted(extension) +
-                     "; samples go into .ply, .vtp, .vtk, .csv, .txt or .npy");
+                     "; samples go into " + io::list_of(io::kSampleFiles, " or "));
 }
 
 template CCVT_EXPORT void write_samples<float>(const std::filesystem::path&,

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+/// The extensions of files: what readers and writers go by, what they say when they refuse one, and
+/// what the program's help lists.
+namespace ccvt::io {
+
+using Extensions = std::span<const std::string_view>;
+
+/// Read as points.
+inline constexpr std::array<std::string_view, 6> kPointFiles = {".npy", ".csv",   ".txt",
+                                                                ".ply", ".fvecs", ".bvecs"};
+/// Written as points; read and written as whole numbers.
+inline constexpr std::array<std::string_view, 3> kTableFiles = {".npy", ".csv", ".txt"};
+/// Read as volumes.
+inline constexpr std::array<std::string_view, 6> kVolumeFiles = {".nii",  ".nii.gz", ".nrrd",
+                                                                 ".nhdr", ".npy",    ".raw"};
+/// Written as samples of a volume.
+inline constexpr std::array<std::string_view, 6> kSampleFiles = {".ply", ".vtp", ".vtk",
+                                                                 ".csv", ".txt", ".npy"};
+/// Written as a stippled picture, or as the centres of its dots.
+inline constexpr std::array<std::string_view, 5> kStippleFiles = {".svg", ".png", ".csv", ".txt",
+                                                                  ".npy"};
+inline constexpr std::array<std::string_view, 1> kPictureFiles = {".png"};
+
+inline bool is_among(Extensions extensions, std::string_view extension) {
+  return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+}
+
+/// ".npy, .csv, .txt"; `last`, such as " or ", parts the last two.
+inline std::string list_of(Extensions extensions, std::string_view last = ", ") {
+  std::string list;
+  for (std::size_t i = 0; i < extensions.size(); ++i) {
+    if (i > 0) list += i + 1 == extensions.size() ? last : ", ";
+    list += extensions[i];
+  }
+  return list;
+}
+
+}  // namespace ccvt::io

@@ -1,0 +1,136 @@
+// What help says about files, beside what readers and writers take.
+#ifdef CCVT_PROGRAM
+
+#include <doctest/doctest.h>
+
+#include <functional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "ccvt/io.h"
+#include "ccvt/volume.h"
+#include "support/files.h"
+#include "support/message.h"
+#include "support/process.h"
+
+namespace ccvt::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// All extensions that anything here reads or writes, and some that nothing does.
+const std::vector<std::string> kExtensions = {
+    ".npy",  ".csv", ".txt", ".ply", ".fvecs", ".bvecs", ".nii", ".nii.gz", ".nrrd",
+    ".nhdr", ".raw", ".vtp", ".vtk", ".svg",   ".png",   ".jpg", ".dat",    ".gz"};
+
+/// What the help of a command says about one option or argument.
+std::string help_of(const TemporaryDirectory& directory, const std::string& command,
+                    const std::string& option) {
+  std::istringstream lines(run(directory, command + " --help").output);
+  std::string text;
+  bool inside = false;
+  for (std::string line; std::getline(lines, line);) {
+    const auto begin = line.find_first_not_of(' ');
+    // Options start in column 2; what goes on from the line before stands further right.
+    if (begin == 2) {
+      std::string names = line.substr(2, line.find(' ', 2) - 2);
+      inside = ("," + names + ",").find("," + option + ",") != std::string::npos;
+    } else if (begin != std::string::npos && begin < 2) {
+      inside = false;
+    }
+    if (inside) text += line + "\n";
+  }
+  return text;
+}
+
+/// Whether `text` has the extension as a word: ".gz" is none of those of ".nii.gz".
+bool lists(const std::string& text, const std::string& extension) {
+  for (auto at = text.find(extension); at != std::string::npos; at = text.find(extension, at + 1)) {
+    const char before = at == 0 ? ' ' : text[at - 1];
+    const std::size_t end = at + extension.size();
+    const char after = end < text.size() ? text[end] : ' ';
+    if (before == ' ' &&
+        (after == ' ' || after == ',' || after == ';' || after == '.' || after == '\n')) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool knows(const std::function<void(const fs::path&)>& use, const fs::path& path) {
+  return message_of([&] { use(path); }).find("unknown extension") == std::string::npos;
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("cli");
+
+TEST_CASE("help lists the extensions that readers and writers take, and no others") {
+  const TemporaryDirectory directory;
+  const auto read_as_points = [](const fs::path& path) { read_points<float>(path); };
+  const auto read_as_indices = [](const fs::path& path) { read_indices(path); };
+  const auto read_as_volume = [](const fs::path& path) { inspect_volume(path); };
+  const auto write_as_points = [](const fs::path& path) {
+    write_points(path, Points<float>::Zero(2, 2).eval());
+  };
+  const auto write_as_owners = [](const fs::path& path) {
+    write_owners(path, std::vector<Index>{1});
+  };
+  const auto write_as_samples = [](const fs::path& path) {
+    const VolumeSamples<float> samples{Points<float>::Zero(3, 1), {1}, {1}, {1}, {}};
+    write_samples(path, samples);
+  };
+  const auto write_as_picture = [](const fs::path& path) { write_png(path, Image{1, 1, {0.5F}}); };
+  struct Case {
+    std::string command;
+    std::string option;
+    std::function<void(const fs::path&)> use;
+  };
+  const Case cases[] = {
+      {"sample", "--output", write_as_points},
+      {"sample", "--points-out", write_as_points},
+      {"sample", "--owners-out", write_as_owners},
+      {"tessellate", "POINTS", read_as_points},
+      {"tessellate", "--initial-sites", read_as_points},
+      {"tessellate", "--capacities", read_as_indices},
+      {"tessellate", "--output", write_as_points},
+      {"tessellate", "--owners-out", write_as_owners},
+      {"analyze", "POINTS", read_as_points},
+      {"analyze", "--compare", read_as_points},
+      {"volume", "FILE", read_as_volume},
+      {"volume", "--mask", read_as_volume},
+      {"volume", "--output", write_as_samples},
+      {"volume", "--preview", write_as_picture},
+      {"quantize", "VECTORS", read_as_points},
+      {"quantize", "--seeding", read_as_points},
+      {"quantize", "--capacities", read_as_indices},
+      {"quantize", "--output", write_as_points},
+      {"quantize", "--codes-out", write_as_owners},
+      {"quantize", "--weights-out", write_as_points},
+      {"quantize", "--image-out", write_as_picture},
+      {"encode", "VECTORS", read_as_points},
+      {"encode", "--codebook", read_as_points},
+      {"encode", "--weights", read_as_points},
+      {"encode", "--output", write_as_owners},
+  };
+  for (const Case& c : cases) {
+    CAPTURE(c.command);
+    CAPTURE(c.option);
+    const std::string help = help_of(directory, c.command, c.option);
+    CAPTURE(help);
+    REQUIRE(help != "");
+    for (const std::string& extension : kExtensions) {
+      CAPTURE(extension);
+      const fs::path path = put(directory / ("file" + extension), "?");
+      CHECK(lists(help, extension) == knows(c.use, path));
+      fs::remove(path);
+    }
+  }
+}
+
+TEST_SUITE_END();
+
+}  // namespace ccvt::test
+
+#endif  // CCVT_PROGRAM
