@@ -22,6 +22,23 @@ install(FILES
   ${PROJECT_BINARY_DIR}/ccvtConfig.cmake ${PROJECT_BINARY_DIR}/ccvtConfigVersion.cmake
   DESTINATION ${package_dir})
 
+# Documents. What their links lead to in the repository is not installed but for the documents: of
+# other links and of pictures the text stays.
+set(documents README.md CHANGELOG.md include/ccvt/README.md)
+set(installed_documents README.md CHANGELOG.md architecture.md)
+foreach(document installed IN ZIP_LISTS documents installed_documents)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${document})
+  file(READ ${document} text)
+  string(REPLACE "[include/ccvt/README.md](include/ccvt/README.md)"
+    "[architecture.md](architecture.md)" text "${text}")
+  string(REGEX REPLACE "!\\[([^]]*)\\]\\([^)]*\\)" "*\\1*" text "${text}")
+  string(REGEX REPLACE "\\[([^]]*)\\]\\((benchmarks|cmake|include|src|tests)/[^)]*\\)" "\\1"
+    text "${text}")
+  file(WRITE ${PROJECT_BINARY_DIR}/documents/${installed} "${text}")
+endforeach()
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY ${PROJECT_BINARY_DIR}/documents/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
 # pkg-config. A static library needs the others to be linked. They are not under Requires.private:
 # only one kind of library is installed, so `pkg-config --libs ccvt` should do without --static.
 cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_INCLUDEDIR

@@ -20,10 +20,41 @@ function(consume name)
   run(${WORK_DIR}/${name}/consumer)
 endfunction()
 
+# Documents are there, and every link in them leads to one or to the network.
+function(check_documents directory)
+  foreach(name LICENSE README.md CHANGELOG.md architecture.md)
+    if(NOT EXISTS ${directory}/${name})
+      message(FATAL_ERROR "${directory}/${name} is not installed")
+    endif()
+    file(READ ${directory}/${name} text)
+    string(REPLACE "](" "link<" text "${text}")  # brackets would not do in a list
+    string(REGEX MATCHALL "link<[^) ]*\\)" links "${text}")
+    foreach(link IN LISTS links)
+      string(REGEX REPLACE "^link<(.*).$" "\\1" target "${link}")
+      if(NOT target MATCHES "^https?://" AND NOT EXISTS ${directory}/${target})
+        message(FATAL_ERROR "${name}: its link to ${target} leads nowhere")
+      endif()
+    endforeach()
+  endforeach()
+endfunction()
+
+# Without LZ4, the package of a static library says that this is what is missing.
+function(check_without_lz4 name)
+  execute_process(
+    COMMAND ${CMAKE_COMMAND} -S ${consumer} -B ${WORK_DIR}/${name}_without_lz4 ${common}
+      -D CMAKE_PREFIX_PATH=${WORK_DIR}/${name} -D CMAKE_FIND_ROOT_PATH=${WORK_DIR}/nowhere
+      -D CMAKE_FIND_ROOT_PATH_MODE_LIBRARY=ONLY
+    OUTPUT_QUIET ERROR_VARIABLE errors RESULT_VARIABLE result)
+  if(result EQUAL 0 OR NOT errors MATCHES "liblz4-dev")
+    message(FATAL_ERROR "Without LZ4, find_package() says: ${errors}")
+  endif()
+endfunction()
+
 # Installs what was built in `binary_dir` to WORK_DIR/name, and consumes it from there.
 function(install_and_consume binary_dir name)
   run(${CMAKE_COMMAND} --install ${binary_dir} --prefix ${WORK_DIR}/not_yet_moved)
   file(RENAME ${WORK_DIR}/not_yet_moved ${WORK_DIR}/${name})
+  check_documents(${WORK_DIR}/${name}/share/doc/ccvt)
   consume(${name}_consumer -D CMAKE_PREFIX_PATH=${WORK_DIR}/${name}
     -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
 
@@ -42,6 +73,10 @@ endfunction()
 
 if(WAY STREQUAL "installed")
   install_and_consume(${BINARY_DIR} installed)
+  file(GLOB_RECURSE static_library ${WORK_DIR}/installed/*/libccvt.a)
+  if(static_library)
+    check_without_lz4(installed)
+  endif()
 elseif(WAY STREQUAL "sub_project")
   # Kernels for one instruction set, as that compiles fastest.
   consume(sub_project -D CCVT_SOURCE_DIR=${SOURCE_DIR} -D BUILD_SHARED_LIBS=ON
