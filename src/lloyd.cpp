@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "ccvt/capacity.h"
-#include "ccvt/metrics.h"
+#include "normalize.h"
 #include "parallel/arena.h"
 #include "relax/cells.h"
 #include "relax/initial_sites.h"
@@ -102,8 +103,9 @@ bool Lloyd<Scalar>::gains(Index point, Index site) const {
   const double own = metric_.squared_distance(x, sites_.at(owner));
   const double other = metric_.squared_distance(x, sites_.at(site));
   const double distance = std::sqrt(own);
-  const double rounding =
-      4 * (metric_.dimension() + 4) * kHalfUlp * distance * (distance + metric_.largest_extent());
+  const double rounding = 4 * (metric_.dimension() + 4) *
+                          (kHalfUlp * distance * (distance + metric_.largest_extent()) +
+                           std::numeric_limits<double>::denorm_min());
   return own - other > rounding + margin_;
 }
 
@@ -169,10 +171,7 @@ template <class Scalar>
 void Lloyd<Scalar>::finish(Termination termination) {
   summary_.termination = termination;
   summary_.capacity_error = capacity_error(owners_, summary_.sites);
-  if (box_.extent().minCoeff() > 0) {
-    summary_.normalized_energy =
-        normalized_energy(summary_.energy, summary_.points, summary_.sites, box_);
-  }
+  normalize_energy(box_, summary_);
 }
 
 /// One iteration. False when the run has ended.

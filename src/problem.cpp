@@ -5,28 +5,10 @@
 #include <utility>
 
 #include "format.h"
+#include "scales.h"
 
 namespace ccvt {
 namespace {
-
-/// Squared distances must stay finite in the points' own precision.
-template <class Scalar>
-constexpr double kLargest = sizeof(Scalar) == sizeof(float) ? 1e17 : 1e150;
-
-template <class Scalar>
-void require_finite(const char* argument, const PointsView<Scalar>& points) {
-  for (Index p = 0; p < points.count; ++p) {
-    const Scalar* x = points[p];
-    for (int d = 0; d < points.dimension; ++d) {
-      const auto value = static_cast<double>(x[d]);
-      if (std::abs(value) <= kLargest<Scalar>) continue;
-      throw InvalidInput(std::string(argument) + ": coordinate " + std::to_string(d) + " of " +
-                         argument + "[" + std::to_string(p) + "] is " + text(value) +
-                         ": coordinates must be finite and at most " + text(kLargest<Scalar>) +
-                         " in magnitude");
-    }
-  }
-}
 
 template <class Scalar>
 void require_inside(const char* argument, const PointsView<Scalar>& points, const Box& box) {
@@ -43,17 +25,26 @@ void require_inside(const char* argument, const PointsView<Scalar>& points, cons
 }
 
 template <class Scalar>
-void require_moderate(const Box& box) {
-  const auto check = [](const char* corner, const Eigen::VectorXd& x) {
+void require_scale(const Domain& domain) {
+  const Box& box = domain.box();
+  const double largest = largest_coordinate<Scalar>(box.dimension());
+  const auto check = [largest](const char* corner, const Eigen::VectorXd& x) {
     for (Eigen::Index d = 0; d < x.size(); ++d) {
-      if (std::abs(x[d]) <= kLargest<Scalar>) continue;
+      if (std::abs(x[d]) <= largest) continue;
       throw InvalidInput("domain: coordinate " + std::to_string(d) + " of its box's " + corner +
-                         " corner is " + text(x[d]) + ": it must be at most " +
-                         text(kLargest<Scalar>) + " in magnitude");
+                         " corner is " + text(x[d]) + ": it must be at most " + text(largest) +
+                         " in magnitude");
     }
   };
   check("lower", box.lower);
   check("upper", box.upper);
+  for (int d = 0; d < box.dimension() && domain.is_periodic(); ++d) {
+    const double extent = box.upper[d] - box.lower[d];
+    if (extent >= kSmallestExtent<Scalar>) continue;
+    throw InvalidInput("domain: the extent of its box in dimension " + std::to_string(d) + " is " +
+                       text(extent) + ": that of a periodic one must be at least " +
+                       text(kSmallestExtent<Scalar>));
+  }
 }
 
 }  // namespace
@@ -68,7 +59,7 @@ Problem<Scalar>::Problem(PointsView<Scalar> points, Index sites) : points_(point
                        ": it must be at least the dimension, " + std::to_string(points.dimension));
   }
   capacities_ = equal_capacities(points.count, sites);
-  require_finite("points", points);
+  require_scale("points", points);
 }
 
 template <class Scalar>
@@ -78,7 +69,7 @@ Problem<Scalar>& Problem<Scalar>::set_domain(Domain domain) {
       throw InvalidInput("domain: its box has " + std::to_string(domain.box().dimension()) +
                          " dimensions, the points have " + std::to_string(dimension()));
     }
-    require_moderate<Scalar>(domain.box());
+    require_scale<Scalar>(domain);
     require_inside("points", points_, domain.box());
   }
   domain_ = std::move(domain);
@@ -112,7 +103,7 @@ Problem<Scalar>& Problem<Scalar>::set_initial_sites(const Eigen::Ref<const Point
                        std::to_string(dimension()) + " by " + std::to_string(site_count()) +
                        ", one column per site");
   }
-  require_finite("initial_sites", view_points(sites));
+  require_moderate("initial_sites", view_points(sites));
   initial_sites_ = sites;
   return *this;
 }

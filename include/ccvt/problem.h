@@ -20,7 +20,9 @@ namespace ccvt {
 template <class Scalar>
 class CCVT_EXPORT Problem {
  public:
-  /// `points`: #dimensions by m, finite, at least one dimension. `sites`: 1 <= n <= m.
+  /// `points`: #dimensions by m, at least one dimension; coordinates at most 1e17 (double: 1e140)
+  /// in magnitude, less beyond 8192 dimensions, by 1 / sqrt(dimensions / 8192); all equal, or 1e-30
+  /// (double: 1e-140) or more apart somewhere. `sites`: 1 <= n <= m.
   template <class Derived>
   Problem(const Eigen::DenseBase<Derived>& points, Index sites)
       : Problem(view_points(points), sites) {}
@@ -29,14 +31,14 @@ class CCVT_EXPORT Problem {
   Problem(PointsView<Scalar> points, Index sites);
 
   /// Default: Euclidean space. A box must have the points' dimension and contain all points (a
-  /// periodic box: both faces included); its corners are at most 1e17 (1e150 for double points) in
-  /// magnitude, as coordinates are.
+  /// periodic box: both faces included); its corners are as moderate as coordinates, and a periodic
+  /// one extends over 1e-30 (double: 1e-140) or more in each dimension.
   Problem& set_domain(Domain domain);
   /// Default: equal, see equal_capacities(). One positive number per site, summing to m, and after
   /// set_initial_owners() as many as each site owns.
   Problem& set_capacities(std::vector<Index> capacities);
-  /// Default: n distinct points drawn by Options::seed. #dimensions by n, finite. Beside initial
-  /// owners, set before or after, they are no more than hints: sites start at the centroids of
+  /// Default: n distinct points drawn by Options::seed. #dimensions by n, as moderate as points.
+  /// Beside initial owners, set before or after, they are no more than hints: sites start at the centroids of
   /// their cells, of which a cell that winds round a periodic domain has several; it is given the
   /// one that its hint leads to.
   Problem& set_initial_sites(const Eigen::Ref<const Points<Scalar>>& sites);

@@ -9,9 +9,14 @@
 #include "codebook/encode.h"
 #include "format.h"
 #include "geometry/squares.h"
+#include "scales.h"
 
 namespace ccvt {
 namespace {
+
+/// As large as the square of a distance between coordinates as large as they may be, and more: see
+/// scales.h.
+constexpr double kLargestWeight = 1e300;
 
 void require(bool valid, const char* field, const std::string& value, const char* rule) {
   if (!valid) {
@@ -33,14 +38,29 @@ void check_vectors(PointsView<Scalar> vectors, int dimension) {
     throw InvalidInput("vectors: have " + std::to_string(vectors.dimension) +
                        " dimensions, but the codewords have " + std::to_string(dimension));
   }
-  for (Index p = 0; p < vectors.count; ++p) {
-    for (int d = 0; d < dimension; ++d) {
-      if (std::isfinite(vectors[p][d])) continue;
-      throw InvalidInput("vectors: coordinate " + std::to_string(d) + " of vector " +
-                         std::to_string(p) + " is " + text(static_cast<double>(vectors[p][d])) +
-                         ": it must be finite");
+  require_moderate("vectors", vectors);
+}
+
+/// Coordinates all within so little that their squares have no digits.
+template <class Scalar>
+void check_extent(PointsView<Scalar> vectors, const Points<double>& codewords) {
+  if (vectors.count == 0) return;
+  constexpr double least = 1e-150;
+  double widest = 0;
+  for (int d = 0; d < vectors.dimension; ++d) {
+    double lower = codewords.row(d).minCoeff();
+    double upper = codewords.row(d).maxCoeff();
+    for (Index p = 0; p < vectors.count && upper - lower < least; ++p) {
+      lower = std::min(lower, static_cast<double>(vectors[p][d]));
+      upper = std::max(upper, static_cast<double>(vectors[p][d]));
     }
+    widest = std::max(widest, upper - lower);
+    if (widest >= least) return;
   }
+  if (widest == 0) return;
+  throw InvalidInput("vectors: they and the codewords differ by at most " + text(widest) +
+                     ": they must be all equal or differ by " + text(least) +
+                     " or more somewhere; multiply both by a power of two");
 }
 
 }  // namespace
@@ -105,16 +125,16 @@ Codebook::Codebook(Eigen::MatrixXd codewords, Eigen::VectorXd weights)
                        " dimensions: at least one of each is needed");
   }
   static_cast<void>(view_points(codewords_));  // checks how many there are
-  check_vectors(view_points(codewords_), dimension());
+  require_moderate("codewords", view_points(codewords_));
   if (weights_.size() == 0) weights_ = Eigen::VectorXd::Zero(codewords_.cols());
   if (weights_.size() != codewords_.cols()) {
     throw InvalidInput("weights: there are " + std::to_string(weights_.size()) + " for " +
                        std::to_string(codewords_.cols()) + " codewords: one each is needed");
   }
   for (Eigen::Index s = 0; s < weights_.size(); ++s) {
-    if (std::isfinite(weights_[s])) continue;
+    if (std::abs(weights_[s]) <= kLargestWeight) continue;
     throw InvalidInput("weights[" + std::to_string(s) + "] is " + text(weights_[s]) +
-                       ": it must be finite");
+                       ": it must be finite and at most " + text(kLargestWeight) + " in magnitude");
   }
 }
 
@@ -125,6 +145,7 @@ std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, i
                        ": it must be from 0 (one per processor) to 4096");
   }
   check_vectors(vectors, dimension());
+  check_extent(vectors, codewords_);
   const Eigen::VectorXd weights =
       coding == Coding::weighted ? weights_ : Eigen::VectorXd::Zero(weights_.size());
   return cheapest_sites(vectors,

@@ -50,7 +50,7 @@ Sample draw_sample(PointsView<Scalar> points, Index count, std::uint64_t seed) {
                                            sample.mean[static_cast<std::size_t>(d)]));
     }
   }
-  if (largest > 0) sample.scale = std::exp2(-std::ceil(std::log2(largest)));
+  if (largest > 0) sample.scale = std::exp2(std::min(1000.0, -std::ceil(std::log2(largest))));
   sample.points.resize(dimension, count);
   for (Index k = 0; k < count; ++k) {
     const Scalar* from = points[chosen[static_cast<std::size_t>(k)]];

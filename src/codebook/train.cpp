@@ -240,7 +240,7 @@ void Trainer<Scalar>::exact() {
   exact_level(vectors_, capacities, true);
   ExactAssignment<Scalar> assignment(metric_, vectors_, problem_.site_count(), capacities, arena_);
   const Certificate certificate = assignment.solve(sites_, weights_, owners_);
-  summary_.gap = certificate.energy > 0 ? certificate.gap / certificate.energy : 0;
+  summary_.gap = certificate.energy > 0 ? std::min(1.0, certificate.gap / certificate.energy) : 0;
 }
 
 template <class Scalar>

@@ -89,7 +89,8 @@ double ExactAssignment<Scalar>::rounding(double energy, const std::vector<double
   const auto [low, high] = std::minmax_element(weights.begin(), weights.end());
   const double m = points_.count;
   const double distances = largest_coordinate_ * std::sqrt(points_.dimension * m * energy);
-  return 1e-15 * (points_.dimension * energy + m * (*high - *low) + distances);
+  const double underflow = m * points_.dimension * std::numeric_limits<double>::min();
+  return 1e-15 * (points_.dimension * energy + m * (*high - *low) + distances) + underflow;
 }
 
 template <class Scalar>

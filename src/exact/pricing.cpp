@@ -18,6 +18,9 @@ constexpr Index kChunkSites = 1020;
 constexpr Index kPartPoints = 2048;
 static_assert(kChunkSites % kernels::kCostSites == 0);
 
+/// An exponent of two; at most half of double's.
+constexpr double kMostScale = 500;
+
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 struct Choice {
@@ -175,7 +178,8 @@ void Pricer<Scalar>::select_sites(const Task& task, Index site, double radius,
     const double reach = 2 * radius * std::sqrt(squared);
     const double rounding =
         1e-14 * (1 + sites.dimension / 64.0) *
-        (squared + reach + std::abs(task.weight(site)) + std::abs(task.weight(j)));
+            (squared + reach + std::abs(task.weight(site)) + std::abs(task.weight(j))) +
+        sites.dimension * std::numeric_limits<double>::min();
     return std::pair(constant - reach - rounding, constant + reach + rounding);
   };
   for (Index j = 0; j < count; ++j) {
@@ -243,7 +247,9 @@ void Pricer<Scalar>::prepare_product(const Task& task, Index site, double radius
     largest_constant = std::max(largest_constant, std::abs(scratch.constant[n]));
   }
   const double largest = std::max({radius * radius, longest, largest_constant});
-  scratch.scale = largest > 0 ? std::exp2(-std::ceil(std::log2(largest) / 2)) : 1;
+  // No more than what still has a square.
+  scratch.scale =
+      largest > 0 ? std::exp2(std::min(kMostScale, -std::ceil(std::log2(largest) / 2))) : 1;
   const double squared_scale = scratch.scale * scratch.scale;
   const std::size_t tile = kernels::kCostSites;
   const std::size_t padded = (near + tile - 1) / tile * tile;
@@ -259,10 +265,12 @@ void Pricer<Scalar>::prepare_product(const Task& task, Index site, double radius
     scratch.c[n] = n < near ? static_cast<float>(scratch.constant[n] * squared_scale)
                             : std::numeric_limits<float>::max();
   }
-  // Rounding of x, v and the constant, and of a sum of dimension + 1 terms.
-  scratch.margin = static_cast<double>(std::numeric_limits<float>::epsilon()) *
-                   (task.sites.dimension + 6) *
-                   (2 * radius * std::sqrt(longest) + largest_constant) * squared_scale;
+  // Rounding of x, v and the constant, and of a sum of dimension + 1 terms; and underflow, of v
+  // times an x of at most 1.
+  scratch.margin = (task.sites.dimension + 6) *
+                   (static_cast<double>(std::numeric_limits<float>::epsilon()) *
+                        (2 * radius * std::sqrt(longest) + largest_constant) * squared_scale +
+                    static_cast<double>(std::numeric_limits<float>::min()));
 }
 
 template <class Scalar>

@@ -7,6 +7,7 @@
 #include "format.h"
 #include "geometry/metric.h"
 #include "metrics/sets.h"
+#include "scales.h"
 
 namespace ccvt {
 
@@ -46,6 +47,11 @@ double energy(PointsView<Scalar> points, PointsView<Scalar> sites, std::span<con
     }
     sum += metric.squared_distance(points[p], sites[owner]);
   }
+  if (!std::isfinite(sum)) {
+    throw InvalidInput(
+        "points, sites: coordinates are not finite, or the sum of their squared "
+        "distances exceeds the range of double");
+  }
   return sum;
 }
 
@@ -59,7 +65,10 @@ double normalized_energy(double energy, Index points, Index sites, const Box& bo
                        " to " + text(box.upper[d]) + "; its extent must be positive");
   }
   const double spacing = spacing_in(box, sites);
-  return energy / points / (spacing * spacing);
+  const double squared = spacing * spacing;
+  // In a box so thin that the square underflows.
+  if (!std::isnormal(squared)) return energy / points / spacing / spacing;
+  return energy / points / squared;
 }
 
 double imbalance_factor(std::span<const Index> owners, Index sites) {
@@ -85,6 +94,18 @@ PointSet::PointSet(Points<double> points, Domain domain)
     throw InvalidInput("domain: has " + std::to_string(box.dimension()) +
                        " dimensions, points have " + std::to_string(dimension()) +
                        ": the two must be equal");
+  }
+  const double largest = largest_coordinate<double>(dimension());
+  for (int d = 0; d < dimension(); ++d) {
+    const double extent = box.upper[d] - box.lower[d];
+    if (std::abs(box.lower[d]) <= largest && std::abs(box.upper[d]) <= largest &&
+        extent >= kSmallestExtent<double>) {
+      continue;
+    }
+    throw InvalidInput("domain: dimension " + std::to_string(d) + " of its box goes from " +
+                       text(box.lower[d]) + " to " + text(box.upper[d]) +
+                       ": both must be at most " + text(largest) + " in magnitude, and " +
+                       text(kSmallestExtent<double>) + " or more apart");
   }
   for (Eigen::Index p = 0; p < points_.cols(); ++p) {
     for (Eigen::Index d = 0; d < points_.rows(); ++d) {

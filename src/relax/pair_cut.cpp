@@ -24,6 +24,7 @@ PairCut<Scalar>::PairCut(const Metric& metric, double coordinate_bound)
   const auto terms = static_cast<double>(size + 4);
   rounding_of_size_ = 4 * terms * kHalfUlp;
   tolerance_of_size_ = 2 * terms * static_cast<double>(std::numeric_limits<Scalar>::epsilon());
+  least_rounding_ = 16 * terms * std::numeric_limits<double>::denorm_min();
   least_tolerance_ = terms * static_cast<double>(std::numeric_limits<Scalar>::min());
   for (auto* vector : {&normal_, &middle_i_, &middle_j_}) vector->resize(size);
   for (auto* vector : {&scalar_normal_, &scalar_middle_i_, &scalar_middle_j_}) vector->resize(size);
@@ -143,7 +144,7 @@ void PairCut<Scalar>::bound_errors(double radius) {
   } else if (crosses_faces_) {
     size += length_ * placement_ + reach * metric_.largest_extent();
   }
-  rounding_ = rounding_of_size_ * size;
+  rounding_ = rounding_of_size_ * size + least_rounding_;
   tolerance_ = tolerance_of_size_ * size + least_tolerance_;
 }
 

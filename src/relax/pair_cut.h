@@ -66,6 +66,7 @@ class PairCut {
   double placement_;            ///< bounds what coordinates are rounded as
   double rounding_of_size_;     ///< factors of both error bounds
   double tolerance_of_size_;
+  double least_rounding_;  ///< what underflow adds to them
   double least_tolerance_;
 
   Frame frame_ = Frame::plain;

@@ -169,8 +169,9 @@ std::vector<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells
                               static_cast<double>(back[l * kBlockSites + k]) -
                               metric.squared_distance(sites.at(i), sites.at(j));
           const double rounding = 4 * (dimension + 4) *
-                                  static_cast<double>(std::numeric_limits<Scalar>::epsilon()) *
-                                  (sites.radius[x] + sites.radius[y]) * (norm[x] + norm[y]);
+                                  (static_cast<double>(std::numeric_limits<Scalar>::epsilon()) *
+                                       (sites.radius[x] + sites.radius[y]) * (norm[x] + norm[y]) +
+                                   static_cast<double>(std::numeric_limits<Scalar>::denorm_min()));
           if (gain > -rounding) {
             found[w].emplace_back(std::min(i, j), std::max(i, j));
           }

@@ -27,7 +27,7 @@ std::optional<SiteBins> SiteBins::sort(const Metric& metric, std::span<const dou
     volume *= upper[d] - lower[d];
     farthest = std::max({farthest, std::abs(lower[d]), std::abs(upper[d])});
   }
-  if (!(volume > 0)) return std::nullopt;
+  if (!(volume > 0) || !std::isfinite(volume)) return std::nullopt;
   const double width = std::pow(volume / static_cast<double>(count), 1.0 / metric.dimension());
   double all = 1;
   for (std::size_t d = 0; d < dimension; ++d) {
