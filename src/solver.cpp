@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "ccvt/metrics.h"
+#include "normalize.h"
 #include "parallel/arena.h"
 #include "relax/initial_sites.h"
 #include "relax/initialize.h"
@@ -198,10 +198,7 @@ void Solver<Scalar>::Implementation::finish(Termination termination) {
     enter_level(level + 1);
   }
   summary.termination = termination;
-  if (box.extent().minCoeff() > 0) {
-    summary.normalized_energy =
-        normalized_energy(summary.energy, summary.points, summary.sites, box);
-  }
+  normalize_energy(box, summary);
   double capacity_error_sum = 0;
   const double n = problem.site_count();
   const double mean = problem.point_count() / n;

@@ -3,6 +3,11 @@
 #include "format.h"
 
 namespace ccvt {
+namespace {
+
+constexpr const char* kNotNormalized = " (not normalized: the domain has no volume)";
+
+}  // namespace
 
 const char* to_string(Termination termination) {
   switch (termination) {
@@ -20,14 +25,14 @@ const char* to_string(Termination termination) {
   return "unknown";
 }
 
+bool Summary::has_normalized_energy() const { return normalized_energy > 0 || !(energy > 0); }
+
 std::string Summary::brief() const {
-  // A box without volume has no normalized energy.
-  const bool has_volume = normalized_energy > 0 || !(energy > 0);
   return std::string(to_string(termination)) + " after " + std::to_string(iterations) +
          " iterations: " + std::to_string(points) + " points, " + std::to_string(sites) +
          " sites, " +
-         (has_volume ? "normalized energy " + text(normalized_energy, 6)
-                     : "energy " + text(energy, 6)) +
+         (has_normalized_energy() ? "normalized energy " + text(normalized_energy, 6)
+                                  : "energy " + text(energy, 6) + kNotNormalized) +
          ", " + text(seconds_total, 3) + " s";
 }
 
@@ -50,7 +55,8 @@ std::string Summary::full() const {
   row("points exchanged", std::to_string(exchanged));
   row("initial energy", text(initial_energy, 9));
   row("energy", text(energy, 9));
-  row("normalized energy", text(normalized_energy, 6));
+  row("normalized energy",
+      has_normalized_energy() ? text(normalized_energy, 6) : std::string("n/a") + kNotNormalized);
   row("capacity error", text(capacity_error, 6));
   row("seconds", text(seconds_total, 4));
   row("  initialization", text(seconds_initialization, 4));

@@ -91,6 +91,29 @@ TEST_CASE("analyze: files, figures and tables are those of the library") {
   CHECK(get(directory / "out/report.html") == before);
 }
 
+TEST_CASE("analyze: figures that do not exist are left out") {
+  const TemporaryDirectory directory;
+  Points<double> points(2, 2);
+  points << 0.5, 0.25, 0.5, 0.75;
+  write_points(directory / "p.npy", points);
+  const auto told = run(directory, "analyze p.npy --periodic --max-frequency 0.75 -o out");
+  CHECK(told.status == 0);
+  CHECK(told.output.find("low-frequency power     n/a\n") != std::string::npos);
+  CHECK(told.output.find("\nn/a: the points have nothing") != std::string::npos);
+  CHECK(get(directory / "out/radial.csv").find(",1,\n") != std::string::npos);
+  const auto json = json_of(directory / "out/metrics.json");
+  CHECK(json["low_frequency_power"].is_null());
+  CHECK(json["radial"]["anisotropy_db"][0].is_null());
+  for (const auto& entry : fs::directory_iterator(directory / "out")) {
+    if (entry.path().extension() == ".png") continue;
+    CAPTURE(entry.path().string());
+    const std::string content = get(entry.path());
+    for (const char* const word : {">nan<", ">inf<", ">-inf<", ",nan", ",-nan", ",inf", ",-inf"}) {
+      CHECK(content.find(word) == std::string::npos);
+    }
+  }
+}
+
 TEST_CASE("analyze: any dimension, any box") {
   const TemporaryDirectory directory;
   for (const int dimension : {1, 2, 3, 4, 9}) {

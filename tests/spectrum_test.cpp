@@ -386,6 +386,53 @@ TEST_CASE("spectra refuse what they cannot do") {
   CHECK_THROWS_AS(power_spectrum(good, {.cancelled = [] { return true; }}), Cancelled);
 }
 
+TEST_CASE("a thin box has millions of frequencies, of which some are drawn") {
+  for (const double thin : {1e-12, 1e-100}) {
+    CAPTURE(thin);
+    Box box = Box::unit(2);
+    box.upper[1] = thin;
+    const PointSet set(make_points<double>(Layout::random, box, 100), Domain::euclidean(box));
+    const double highest = thin == 1e-100 ? 1e-42 : 2;
+    const Spectrum spectrum = power_spectrum({&set, 1}, {.max_frequency = highest});
+    CHECK(spectrum.power.empty());
+    REQUIRE(spectrum.rings.size() == 1);
+    // As many as lie within the ellipse, here nearly all along one axis.
+    const double steps = highest / (set.mean_spacing() / 1);
+    CHECK(spectrum.rings[0].frequencies == doctest::Approx(steps).epsilon(1e-3));
+    CHECK(spectrum.rings[0].power == doctest::Approx(1).epsilon(0.5));
+    if (thin == 1e-12) {
+      CHECK_THROWS_AS(power_spectrum({&set, 1}, {.max_frequency = 200}), InvalidInput);
+    }
+  }
+}
+
+TEST_CASE("shells of a thin box count every vector, run by run") {
+  for (const double step : {1e-5, 3e-4, 0.01}) {
+    CAPTURE(step);
+    const FrequencyShells shells(Eigen::Vector2d(step, 0.7), 2);
+    for (const double upper : {0.5, 1.3, 1.9}) {
+      double count = 0;
+      for (int k = 0; 0.7 * k < upper; ++k) {
+        const double along = std::sqrt(upper * upper - 0.49 * k * k) / step;
+        count += (k == 0 ? 1 : 2) * along;
+      }
+      CHECK(shells.count(0, upper) == doctest::Approx(count).epsilon(0.02));
+    }
+    Random random(1);
+    double sum = 0;
+    double largest = 0;
+    for (int i = 0; i < 400; ++i) {
+      const Eigen::VectorXi k = shells.draw(0, 0.65, random);
+      CHECK(k[1] == 0);
+      sum += k[0] * step;
+      largest = std::max(largest, std::abs(k[0]) * step);
+    }
+    CHECK(std::abs(sum / 400) < 0.1);  // uniform in [-0.65, 0.65]
+    CHECK(largest < 0.651);
+    CHECK(largest > 0.6);
+  }
+}
+
 TEST_SUITE_END();
 
 }  // namespace ccvt::test

@@ -185,14 +185,15 @@ struct Spectrum {
 /// The exact periodogram in up to 3 dimensions: all frequencies up to max_frequency, as a product
 /// of two matrices, 2 n multiplications a frequency; there are about pi/2 F^2 n of them in 2D.
 ///
-/// In more dimensions, and where that would need more than 2^37 multiplications a set, 128
-/// frequencies are drawn, with replacement and all equally likely, for each ring, and 512 for
-/// low_frequency_power: unbiased estimates of the same means. In a box that is no cube, or when
-/// max_frequency is more than 256 steps, the frequencies of a ring are told from |f|^2 with each
-/// term rounded to a 65536th part of max_frequency^2.
+/// In more dimensions, and where that would need more than 2^37 multiplications a set or 1 GiB of
+/// memory, as in a very thin box, 128 frequencies are drawn, with replacement and all equally
+/// likely, for each ring, and 512 for low_frequency_power: unbiased estimates of the same means. In
+/// a box that is no cube, or when max_frequency is more than 256 steps, the frequencies of a ring
+/// are told from |f|^2 with each term rounded to a 65536th part of max_frequency^2.
 ///
 /// Throws InvalidInput unless there is a set, all agree in dimension, count and domain, and the
-/// options are in range.
+/// options are in range; also when max_frequency is more than 2^30 steps k_d of some dimension, or
+/// the drawn frequencies would take more than 1 GiB. It never needs more than twice that.
 CCVT_EXPORT Spectrum power_spectrum(std::span<const PointSet> sets,
                                     const SpectrumOptions& options = {});
 

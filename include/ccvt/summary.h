@@ -60,7 +60,8 @@ struct CCVT_EXPORT Summary {
   std::int64_t exchanged = 0;  ///< points that changed owner by swaps
   double initial_energy = 0;   ///< when all points have joined
   double energy = 0;
-  /// energy * n^(2/D) / (m * |domain|^(2/D)); 0 when the domain has no volume.
+  /// energy * n^(2/D) / (m * |domain|^(2/D)); 0, and no figure, when the domain has no volume, or
+  /// so little that this is beyond the range of double.
   double normalized_energy = 0;
   /// See ccvt::capacity_error(): not zero when capacities are meant to differ.
   double capacity_error = 0;
@@ -70,6 +71,8 @@ struct CCVT_EXPORT Summary {
   double seconds_relaxation = 0;
   std::vector<IterationRecord> iterations_log;
 
+  /// False when normalized_energy is 0 for want of a volume.
+  [[nodiscard]] bool has_normalized_energy() const;
   /// One line: how it ended, iterations, energy, seconds.
   [[nodiscard]] std::string brief() const;
   /// All of it, as a table.

@@ -14,6 +14,9 @@ namespace {
 constexpr Index kMostDots = 20000;
 constexpr int kPanelPixels = 400;  ///< a panel of fewer frequencies gets larger ones
 
+/// Shown on each side of 0: a thin box has millions along it.
+constexpr int kMostFrequencies = 4096;
+
 /// Power over a plane of frequencies, the first axis fastest.
 struct Panel {
   int width = 0;
@@ -30,8 +33,8 @@ Panel plane_of(const Spectrum& spectrum, std::size_t a, std::size_t b) {
     centre += half * stride[d];
     stride[d + 1] = stride[d] * (2 * half + 1);
   }
-  const int half_a = spectrum.half[a];
-  const int half_b = spectrum.half[b];
+  const int half_a = std::min(spectrum.half[a], kMostFrequencies);
+  const int half_b = std::min(spectrum.half[b], kMostFrequencies);
   Panel panel{2 * half_a + 1, 2 * half_b + 1, {}};
   const auto offset = [](int k, std::size_t step) {
     return static_cast<std::ptrdiff_t>(k) * static_cast<std::ptrdiff_t>(step);
@@ -74,10 +77,12 @@ Panel projected_plane(const AnalyzedSet& set, int threads) {
 std::vector<Panel> panels_of(const AnalyzedSet& set, int threads) {
   const Spectrum& spectrum = set.analysis.spectrum;
   if (spectrum.dimension == 1 && !spectrum.power.empty()) {
-    const int width = 2 * spectrum.half[0] + 1;
+    const int half = std::min(spectrum.half[0], kMostFrequencies);
+    const int width = 2 * half + 1;
     Panel strip{width, std::max(1, width / 8), {}};
+    const auto begin = spectrum.power.begin() + (spectrum.half[0] - half);
     for (int y = 0; y < strip.height; ++y) {
-      strip.power.insert(strip.power.end(), spectrum.power.begin(), spectrum.power.end());
+      strip.power.insert(strip.power.end(), begin, begin + width);
     }
     return {strip};
   }

@@ -93,7 +93,8 @@ int finish_training(const QuantizeArguments& arguments, const Training& training
   write_summary(arguments, training.summary, psnr);
   if (!arguments.quiet) {
     std::printf("%s", training.summary.brief().c_str());
-    if (psnr) std::printf(", PSNR %.2f dB", *psnr);
+    if (psnr && std::isfinite(*psnr)) std::printf(", PSNR %.2f dB", *psnr);
+    if (psnr && !std::isfinite(*psnr)) std::printf(", PSNR n/a (no pixel differs)");
     std::printf("\n");
     if (std::fflush(stdout) != 0) throw IoError("standard output: cannot be written");
   }

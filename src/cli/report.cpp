@@ -44,9 +44,14 @@ dt{font-weight:600}
 dd{margin:0 0 .5rem;color:var(--soft)}
 )";
 
+constexpr const char* kNone = "n/a";
+constexpr const char* kWhyNone =
+    "the points have nothing to take the figure from: no frequency in that range, no cell inside "
+    "the box, or another dimension";
+
 std::string value_text(double value) {
-  if (std::abs(value) < 1e-12) return "0";           // all that rounding leaves of it
-  if (!std::isfinite(value)) return "\xE2\x80\x93";  // an en dash
+  if (std::abs(value) < 1e-12) return "0";  // all that rounding leaves of it
+  if (!std::isfinite(value)) return kNone;
   char buffer[64];
   const auto [end, error] =
       std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 4);
@@ -126,6 +131,7 @@ std::string meanings(const std::vector<AnalyzedSet>& sets) {
       "-10 log10(k) dB where there is no structure.</dd>\n"
       "<dt>pair correlation</dt><dd>How many pairs of points are at a distance, as a share of "
       "those of independent points.</dd>\n";
+  html += std::string("<dt>") + kNone + "</dt><dd>" + escaped(kWhyNone) + ".</dd>\n";
   return html + "</dl></section>\n";
 }
 
@@ -159,6 +165,10 @@ std::string report_table(const std::vector<AnalyzedSet>& sets) {
     }
     text += "\n";
   }
+  const bool lacking = std::any_of(rows.begin() + 1, rows.end(), [](const auto& row) {
+    return std::find(row.begin() + 1, row.end(), kNone) != row.end();
+  });
+  if (lacking) text += std::string(kNone) + ": " + kWhyNone + "\n";
   return text;
 }
 

@@ -31,9 +31,9 @@ std::string summary_json(const std::string& command, const Summary& summary) {
   json["exchanged"] = summary.exchanged;
   json["initial_energy"] = summary.initial_energy;
   json["energy"] = summary.energy;
-  const bool has_volume = summary.normalized_energy > 0 || !(summary.energy > 0);
-  json["normalized_energy"] = has_volume ? nlohmann::ordered_json(summary.normalized_energy)
-                                         : nlohmann::ordered_json(nullptr);
+  json["normalized_energy"] = summary.has_normalized_energy()
+                                  ? nlohmann::ordered_json(summary.normalized_energy)
+                                  : nlohmann::ordered_json(nullptr);
   json["capacity_error"] = summary.capacity_error;
   json["seconds"] = {{"total", summary.seconds_total},
                      {"initialization", summary.seconds_initialization},

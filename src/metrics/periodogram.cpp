@@ -48,6 +48,16 @@ std::vector<Prefix> half_of_prefixes(const std::vector<int>& half) {
 
 }  // namespace
 
+double FrequencyGrid::bytes(const Eigen::ArrayXd& half) {
+  constexpr double complex = sizeof(std::complex<double>);
+  const double frequencies = (2 * half + 1).prod();
+  const double waves =
+      kBlockPoints * complex * ((half + 1).sum() + 2 * (half[half.size() - 1] + 1));
+  // Two complex sums for each pair of a frequency and its mirror image; and what pads the tiles.
+  const double tiles = complex * static_cast<double>(2 * kTileRows) * half[half.size() - 1];
+  return frequencies * (sizeof(double) + complex) + waves + tiles;
+}
+
 /// exp(-2 pi i f.p) = w e, with w the wave of the prefix and e that of the last dimension. Its sum
 /// over points, for all prefixes and all last k >= 0, is a matrix product, here of real matrices:
 /// with w = a + ib and e = c + is the products of [a; b] and [c; s] give the sums for k (ac - bs,

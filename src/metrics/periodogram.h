@@ -22,6 +22,9 @@ class FrequencyGrid {
     return size;
   }
 
+  /// What add_power() needs, the power included, in bytes; `half` may be too large for a grid.
+  [[nodiscard]] static double bytes(const Eigen::ArrayXd& half);
+
   /// Adds |sum over points of exp(-2 pi i f.p)|^2 at every frequency but 0. `cancelled` is asked
   /// for each 256 points.
   void add_power(const PointSet& set, const Arena& arena, const std::function<bool()>& cancelled,

@@ -22,10 +22,13 @@ FrequencyShells::FrequencyShells(Eigen::VectorXd steps, double highest)
   ways_.assign(1, Row(most_ + 1, 0.0));
   ways_[0][0] = 1;
   for (int d = 0; d < steps_.size(); ++d) {
+    runs_.push_back(runs_of(d));
     Row next = ways_.back();  // k = 0
-    for (int k = 1; quanta_of(d, k) <= most_; ++k) {
-      const std::size_t q = quanta_of(d, k);
-      for (std::size_t s = q; s <= most_; ++s) next[s] += 2 * ways_.back()[s - q];
+    for (const Run& run : runs_.back()) {
+      const Row& before = ways_.back();
+      for (std::size_t s = run.quanta; s <= most_; ++s) {
+        next[s] += 2.0 * run.count * before[s - run.quanta];
+      }
     }
     ways_.push_back(std::move(next));
   }
@@ -35,7 +38,30 @@ FrequencyShells::FrequencyShells(Eigen::VectorXd steps, double highest)
 std::size_t FrequencyShells::quanta_of(int d, int k) const {
   if (cube_) return static_cast<std::size_t>(k) * static_cast<std::size_t>(k);
   const double f = k * steps_[d];
-  return static_cast<std::size_t>(f * f / quantum_ + 0.5);
+  // In a thin box one step may be more than all.
+  const double quanta = std::min(f * f / quantum_ + 0.5, static_cast<double>(most_) + 1);
+  return static_cast<std::size_t>(quanta);
+}
+
+auto FrequencyShells::runs_of(int d) const -> std::vector<Run> {
+  std::vector<Run> runs;
+  for (int first = 1; quanta_of(d, first) <= most_;) {
+    const std::size_t quanta = quanta_of(d, first);
+    // The end of the run is between `inside` and `beyond`.
+    int inside = first;
+    int beyond = first + 1;
+    while (quanta_of(d, beyond) == quanta) {
+      inside = beyond;
+      beyond += beyond - first;
+    }
+    while (beyond - inside > 1) {
+      const int middle = inside + (beyond - inside) / 2;
+      (quanta_of(d, middle) == quanta ? inside : beyond) = middle;
+    }
+    runs.push_back({quanta, first, beyond - first});
+    first = beyond;
+  }
+  return runs;
 }
 
 /// The least number of quanta that is not below a frequency.
@@ -58,18 +84,24 @@ Eigen::VectorXi FrequencyShells::draw(double lower, double upper, Random& random
     for (; s + 1 < first_at(upper) && left >= ways_.back()[s]; ++s) left -= ways_.back()[s];
     for (int d = static_cast<int>(steps_.size()); d-- > 0;) {
       const Row& rest = ways_[static_cast<std::size_t>(d)];
+      const std::vector<Run>& runs = runs_[static_cast<std::size_t>(d)];
       double total = rest[s];
-      for (int j = 1; quanta_of(d, j) <= s; ++j) total += 2 * rest[s - quanta_of(d, j)];
-      left = total * random.uniform();
-      int j = 0;
-      double weight = rest[s];
-      while (left >= weight && quanta_of(d, j + 1) <= s) {
-        left -= weight;
-        ++j;
-        weight = 2 * rest[s - quanta_of(d, j)];
+      std::size_t within = 0;  // runs of at most s quanta
+      for (; within < runs.size() && runs[within].quanta <= s; ++within) {
+        total += 2.0 * runs[within].count * rest[s - runs[within].quanta];
       }
-      k[d] = j > 0 && left < weight / 2 ? -j : j;
-      s -= quanta_of(d, j);
+      left = total * random.uniform();
+      if (left < rest[s] || within == 0) continue;
+      left -= rest[s];
+      std::size_t r = 0;
+      const auto each = [&] { return 2 * rest[s - runs[r].quanta]; };
+      for (; r + 1 < within && left >= runs[r].count * each(); ++r) left -= runs[r].count * each();
+      const double along = each() > 0 ? std::floor(left / each()) : 0;
+      const int beyond = static_cast<int>(std::min(along, runs[r].count - 1.0));
+      left -= beyond * each();
+      const int j = runs[r].first + beyond;
+      k[d] = left < each() / 2 ? -j : j;
+      s -= runs[r].quanta;
     }
   }
   return k;

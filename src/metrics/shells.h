@@ -13,10 +13,13 @@ namespace ccvt {
 /// |f|^2 is told in quanta: one is step^2 in a cube, where that is exact; else, and when there
 /// would be more than 65536 of them, each term is rounded to a 65536th part of the highest |f|^2.
 /// ways(d, s) counts the vectors of the first d dimensions that have s quanta, as the sum over k of
-/// ways(d - 1, s - quanta of k); a draw walks this sum back [Nijenhuis, Wilf 1978].
+/// ways(d - 1, s - quanta of k); a draw walks this sum back [Nijenhuis, Wilf 1978]. The k > 0 that
+/// have as many quanta are one run: in a thin box there are millions of k, but at most 65537 runs.
 class FrequencyShells {
  public:
-  /// Steps above 0, highest above 0.
+  static constexpr double kMostSteps = 0x1p30;
+
+  /// Steps above 0, highest above 0 and at most kMostSteps of them.
   FrequencyShells(Eigen::VectorXd steps, double highest);
 
   /// How many k there are with lower <= |f| < upper, k and -k counted once.
@@ -27,14 +30,23 @@ class FrequencyShells {
  private:
   using Row = std::vector<double>;  ///< by quanta
 
+  /// Consecutive k > 0 of one dimension that have as many quanta.
+  struct Run {
+    std::size_t quanta;
+    int first;
+    int count;
+  };
+
   [[nodiscard]] std::size_t first_at(double frequency) const;
   [[nodiscard]] std::size_t quanta_of(int d, int k) const;
+  [[nodiscard]] std::vector<Run> runs_of(int d) const;
 
   Eigen::VectorXd steps_;
   double quantum_ = 0;
   std::size_t most_ = 0;
   bool cube_ = false;
-  std::vector<Row> ways_;  ///< by the number of dimensions, 0..D
+  std::vector<std::vector<Run>> runs_;  ///< by dimension, of up to most_ quanta
+  std::vector<Row> ways_;               ///< by the number of dimensions, 0..D
 };
 
 }  // namespace ccvt

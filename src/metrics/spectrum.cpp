@@ -20,6 +20,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLowFrequency = 0.25;
 constexpr double kMostProducts = 0x1p37;  ///< for the whole periodogram of a set
+constexpr double kMostBytes = 0x1p30;     ///< for it and what finds it; for frequencies drawn, too
 constexpr double kNoPower = 1e-20;        ///< what rounding leaves of none
 constexpr int kRingDraws = 128;
 constexpr int kLowDraws = 512;
@@ -103,8 +104,27 @@ Eigen::VectorXd steps_of(const PointSet& set) {
   return set.mean_spacing() / set.domain().box().extent().array();
 }
 
+/// Throws unless frequencies can be drawn up to max_frequency, in kMostBytes.
+void check_draws(const Eigen::ArrayXd& half, const SpectrumOptions& options, std::size_t rings) {
+  Eigen::Index longest = 0;
+  const double steps = half.maxCoeff(&longest);
+  if (steps > FrequencyShells::kMostSteps) {
+    throw InvalidInput("max_frequency: " + text(options.max_frequency) + " is " + text(steps) +
+                       " steps of the frequencies along dimension " + std::to_string(longest) +
+                       " of the box, more than " + text(FrequencyShells::kMostSteps) +
+                       ": choose at most " +
+                       text(options.max_frequency * (FrequencyShells::kMostSteps / steps), 3));
+  }
+  // No more rings have a frequency than there are lengths told apart.
+  const double drawn = std::min(static_cast<double>(rings), 65537.0) * kRingDraws;
+  if (drawn * static_cast<double>(half.size()) * sizeof(int) <= kMostBytes) return;
+  throw InvalidInput("ring_width: makes " + std::to_string(rings) + " rings in " +
+                     std::to_string(half.size()) +
+                     " dimensions, too many to draw frequencies in each: choose a larger one");
+}
+
 /// The power of a drawn frequency, |sum|^2 / n, averaged over the sets.
-double power_at(std::span<const PointSet> sets, const Eigen::VectorXi& k) {
+double power_at(std::span<const PointSet> sets, const Eigen::Map<const Eigen::VectorXi>& k) {
   double power = 0;
   for (const PointSet& set : sets) {
     const Box& box = set.domain().box();
@@ -161,11 +181,12 @@ void fill_from_draws(std::span<const PointSet> sets, const SpectrumOptions& opti
   const FrequencyShells shells(steps_of(sets.front()), options.max_frequency);
   std::vector<double> counts;
   std::vector<std::size_t> ring_of;
-  std::vector<Eigen::VectorXi> drawn;
+  std::vector<int> drawn;  // one frequency after the other
   const auto draw = [&](double lower, double upper, int draws, std::size_t ring) {
     Random random(options.seed, kDrawStream + ring);
     for (int i = 0; i < draws; ++i) {
-      drawn.push_back(shells.draw(lower, upper, random));
+      const Eigen::VectorXi k = shells.draw(lower, upper, random);
+      drawn.insert(drawn.end(), k.begin(), k.end());
       ring_of.push_back(ring);
     }
   };
@@ -179,16 +200,19 @@ void fill_from_draws(std::span<const PointSet> sets, const SpectrumOptions& opti
   const double below = std::min(kLowFrequency, highest);
   if (shells.count(0, below) > 0) draw(0, below, kLowDraws, rings.size());
 
-  std::vector<double> power(drawn.size());
+  std::vector<double> power(ring_of.size());
   constexpr std::size_t kBetweenQuestions = 64;
-  for (std::size_t begin = 0; begin < drawn.size(); begin += kBetweenQuestions) {
+  for (std::size_t begin = 0; begin < power.size(); begin += kBetweenQuestions) {
     if (options.cancelled && options.cancelled()) throw Cancelled();
-    const std::size_t count = std::min(kBetweenQuestions, drawn.size() - begin);
-    arena.for_each(count, 1,
-                   [&](std::size_t i) { power[begin + i] = power_at(sets, drawn[begin + i]); });
+    const std::size_t count = std::min(kBetweenQuestions, power.size() - begin);
+    arena.for_each(count, 1, [&](std::size_t i) {
+      const auto dimension = static_cast<std::size_t>(spectrum.dimension);
+      power[begin + i] = power_at(sets, Eigen::Map<const Eigen::VectorXi>(
+                                            &drawn[(begin + i) * dimension], spectrum.dimension));
+    });
   }
   Sums low;
-  for (std::size_t i = 0; i < drawn.size(); ++i) {
+  for (std::size_t i = 0; i < power.size(); ++i) {
     (ring_of[i] < rings.size() ? rings[ring_of[i]] : low).add(power[i]);
   }
   spectrum.rings = rings.rings(counts, options.max_frequency);
@@ -251,10 +275,12 @@ Spectrum power_spectrum(std::span<const PointSet> sets, const SpectrumOptions& o
   const Eigen::ArrayXd half = (options.max_frequency / steps.array() * (1 + 1e-12)).floor();
   const double products = (2 * half + 1).prod() * first.count();
   const Arena arena(options.threads);
-  if (spectrum.dimension <= 3 && products <= kMostProducts) {
+  if (spectrum.dimension <= 3 && products <= kMostProducts &&
+      FrequencyGrid::bytes(half) <= kMostBytes) {
     for (const double h : half) spectrum.half.push_back(static_cast<int>(h));
     fill_from_grid(sets, options, arena, rings, spectrum);
   } else {
+    check_draws(half, options, rings.size());
     fill_from_draws(sets, options, arena, rings, spectrum);
   }
 
