@@ -38,9 +38,9 @@ class CCVT_EXPORT Problem {
   /// set_initial_owners() as many as each site owns.
   Problem& set_capacities(std::vector<Index> capacities);
   /// Default: n distinct points drawn by Options::seed. #dimensions by n, as moderate as points.
-  /// Beside initial owners, set before or after, they are no more than hints: sites start at the centroids of
-  /// their cells, of which a cell that winds round a periodic domain has several; it is given the
-  /// one that its hint leads to.
+  /// Beside initial owners, set before or after, they are no more than hints: sites start at the
+  /// centroids of their cells, of which a cell that winds round a periodic domain has several; it is
+  /// given the one that its hint leads to.
   Problem& set_initial_sites(const Eigen::Ref<const Points<Scalar>>& sites);
   /// A warm start: the owner of every point, in 0..n-1, each site owning as many points as its
   /// capacity; capacities that are not equal must be set first. Sites start at the centroids of the
