@@ -22,7 +22,7 @@ std::string commands_of(const CLI::App& app) {
 
 /// CLI11 keeps nothing of a mistake but its kind and an English sentence.
 std::string reason(const CLI::App& app, const std::string& command, const CLI::ParseError& error) {
-  const std::string text = error.what();
+  std::string text = error.what();
   if (error.get_name() == "RequiredError") {
     if (command.empty()) return "needs a command, one of " + commands_of(app);
     return command + ": needs " + before(text, " is required");
