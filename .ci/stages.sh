@@ -51,6 +51,13 @@ quick_benchmarks() {
   build/release/bin/ccvt-bench all --quick -o build/release/quick-benchmarks >/dev/null
 }
 
+# A user's program under all kinds of flags, with the libraries that the tests installed.
+consumers() {
+  local work=build/release/tests/install
+  tests/install/flags.sh "$work/all_flags" \
+    "$PWD/$work/installed/installed" "$PWD/$work/sub_project/shared"
+}
+
 developer_packages() {
   cmake/install-packages.sh \
     chromium clang clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev python3
@@ -61,15 +68,18 @@ format() {
     xargs -0 clang-format-14 --dry-run --Werror
 }
 
-fuzz() {  # seconds for each fuzzer, from valid files
-  local seconds=$1 fuzzer name corpus
-  for fuzzer in build/asan-ubsan/tests/*_fuzzer; do
-    name=$(basename "$fuzzer" _fuzzer)
-    corpus=build/asan-ubsan/corpus/$name
-    python3 "tests/fuzz/${name}_corpus.py" "$corpus" &&
-      "$fuzzer" -max_len=4096 -malloc_limit_mb=64 -max_total_time="$seconds" \
-        -print_final_stats=1 -verbosity=0 "$corpus" || return 1
-  done
+# From valid files on.
+fuzz() {  # seconds for each kind of file
+  local seconds=$1 corpus=build/asan-ubsan/corpus
+  python3 tests/fuzz/volume_corpus.py "$corpus/volumes" &&
+    fuzz_from "$corpus/volumes" "$seconds" volume_fuzzer -malloc_limit_mb=64
+}
+
+fuzz_from() {  # corpus, seconds, fuzzer, its options
+  local corpus=$1 seconds=$2 fuzzer=$3
+  shift 3
+  "build/asan-ubsan/tests/$fuzzer" -max_len=4096 -max_total_time="$seconds" "$@" \
+    -print_final_stats=1 -verbosity=0 "$corpus"
 }
 
 tidy_all() {
