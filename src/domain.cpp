@@ -15,7 +15,7 @@ Domain::Domain(Box box, bool periodic) : box_(std::move(box)), periodic_(periodi
                        " coordinates and the upper one " + std::to_string(box_.upper.size()) +
                        ": both need one per dimension");
   }
-  for (Eigen::Index d = 0; d < box_.lower.size(); ++d) {
+  for (std::ptrdiff_t d = 0; d < box_.lower.size(); ++d) {
     const double extent = box_.upper[d] - box_.lower[d];
     if (!(extent > 0) || !std::isfinite(extent)) {
       throw InvalidInput("box: dimension " + std::to_string(d) + " runs from " +

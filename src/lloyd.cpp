@@ -31,7 +31,7 @@ template <class Scalar>
 class Lloyd {
  public:
   Lloyd(const Problem<Scalar>& problem, const Options& options);
-  Result<Scalar> run();
+  detail::LloydResult<Scalar> run();
 
  private:
   void start();
@@ -64,8 +64,8 @@ Lloyd<Scalar>::Lloyd(const Problem<Scalar>& problem, const Options& options)
       arena_(options.threads),
       metric_(problem.dimension(), problem.domain()),
       box_(problem.bounding_box()),
-      coordinate_bound_(
-          std::max(box_.lower.cwiseAbs().maxCoeff(), box_.upper.cwiseAbs().maxCoeff())),
+      coordinate_bound_(std::max(box_.lower.eigen().cwiseAbs().maxCoeff(),
+                                 box_.upper.eigen().cwiseAbs().maxCoeff())),
       points_(static_cast<std::size_t>(problem.point_count())) {
   std::iota(points_.begin(), points_.end(), 0);
   summary_.dimension = problem.dimension();
@@ -214,12 +214,12 @@ bool Lloyd<Scalar>::step() {
 }
 
 template <class Scalar>
-Result<Scalar> Lloyd<Scalar>::run() {
+detail::LloydResult<Scalar> Lloyd<Scalar>::run() {
   start();
   while (step()) {
   }
-  Result<Scalar> result;
-  result.sites.resize(summary_.dimension, summary_.sites);
+  detail::LloydResult<Scalar> result;
+  result.sites = {summary_.dimension, summary_.sites};
   for (Index s = 0; s < summary_.sites; ++s) {
     for (int d = 0; d < summary_.dimension; ++d) {
       result.sites(d, s) = metric_.template as<Scalar>(sites_.at(s)[d], d);
@@ -233,11 +233,13 @@ Result<Scalar> Lloyd<Scalar>::run() {
 }  // namespace
 
 template <class Scalar>
-Result<Scalar> lloyd(const Problem<Scalar>& problem, const Options& options) {
+detail::LloydResult<Scalar> detail::lloyd(const Problem<Scalar>& problem, const Options& options) {
   return Lloyd<Scalar>(problem, options).run();
 }
 
-template Result<float> lloyd(const Problem<float>&, const Options&);
-template Result<double> lloyd(const Problem<double>&, const Options&);
+template CCVT_EXPORT detail::LloydResult<float> detail::lloyd(const Problem<float>&,
+                                                              const Options&);
+template CCVT_EXPORT detail::LloydResult<double> detail::lloyd(const Problem<double>&,
+                                                               const Options&);
 
 }  // namespace ccvt

@@ -28,8 +28,8 @@ template <class Scalar>
 void require_scale(const Domain& domain) {
   const Box& box = domain.box();
   const double largest = largest_coordinate<Scalar>(box.dimension());
-  const auto check = [largest](const char* corner, const Eigen::VectorXd& x) {
-    for (Eigen::Index d = 0; d < x.size(); ++d) {
+  const auto check = [largest](const char* corner, const Coordinates& x) {
+    for (std::ptrdiff_t d = 0; d < x.size(); ++d) {
       if (std::abs(x[d]) <= largest) continue;
       throw InvalidInput("domain: coordinate " + std::to_string(d) + " of its box's " + corner +
                          " corner is " + text(x[d]) + ": it must be at most " + text(largest) +
@@ -96,7 +96,7 @@ Problem<Scalar>& Problem<Scalar>::set_capacities(std::vector<Index> capacities) 
 }
 
 template <class Scalar>
-Problem<Scalar>& Problem<Scalar>::set_initial_sites(const Eigen::Ref<const Points<Scalar>>& sites) {
+Problem<Scalar>& Problem<Scalar>::set_initial_sites(Columns<Scalar> sites) {
   if (sites.cols() != site_count() || sites.rows() != dimension()) {
     throw InvalidInput("initial_sites: the matrix is " + std::to_string(sites.rows()) + " by " +
                        std::to_string(sites.cols()) + ": it must be " +
@@ -104,7 +104,7 @@ Problem<Scalar>& Problem<Scalar>::set_initial_sites(const Eigen::Ref<const Point
                        ", one column per site");
   }
   require_moderate("initial_sites", view_points(sites));
-  initial_sites_ = sites;
+  initial_sites_ = std::move(sites);
   return *this;
 }
 
@@ -135,7 +135,7 @@ Problem<Scalar>& Problem<Scalar>::set_initial_owners(std::vector<Index> owners) 
 template <class Scalar>
 Box Problem<Scalar>::bounding_box() const {
   if (domain_.has_box()) return domain_.box();
-  Box box{Eigen::VectorXd(dimension()), Eigen::VectorXd(dimension())};
+  Box box = Box::unit(dimension());
   for (int d = 0; d < dimension(); ++d) box.lower[d] = box.upper[d] = points_[0][d];
   for (Index p = 1; p < points_.count; ++p) {
     const Scalar* x = points_[p];
@@ -148,7 +148,18 @@ Box Problem<Scalar>::bounding_box() const {
   return box;
 }
 
-template class Problem<float>;
-template class Problem<double>;
+// Each member that is compiled here; a whole class would bring along what is inline.
+template CCVT_EXPORT Problem<float>::Problem(PointsView<float>, Index);
+template CCVT_EXPORT Problem<double>::Problem(PointsView<double>, Index);
+template CCVT_EXPORT Problem<float>& Problem<float>::set_domain(Domain);
+template CCVT_EXPORT Problem<double>& Problem<double>::set_domain(Domain);
+template CCVT_EXPORT Problem<float>& Problem<float>::set_capacities(std::vector<Index>);
+template CCVT_EXPORT Problem<double>& Problem<double>::set_capacities(std::vector<Index>);
+template CCVT_EXPORT Problem<float>& Problem<float>::set_initial_sites(Columns<float>);
+template CCVT_EXPORT Problem<double>& Problem<double>::set_initial_sites(Columns<double>);
+template CCVT_EXPORT Problem<float>& Problem<float>::set_initial_owners(std::vector<Index>);
+template CCVT_EXPORT Problem<double>& Problem<double>::set_initial_owners(std::vector<Index>);
+template CCVT_EXPORT Box Problem<float>::bounding_box() const;
+template CCVT_EXPORT Box Problem<double>::bounding_box() const;
 
 }  // namespace ccvt

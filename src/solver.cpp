@@ -73,7 +73,8 @@ Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Op
   const Stopwatch total(summary.seconds_total);
   const Stopwatch initialization(summary.seconds_initialization);
   box = problem.bounding_box();
-  coordinate_bound = std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
+  coordinate_bound =
+      std::max(box.lower.eigen().cwiseAbs().maxCoeff(), box.upper.eigen().cwiseAbs().maxCoeff());
   if (options.initialization == Initialization::automatic) {
     options.initialization = problem.dimension() <= kBalancedDimensions ? Initialization::balanced
                                                                         : Initialization::coherent;
@@ -247,11 +248,15 @@ Solver<Scalar>::Solver(Problem<Scalar> problem, Options options)
     : implementation_(std::make_unique<Implementation>(std::move(problem), std::move(options))) {}
 
 template <class Scalar>
-Solver<Scalar>::Solver(Solver&&) noexcept = default;
+Solver<Scalar>::Solver(Solver&& other) noexcept
+    : implementation_(std::move(other.implementation_)) {}
 template <class Scalar>
-Solver<Scalar>& Solver<Scalar>::operator=(Solver&&) noexcept = default;
+Solver<Scalar>& Solver<Scalar>::operator=(Solver&& other) noexcept {
+  implementation_ = std::move(other.implementation_);
+  return *this;
+}
 template <class Scalar>
-Solver<Scalar>::~Solver() = default;
+Solver<Scalar>::~Solver() {}  // NOLINT: where Implementation is complete
 
 template <class Scalar>
 bool Solver<Scalar>::step() {
@@ -272,9 +277,9 @@ void Solver<Scalar>::cancel() {
 }
 
 template <class Scalar>
-Points<Scalar> Solver<Scalar>::sites() const {
+Columns<Scalar> Solver<Scalar>::site_columns() const {
   const Implementation& i = *implementation_;
-  Points<Scalar> sites(i.problem.dimension(), i.problem.site_count());
+  Columns<Scalar> sites(i.problem.dimension(), i.problem.site_count());
   for (Index k = 0; k < i.problem.site_count(); ++k) {
     const double* position = i.sites.at(k);
     for (int d = 0; d < i.problem.dimension(); ++d) {
@@ -303,7 +308,26 @@ const Summary& Solver<Scalar>::summary() const {
   return implementation_->summary;
 }
 
-template class Solver<float>;
-template class Solver<double>;
+// Each member that is compiled here; a whole class would bring along what is inline.
+template CCVT_EXPORT Solver<float>::Solver(Problem<float>, Options);
+template CCVT_EXPORT Solver<double>::Solver(Problem<double>, Options);
+template CCVT_EXPORT Solver<float>::Solver(Solver&&) noexcept;
+template CCVT_EXPORT Solver<double>::Solver(Solver&&) noexcept;
+template CCVT_EXPORT Solver<float>& Solver<float>::operator=(Solver&&) noexcept;
+template CCVT_EXPORT Solver<double>& Solver<double>::operator=(Solver&&) noexcept;
+template CCVT_EXPORT Solver<float>::~Solver();
+template CCVT_EXPORT Solver<double>::~Solver();
+template CCVT_EXPORT bool Solver<float>::step();
+template CCVT_EXPORT bool Solver<double>::step();
+template CCVT_EXPORT void Solver<float>::run();
+template CCVT_EXPORT void Solver<double>::run();
+template CCVT_EXPORT void Solver<float>::cancel();
+template CCVT_EXPORT void Solver<double>::cancel();
+template CCVT_EXPORT Columns<float> Solver<float>::site_columns() const;
+template CCVT_EXPORT Columns<double> Solver<double>::site_columns() const;
+template CCVT_EXPORT std::vector<Index> Solver<float>::owners() const;
+template CCVT_EXPORT std::vector<Index> Solver<double>::owners() const;
+template CCVT_EXPORT const Summary& Solver<float>::summary() const;
+template CCVT_EXPORT const Summary& Solver<double>::summary() const;
 
 }  // namespace ccvt

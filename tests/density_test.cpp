@@ -468,13 +468,15 @@ TEST_CASE("an affine map takes points to the world") {
   DensityGrid grid{values, shape, box_of(shape)};
   grid.interpolation = ccvt::Interpolation::linear;
   ccvt::Affine affine{Eigen::MatrixXd(3, 3), Eigen::Vector3d(100, -20, 3)};
-  affine.matrix << 0, -2, 0.3, 1, 0, 0, 0.1, 0, 3;
+  affine.matrix.eigen() << 0, -2, 0.3, 1, 0, 0, 0.1, 0, 3;
   // Independent draws do not depend on the shape of the cells.
   const auto box = sample_density<double>(grid, 5000, 1, DensitySampling::white);
   grid.to_world = affine;
   const auto world = sample_density<double>(grid, 5000, 1, DensitySampling::white);
-  CHECK(((affine.matrix * box).colwise() + affine.offset - world).cwiseAbs().maxCoeff() < 1e-12);
-  affine.matrix.row(2) = affine.matrix.row(0);
+  CHECK(((affine.matrix.eigen() * box).colwise() + affine.offset.eigen() - world)
+            .cwiseAbs()
+            .maxCoeff() < 1e-12);
+  affine.matrix.eigen().row(2) = affine.matrix.eigen().row(0);
   grid.to_world = affine;
   CHECK(mentions(refusal([&] { sample_density<double>(grid, 5); }), "singular"));
   grid.to_world = ccvt::Affine{Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(0, 0)};

@@ -30,7 +30,8 @@ namespace {
 template <class Scalar>
 Real rounding(const Problem<Scalar>& problem) {
   const Box box = problem.bounding_box();
-  const Real largest = std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
+  const Real largest =
+      std::max(box.lower.eigen().cwiseAbs().maxCoeff(), box.upper.eigen().cwiseAbs().maxCoeff());
   const Real extent = box.extent().norm();
   const Real epsilon = std::numeric_limits<Scalar>::epsilon();
   return 4 * problem.dimension() * epsilon * largest * (extent + largest);

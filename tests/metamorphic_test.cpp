@@ -68,7 +68,7 @@ void check_scaling(int dimension, bool periodic, const Options& options) {
       CAPTURE(name_of(layout));
       CAPTURE(scale);
       const Points<Scalar> scaled_points = points * static_cast<Scalar>(scale);
-      const Box scaled_box{box.lower * scale, box.upper * scale};
+      const Box scaled_box{box.lower.eigen() * scale, box.upper.eigen() * scale};
       const auto scaled_problem = make_problem(scaled_points, 60, scaled_box, periodic);
       auto scaled = ccvt::tessellate(scaled_problem, options);
       scaled.sites /= static_cast<Scalar>(scale);

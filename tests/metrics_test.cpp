@@ -321,7 +321,7 @@ TEST_CASE("analysis: means over the sets, the same bits for any number of thread
     Points<double> points = set.points().rowwise().reverse();
     points.array() += 0.37;
     points.array() -= points.array().floor();
-    points = (2 * points).colwise() + box.lower;
+    points = (2 * points).colwise() + box.lower.eigen();
     moved.emplace_back(points, Domain::periodic(box));
   }
   const Analysis same = analyze(moved);

@@ -190,7 +190,7 @@ TEST_CASE(".npy: volumes of bool and float16, in Fortran order") {
         for (std::int64_t x = 0; x < volume.grid.shape[0]; ++x) {
           const Eigen::Vector3d cell(static_cast<double>(x), static_cast<double>(y),
                                      static_cast<double>(z));
-          const Eigen::Vector3d at = volume.grid.origin + volume.grid.axes * cell;
+          const Eigen::Vector3d at = volume.grid.origin.eigen() + volume.grid.axes.eigen() * cell;
           CHECK(values[i++] == 100 * (at[0] - 7) + 10 * (at[1] - 8) / 2 + (at[2] - 9) / 3);
         }
       }

@@ -128,8 +128,8 @@ TEST_CASE_TEMPLATE("keys are half the difference of the energies at both sites",
       const Box box = uneven_box(dimension);
       const Domain domain = periodic ? Domain::periodic(box) : Domain();
       const Metric metric(dimension, domain);
-      const double bound =
-          std::max(box.lower.array().abs().maxCoeff(), box.upper.array().abs().maxCoeff());
+      const double bound = std::max(box.lower.eigen().array().abs().maxCoeff(),
+                                    box.upper.eigen().array().abs().maxCoeff());
       PairCut<Scalar> cut(metric, bound + 1);
       for (const double radius : {1e-3, 0.05, 0.15, 0.4}) {
         Random random(1, static_cast<std::uint64_t>(dimension));

@@ -35,8 +35,8 @@ Box uneven_box(int dimension) {
 template <class Matrix>
 bool inside(const Matrix& points, const Box& box) {
   const Eigen::MatrixXd p = points.template cast<double>();
-  return ((p.colwise() - box.lower).array() >= 0).all() &&
-         ((p.colwise() - box.upper).array() < 0).all();
+  return ((p.colwise() - box.lower.eigen()).array() >= 0).all() &&
+         ((p.colwise() - box.upper.eigen()).array() < 0).all();
 }
 
 template <class Matrix>
@@ -136,8 +136,8 @@ TEST_CASE("strata: every cell once, of equal volume, without overlap, in any par
       CHECK(((upper - lower).colwise().prod().array() - share).abs().maxCoeff() <
             slack * share * 10);
       // Equal volumes that sum to the box, inside it and disjoint: they fill it.
-      CHECK(((lower.colwise() - box.lower).array() >= -slack).all());
-      CHECK(((upper.colwise() - box.upper).array() <= slack).all());
+      CHECK(((lower.colwise() - box.lower.eigen()).array() >= -slack).all());
+      CHECK(((upper.colwise() - box.upper.eigen()).array() <= slack).all());
       int overlaps = 0;
       for (Index a = 0; a < count; ++a) {
         for (Index b = 0; b < a; ++b) {
@@ -312,16 +312,16 @@ TEST_CASE("fixed and dynamic dimension, and one seed, give the same bytes; anoth
 TEST_CASE("float coordinates stay in the box where rounding would leave it") {
   // Between these bounds there are only eight floats, and neither bound is one of them.
   Box box = Box::unit(2);
-  box.lower.setConstant(1 + 0.3 * 0x1p-23);
-  box.upper.setConstant(1 + 8.6 * 0x1p-23);
+  box.lower.eigen().setConstant(1 + 0.3 * 0x1p-23);
+  box.upper.eigen().setConstant(1 + 8.6 * 0x1p-23);
   for (const Distribution distribution : all_distributions) {
     const auto points = sample_uniform<float, 2>(box, 1000, 1, distribution);
     CHECK(inside(points, box));
     CHECK(points.maxCoeff() == 1 + 8 * 0x1p-23F);
   }
   // The upper bound is a float, to which values just below it would round.
-  box.lower.setConstant(0);
-  box.upper.setConstant(1);
+  box.lower.eigen().setConstant(0);
+  box.upper.eigen().setConstant(1);
   CHECK(sample_uniform<float, 2>(box, 1 << 25, 1, Distribution::white).maxCoeff() < 1);
 }
 

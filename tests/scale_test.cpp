@@ -85,7 +85,7 @@ TEST_CASE_TEMPLATE("every start and method of tessellation at both ends", Scalar
         const auto scaled = times(points, factor);
         Problem<Scalar> problem(scaled, 20);
         Box box = Box::unit(dimension);
-        box.upper *= factor;
+        box.upper.eigen() *= factor;
         if (periodic) problem.set_domain(Domain::periodic(box));
         Problem<Scalar> unscaled(points, 20);
         if (periodic) unscaled.set_domain(Domain::periodic(Box::unit(dimension)));
@@ -164,7 +164,7 @@ TEST_CASE("each scale works or is refused, from the least number to the largest"
     CHECK(refused([&] { lloyd(scaled, 10); }) != good);
     CHECK(refused([&] {
             Box box = Box::unit(4);
-            box.upper *= widest;
+            box.upper.eigen() *= widest;
             nearest_distances(PointSet(scaled, Domain::euclidean(box)));
           }) != good);
   }
@@ -206,7 +206,7 @@ TEST_CASE("metrics do not depend on the scale of the box") {
   for (const double factor : ends<double>()) {
     CAPTURE(factor);
     Box box = Box::unit(2);
-    box.upper *= factor;
+    box.upper.eigen() *= factor;
     const PointSet scaled(times(points, factor), Domain::periodic(box));
     CHECK(nearest_distances(scaled).mean == doctest::Approx(near.mean));
     CHECK(bond_order(scaled).psi6_local == doctest::Approx(order.psi6_local));

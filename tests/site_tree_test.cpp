@@ -73,8 +73,8 @@ std::vector<Points<double>> queries_for(const Sites& sites, Index count) {
   for (Index s = 0; s < std::min<Index>(5, static_cast<Index>(sites.positions.cols())); ++s) {
     queries.emplace_back(sites.positions.col(s));
   }
-  queries.emplace_back(sites.box.lower);
-  queries.emplace_back(sites.box.upper);
+  queries.emplace_back(sites.box.lower.eigen());
+  queries.emplace_back(sites.box.upper.eigen());
   return queries;
 }
 
@@ -233,8 +233,8 @@ TEST_CASE_TEMPLATE("nearest sites of many points at once", Scalar, float, double
             const bool bins = dimension == 2 || dimension == 3;
             const Index total = bins && count <= 17 ? 4000 : 400;
             Points<Scalar> points = make_points<Scalar>(of_points, sites.box, total, 9);
-            points.col(0) = sites.box.lower.cast<Scalar>();
-            points.col(1) = sites.box.upper.cast<Scalar>();
+            points.col(0) = sites.box.lower.eigen().cast<Scalar>();
+            points.col(1) = sites.box.upper.eigen().cast<Scalar>();
             std::vector<Index> which;
             for (Index p = 0; p < total; p += 1 + p % 2) which.push_back(p);
             const NearestSites<Scalar> nearest(sites.metric, state, sites.box);

@@ -252,8 +252,8 @@ TEST_CASE_TEMPLATE("far from the origin", Scalar, float, double) {
   const double offset = sizeof(Scalar) == 4 ? 0x1p16 : 0x1p44;
   for (const bool periodic : {false, true}) {
     Box box = uneven_box(3);
-    box.lower.array() += offset;
-    box.upper.array() += offset;
+    box.lower.eigen().array() += offset;
+    box.upper.eigen().array() += offset;
     for (const Layout layout : all_layouts) {
       CAPTURE(periodic);
       CAPTURE(name_of(layout));
@@ -267,8 +267,8 @@ TEST_CASE_TEMPLATE("far from the origin", Scalar, float, double) {
 
 TEST_CASE("a torus far from the origin, where float sites are rounded more than points are apart") {
   Box box = Box::unit(2);
-  box.lower.array() += 8192;
-  box.upper.array() += 8192;
+  box.lower.eigen().array() += 8192;
+  box.upper.eigen().array() += 8192;
   const auto points = make_points<float>(Layout::random, box, 1024 * 64);
   Problem<float> problem(points, 1024);
   problem.set_domain(Domain::periodic(box));
@@ -282,8 +282,8 @@ TEST_CASE_TEMPLATE("huge and tiny coordinates", Scalar, float, double) {
       CAPTURE(scale);
       CAPTURE(periodic);
       Box box = uneven_box(2);
-      box.lower *= scale;
-      box.upper *= scale;
+      box.lower.eigen() *= scale;
+      box.upper.eigen() *= scale;
       const auto points = make_points<Scalar>(Layout::random, box, 600);
       Problem<Scalar> problem(points, 30);
       if (periodic) problem.set_domain(Domain::periodic(box));

@@ -353,7 +353,7 @@ TEST_CASE("spectra do not change with translation, order, scale and threads") {
     Points<double> moved = (points.array() + 0.3).matrix();
     moved = moved.array() - moved.array().floor();
     const Points<double> reversed = points.rowwise().reverse();
-    const Box doubled{box.lower, 2 * box.upper};
+    const Box doubled{box.lower, 2 * box.upper.eigen()};
     const std::vector<PointSet> others[] = {{PointSet(moved, Domain::periodic(box))},
                                             {PointSet(reversed, Domain::periodic(box))},
                                             {PointSet(2 * points, Domain::periodic(doubled))}};

@@ -45,7 +45,7 @@ double ink_of(const Image& image) {
 
 /// The covered area inside the picture, by counting places of a grid of its own.
 template <class Scalar>
-double union_area(const Points<Scalar>& dots, double radius, int width, int height) {
+double union_area(const ccvt::Columns<Scalar>& dots, double radius, int width, int height) {
   const int fine = 7;
   std::int64_t covered = 0;
   for (int row = 0; row < height * fine; ++row) {
@@ -212,9 +212,9 @@ TEST_CASE_TEMPLATE("stipple: dots follow the darkness", Scalar, float, double) {
   CHECK(result.height == 64);
   CHECK(result.summary.termination == Termination::stable);
   CHECK(result.summary.points == sites * 64);
-  CHECK((result.dots.array() >= 0).all());
-  CHECK((result.dots.row(0).array() <= 96).all());
-  CHECK((result.dots.row(1).array() <= 64).all());
+  CHECK((result.dots.eigen().array() >= 0).all());
+  CHECK((result.dots.eigen().row(0).array() <= 96).all());
+  CHECK((result.dots.eigen().row(1).array() <= 64).all());
 
   // Dots have equal shares of the ink, so every region has as many as its ink asks for. Cells
   // on its border may go either way: some four for each cell of its diameter.
@@ -301,7 +301,8 @@ TEST_CASE("dot radius: single dots and overlaps") {
   for (const double ink : {10.0, 500.0, 3000.0, 5500.0, 6400.0}) {
     const double radius = dot_radius_for(random, 80, 80, ink);
     CAPTURE(ink);
-    CHECK(union_area(random, radius, 80, 80) == doctest::Approx(ink).epsilon(0.015));
+    CHECK(union_area(ccvt::Columns<double>(random), radius, 80, 80) ==
+          doctest::Approx(ink).epsilon(0.015));
   }
   CHECK_THROWS_AS(dot_radius_for(random, 80, 80, 0), InvalidInput);
   CHECK_THROWS_AS(dot_radius_for(random, 80, 80, 6401), InvalidInput);
@@ -317,7 +318,7 @@ TEST_CASE("SVG has one circle a dot, where the dot is") {
   stippling.height = 30;
   stippling.dot_radius = 0.5;
   stippling.dots = (Points<double>::Random(2, 500).array() + 1) * 15;
-  stippling.dots.col(0) << 0, 12;
+  stippling.dots.eigen().col(0) << 0, 12;
   write_svg(directory / "s.svg", stippling);
   const std::string svg = get(directory / "s.svg");
   CHECK(svg.find("viewBox=\"0 0 40 30\"") != std::string::npos);
@@ -342,10 +343,10 @@ TEST_CASE("render: the ink of a dot is its area, at any place and scale") {
   stippling.width = 20;
   stippling.height = 10;
   stippling.dot_radius = 2;
-  stippling.dots.resize(2, 1);
+  stippling.dots = {2, 1};
   for (const double scale : {1.0, 2.5, 7.0}) {
     for (const double shift : {0.0, 0.3, 0.5}) {
-      stippling.dots << 8 + shift, 5 - shift;
+      stippling.dots.eigen() << 8 + shift, 5 - shift;
       const Image image = render(stippling, scale);
       CHECK(image.width == std::ceil(20 * scale));
       CHECK(image.height == std::ceil(10 * scale));
@@ -356,9 +357,9 @@ TEST_CASE("render: the ink of a dot is its area, at any place and scale") {
     }
   }
   // Half of a dot on the edge is outside; one that is all outside leaves no trace.
-  stippling.dots << 0, 5;
+  stippling.dots.eigen() << 0, 5;
   CHECK(ink_of(render(stippling, 8)) / 64 == doctest::Approx(std::numbers::pi * 2).epsilon(0.02));
-  stippling.dots << -9, 5;
+  stippling.dots.eigen() << -9, 5;
   CHECK(ink_of(render(stippling, 8)) == 0);
 
   CHECK(render(stippling).width == 30);  // a radius of 3 pixels

@@ -251,8 +251,8 @@ TEST_CASE("a cell that ends at a face of the torus, far from the origin") {
   for (const double offset : {0.0, 1e7, 3e7, 1e8, 1e12}) {
     CAPTURE(offset);
     Box box = Box::unit(1);
-    box.lower.array() += offset;
-    box.upper.array() += offset;
+    box.lower.eigen().array() += offset;
+    box.upper.eigen().array() += offset;
     const Domain domain = Domain::periodic(box);
     const Metric metric(1, domain);
     ccvt::Points<double> points(1, 6);

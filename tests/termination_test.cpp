@@ -91,7 +91,7 @@ TEST_CASE_TEMPLATE("a large grid of which every cell ties", Scalar, float, doubl
     points(1, p) = static_cast<Scalar>(static_cast<double>(p / 64) * 0.1);
   }
   Box box = Box::unit(2);
-  box.upper *= 6.4;
+  box.upper.eigen() *= 6.4;
   for (const Index sites : {16, 64, 256, 100}) {
     CAPTURE(sites);
     Problem<Scalar> problem(points, sites);

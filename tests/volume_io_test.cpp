@@ -98,7 +98,7 @@ TEST_CASE("NIfTI: world coordinates by sform, else qform, else pixdim; slope and
   std::string bytes = small_nifti();
   const auto read = [&] { return read_volume(put(directory / "v.nii", bytes)); };
   CHECK(read().grid.axes == Eigen::Matrix3d(Eigen::Vector3d(1, 2, 3).asDiagonal()));
-  CHECK(read().grid.origin == Eigen::Vector3d::Zero());
+  CHECK(read().grid.origin.eigen() == Eigen::Vector3d::Zero());
 
   // A quarter turn about z, left-handed: i goes along y, j along -x, k along -z.
   put_at(bytes, 252, std::int16_t{1});
@@ -108,8 +108,8 @@ TEST_CASE("NIfTI: world coordinates by sform, else qform, else pixdim; slope and
   put_at(bytes, 276, -30.0F);
   Eigen::Matrix3d turned;
   turned << 0, -2, 0, 1, 0, 0, 0, 0, -3;
-  CHECK((read().grid.axes - turned).norm() < 1e-6);
-  CHECK(read().grid.origin == Eigen::Vector3d(10, 0, -30));
+  CHECK((read().grid.axes.eigen() - turned).norm() < 1e-6);
+  CHECK(read().grid.origin.eigen() == Eigen::Vector3d(10, 0, -30));
 
   put_at(bytes, 254, std::int16_t{2});
   const float rows[12] = {0, 2, 0, 5, 3, 0, 0.5F, 6, 0, 0, 4, 7};
@@ -117,7 +117,7 @@ TEST_CASE("NIfTI: world coordinates by sform, else qform, else pixdim; slope and
   Eigen::Matrix3d sheared;
   sheared << 0, 2, 0, 3, 0, 0.5, 0, 0, 4;
   CHECK(read().grid.axes == sheared);
-  CHECK(read().grid.origin == Eigen::Vector3d(5, 6, 7));
+  CHECK(read().grid.origin.eigen() == Eigen::Vector3d(5, 6, 7));
 
   CHECK(read().slope == 1);
   put_at(bytes, 112, 0.5F);
@@ -138,7 +138,7 @@ TEST_CASE("NRRD: attached and detached, raw and packed") {
     const Volume volume = read_volume(path);
     CHECK(volume.grid.shape == std::vector<std::int64_t>{2, 3, 4});
     CHECK(volume.grid.axes == axes);
-    CHECK(volume.grid.origin == Eigen::Vector3d(5, 6, 7));
+    CHECK(volume.grid.origin.eigen() == Eigen::Vector3d(5, 6, 7));
     CHECK(stored<std::uint8_t>(volume) == kBytes);
   };
   check(put(directory / "a.nrrd", kNrrd + "\n" + data));
@@ -165,7 +165,8 @@ TEST_CASE(".npy and raw: axes, spacing, origin, byte order") {
   const Volume array = read_volume(npy, {.spacing = {1, 2, 3}, .origin = {7, 8, 9}});
   CHECK(array.grid.shape == std::vector<std::int64_t>{2, 3, 4});
   // Entry [3, 2, 1] of the array is the last one in memory.
-  const Eigen::Vector3d last = array.grid.origin + array.grid.axes * Eigen::Vector3d(1, 2, 3);
+  const Eigen::Vector3d last =
+      array.grid.origin.eigen() + array.grid.axes.eigen() * Eigen::Vector3d(1, 2, 3);
   CHECK(last == Eigen::Vector3d(7 + 3 * 1, 8 + 2 * 2, 9 + 1 * 3));
 
   const std::vector<std::uint16_t> values = {1, 256, 4660, 7, 8, 9};

@@ -51,7 +51,7 @@ struct Bump {
     return 0.08 + std::exp(-(x - Eigen::Vector3d(13, 12, 14)).squaredNorm() / 120);
   }
   Eigen::Vector3d local(const Eigen::Vector3d& world) const {
-    return grid.spacing().cwiseProduct(grid.axes.inverse() * (world - grid.origin));
+    return grid.spacing().cwiseProduct(grid.axes.eigen().inverse() * (world - grid.origin.eigen()));
   }
 
   Bump() : grid(Grid::spaced({30, 24, 9}, Eigen::Vector3d(1, 1, 3), Eigen::Vector3d(50, 0, -7))) {
@@ -62,8 +62,8 @@ struct Bump {
         }
       }
     }
-    grid.axes =
-        Eigen::AngleAxisd(0.6, Eigen::Vector3d(1, 2, 3).normalized()) * Eigen::Matrix3d(grid.axes);
+    grid.axes = Eigen::AngleAxisd(0.6, Eigen::Vector3d(1, 2, 3).normalized()) *
+                Eigen::Matrix3d(grid.axes.eigen());
   }
 };
 
@@ -181,8 +181,8 @@ TEST_CASE("volumes in two and four dimensions") {
     const std::vector<double> values(static_cast<std::size_t>(std::pow(6, dimension)), 3.0);
     const auto samples = ccvt::sample_volume<double>(grid.density(values), 40, {});
     CHECK(samples.sites.rows() == dimension);
-    CHECK(samples.sites.minCoeff() > -1);
-    CHECK(samples.sites.maxCoeff() < 11);
+    CHECK(samples.sites.eigen().minCoeff() > -1);
+    CHECK(samples.sites.eigen().maxCoeff() < 11);
     CHECK(std::accumulate(samples.weights.begin(), samples.weights.end(), 0.0) ==
           doctest::Approx(3 * std::pow(12, dimension)));
   }
@@ -286,16 +286,16 @@ TEST_CASE("samples in PLY, VTK and text are the samples") {
 
   for (const char* const name : {"s.csv", "s.txt"}) {
     ccvt::write_samples(directory / name, samples);
-    CHECK(ccvt::read_points<float>(directory / name) == samples.sites);
+    CHECK(samples.sites == ccvt::read_points<float>(directory / name));
     const ccvt::ReadOptions all{.columns = {"x", "y", "z", "radius", "capacity", "weight"}};
     const auto read = ccvt::read_points<float>(directory / name, all);
-    CHECK(read.topRows(3) == samples.sites);
+    CHECK(samples.sites == read.topRows(3));
     CHECK(read(3, 6) == static_cast<float>(samples.radii[6]));
     CHECK(read(4, 6) == 20);
   }
   CHECK(get(directory / "s.csv").substr(0, 29) == "x,y,z,radius,capacity,weight\n");
   ccvt::write_samples(directory / "s.npy", samples);
-  CHECK(ccvt::read_points<float>(directory / "s.npy") == samples.sites);
+  CHECK(samples.sites == ccvt::read_points<float>(directory / "s.npy"));
   CHECK(mentions(refusal([&] { ccvt::write_samples(directory / "s.obj", samples); }),
                  "unknown extension '.obj'"));
   CHECK(directory.entries() == 6);
@@ -309,7 +309,7 @@ TEST_CASE("the preview shows field and samples where they are") {
   values[3 + 4 * 1] = 1;
   Eigen::MatrixXf site(3, 1);
   site << 7, 2, 0;
-  const auto image = ccvt::preview<float>(grid.density(values), site, 64);
+  const auto image = ccvt::preview(grid.density(values), site, 64);
   CHECK(image.height == 64);
   CHECK(image.width == 3 * 64 + 16);
   const auto colour = [&](int x, int y) {
@@ -327,8 +327,8 @@ TEST_CASE("the preview shows field and samples where they are") {
   CHECK(is_dot(56, 16));
   CHECK(colour(60, 4)[1] > 100);
   CHECK(colour(8, 60)[1] == 0);
-  CHECK(mentions(refusal([&] { (void)ccvt::preview<float>(grid.density(values), site, 1); }),
-                 "size: is 1"));
+  CHECK(
+      mentions(refusal([&] { (void)ccvt::preview(grid.density(values), site, 1); }), "size: is 1"));
 }
 
 TEST_SUITE_END();

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "ccvt/columns.h"
 #include "ccvt/export.h"
 #include "ccvt/summary.h"
 #include "ccvt/types.h"
@@ -114,12 +115,15 @@ enum class Coding {
 class CCVT_EXPORT Codebook {
  public:
   /// `codewords`: #dimensions by n, finite, at least one. `weights`: n finite numbers; none: zeros.
-  explicit Codebook(Eigen::MatrixXd codewords, Eigen::VectorXd weights = {});
+  explicit Codebook(Columns<double> codewords, Coordinates weights = {});
+  template <class Derived>
+  explicit Codebook(const Eigen::DenseBase<Derived>& codewords, Coordinates weights = {})
+      : Codebook(Columns<double>(codewords), std::move(weights)) {}
 
   [[nodiscard]] int dimension() const { return static_cast<int>(codewords_.rows()); }
   [[nodiscard]] Index size() const { return static_cast<Index>(codewords_.cols()); }
-  [[nodiscard]] const Eigen::MatrixXd& codewords() const { return codewords_; }
-  [[nodiscard]] const Eigen::VectorXd& weights() const { return weights_; }
+  [[nodiscard]] Eigen::Map<const Eigen::MatrixXd> codewords() const { return codewords_.eigen(); }
+  [[nodiscard]] Eigen::Map<const Eigen::VectorXd> weights() const { return weights_.eigen(); }
 
   /// The code of each vector (#dimensions by #vectors, finite), in 0..n-1; of several cheapest any,
   /// but always the same one. By a k-d tree one dimension up in few dimensions [site (s,
@@ -136,7 +140,11 @@ class CCVT_EXPORT Codebook {
 
   /// #dimensions by #codes: the codewords of the codes. Throws InvalidInput for a code that is not
   /// in 0..n-1.
-  [[nodiscard]] Eigen::MatrixXd decode(std::span<const Index> codes) const;
+  [[nodiscard]] Eigen::MatrixXd decode(std::span<const Index> codes) const {
+    Eigen::MatrixXd vectors(dimension(), static_cast<Eigen::Index>(codes.size()));
+    decode_to(codes, std::span(vectors.data(), static_cast<std::size_t>(vectors.size())));
+    return vectors;
+  }
 
   /// The mean squared distance of vectors to the codewords of their codes.
   template <class Derived>
@@ -154,8 +162,10 @@ class CCVT_EXPORT Codebook {
                        const std::filesystem::path& weights = {});
 
  private:
-  Eigen::MatrixXd codewords_;
-  Eigen::VectorXd weights_;
+  void decode_to(std::span<const Index> codes, std::span<double> vectors) const;
+
+  Columns<double> codewords_;
+  Coordinates weights_;
 };
 
 /// What train_codebook() returns.
@@ -185,11 +195,11 @@ Training train_codebook(const Eigen::DenseBase<Derived>& vectors, Index codeword
 /// The same from given codewords (#dimensions by n, finite) instead of seeds.
 template <class Scalar>
 CCVT_EXPORT Training train_codebook_from(PointsView<Scalar> vectors,
-                                         const Eigen::MatrixXd& codewords,
+                                         const Columns<double>& codewords,
                                          const CodebookOptions& options);
 template <class Derived>
 Training train_codebook_from(const Eigen::DenseBase<Derived>& vectors,
-                             const Eigen::MatrixXd& codewords,
+                             const Columns<double>& codewords,
                              const CodebookOptions& options = {}) {
   return train_codebook_from(view_points(vectors), codewords, options);
 }

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "ccvt/columns.h"
 #include "ccvt/domain.h"
 #include "ccvt/export.h"
 #include "ccvt/sampling.h"
@@ -35,8 +36,8 @@ enum class Interpolation {
 
 /// x -> matrix * x + offset.
 struct Affine {
-  Eigen::MatrixXd matrix;  ///< #dimensions by #dimensions, not singular
-  Eigen::VectorXd offset;
+  Columns<double> matrix;  ///< #dimensions by #dimensions, not singular
+  Coordinates offset;
 };
 
 /// A density on a box that is cut into equal cells, with one value each. A view: values and mask

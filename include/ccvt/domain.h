@@ -2,22 +2,24 @@
 
 #include <Eigen/Core>
 
+#include "ccvt/columns.h"
 #include "ccvt/export.h"
 
 namespace ccvt {
 
-/// An axis-aligned box; both corners have one entry per dimension.
+/// An axis-aligned box; both corners have one entry per dimension:
+/// `Box{{-1, -2, -3}, {1, 2, 3}}`, or two Eigen vectors in braces.
 struct Box {
-  Eigen::VectorXd lower;
-  Eigen::VectorXd upper;
+  Coordinates lower;
+  Coordinates upper;
 
   /// The unit cube [0, 1]^dimension.
   static Box unit(int dimension) {
-    return {Eigen::VectorXd::Zero(dimension), Eigen::VectorXd::Ones(dimension)};
+    return {Coordinates::constant(dimension, 0), Coordinates::constant(dimension, 1)};
   }
 
   [[nodiscard]] int dimension() const { return static_cast<int>(lower.size()); }
-  [[nodiscard]] Eigen::VectorXd extent() const { return upper - lower; }
+  [[nodiscard]] Eigen::VectorXd extent() const { return upper.eigen() - lower.eigen(); }
   [[nodiscard]] double volume() const { return extent().prod(); }
 };
 

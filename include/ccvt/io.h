@@ -69,6 +69,29 @@ struct ReadOptions {
   std::vector<std::string> columns = {};
 };
 
+namespace detail {
+/// Memory of the caller for #dimensions * count coordinates: what allocate(owner, dimension, count)
+/// returns.
+template <class Scalar>
+struct Allocation {
+  void* owner = nullptr;
+  Scalar* (*allocate)(void* owner, int dimension, Index count) = nullptr;
+};
+template <class Scalar>
+Allocation<Scalar> allocate_in(Points<Scalar>& points) {
+  return {&points, [](void* owner, int dimension, Index count) {
+            auto& sized = *static_cast<Points<Scalar>*>(owner);
+            sized.resize(dimension, count);
+            return sized.data();
+          }};
+}
+/// Allocates once, when the numbers of points and dimensions are known, and fills.
+CCVT_EXPORT void read_points(const std::filesystem::path& path, const ReadOptions& options,
+                             Allocation<float> points);
+CCVT_EXPORT void read_points(const std::filesystem::path& path, const ReadOptions& options,
+                             Allocation<double> points);
+}  // namespace detail
+
 /// Looks at a file of points without reading the points.
 CCVT_EXPORT PointsHeader inspect_points(const std::filesystem::path& path,
                                         const ReadOptions& options = {});
@@ -77,14 +100,21 @@ CCVT_EXPORT PointsHeader inspect_points(const std::filesystem::path& path,
 /// rounded; a coordinate too large for float is refused, and so is a whole number of an .npy file
 /// that Scalar does not hold exactly.
 template <class Scalar>
-CCVT_EXPORT Points<Scalar> read_points(const std::filesystem::path& path,
-                                       const ReadOptions& options = {});
+Points<Scalar> read_points(const std::filesystem::path& path, const ReadOptions& options = {}) {
+  Points<Scalar> points;
+  detail::read_points(path, options, detail::allocate_in(points));
+  return points;
+}
 
 /// `points`: one a row or line, float32 or float64 as Scalar is.
 template <class Scalar>
 CCVT_EXPORT void write_points(const std::filesystem::path& path, PointsView<Scalar> points);
 template <class Derived>
 void write_points(const std::filesystem::path& path, const Eigen::DenseBase<Derived>& points) {
+  write_points(path, view_points(points));
+}
+template <class Scalar>
+void write_points(const std::filesystem::path& path, const Columns<Scalar>& points) {
   write_points(path, view_points(points));
 }
 

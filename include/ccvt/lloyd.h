@@ -7,6 +7,17 @@
 
 namespace ccvt {
 
+namespace detail {
+template <class Scalar>
+struct LloydResult {
+  Columns<Scalar> sites;
+  std::vector<Index> owners;
+  Summary summary;
+};
+template <class Scalar>
+CCVT_EXPORT LloydResult<Scalar> lloyd(const Problem<Scalar>& problem, const Options& options);
+}  // namespace detail
+
 /// Lloyd relaxation of discrete points [3, eq. 2 to 4]: every point is owned by its nearest site,
 /// every site moves to the centroid of its points, again and again. No capacities: those of the
 /// problem are not kept, and Summary::capacity_error says how unequal the cells became. The
@@ -29,7 +40,10 @@ namespace ccvt {
 /// elsewhere. Memory, beside the points: a copy of them, and about 12 bytes a point.
 /// Throws InvalidInput for bad options.
 template <class Scalar>
-CCVT_EXPORT Result<Scalar> lloyd(const Problem<Scalar>& problem, const Options& options = {});
+Result<Scalar> lloyd(const Problem<Scalar>& problem, const Options& options = {}) {
+  auto [sites, owners, summary] = detail::lloyd(problem, options);
+  return {std::move(sites), std::move(owners), std::move(summary)};
+}
 
 /// `points` (#dimensions by m, one a column, float or double) in Euclidean space.
 template <class Derived>
@@ -37,8 +51,5 @@ auto lloyd(const Eigen::DenseBase<Derived>& points, Index sites, const Options& 
   using Scalar = typename Derived::Scalar;
   return lloyd(Problem<Scalar>(view_points(points), sites), options);
 }
-
-extern template Result<float> lloyd(const Problem<float>&, const Options&);
-extern template Result<double> lloyd(const Problem<double>&, const Options&);
 
 }  // namespace ccvt

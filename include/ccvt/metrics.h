@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "ccvt/columns.h"
 #include "ccvt/domain.h"
 #include "ccvt/export.h"
 #include "ccvt/types.h"
@@ -53,18 +54,18 @@ class CCVT_EXPORT PointSet {
   /// equal. Throws InvalidInput otherwise, or when the domain has no box.
   template <class Derived>
   PointSet(const Eigen::DenseBase<Derived>& points, Domain domain)
-      : PointSet(Points<double>(points.derived().template cast<double>()), std::move(domain)) {}
-  PointSet(Points<double> points, Domain domain);
+      : PointSet(Columns<double>(points), std::move(domain)) {}
+  PointSet(Columns<double> points, Domain domain);
 
   [[nodiscard]] int dimension() const { return static_cast<int>(points_.rows()); }
   [[nodiscard]] Index count() const { return static_cast<Index>(points_.cols()); }
-  [[nodiscard]] const Points<double>& points() const { return points_; }
+  [[nodiscard]] Eigen::Map<const Points<double>> points() const { return points_.eigen(); }
   [[nodiscard]] const Domain& domain() const { return domain_; }
   /// (|box| / n)^(1/D).
   [[nodiscard]] double mean_spacing() const { return mean_spacing_; }
 
  private:
-  Points<double> points_;
+  Columns<double> points_;
   Domain domain_;
   double mean_spacing_ = 0;
 };

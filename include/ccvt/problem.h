@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "ccvt/capacity.h"
+#include "ccvt/columns.h"
 #include "ccvt/domain.h"
 #include "ccvt/export.h"
 #include "ccvt/types.h"
@@ -39,9 +40,13 @@ class CCVT_EXPORT Problem {
   Problem& set_capacities(std::vector<Index> capacities);
   /// Default: n distinct points drawn by Options::seed. #dimensions by n, as moderate as points.
   /// Beside initial owners, set before or after, they are no more than hints: sites start at the
-  /// centroids of their cells, of which a cell that winds round a periodic domain has several; it is
-  /// given the one that its hint leads to.
-  Problem& set_initial_sites(const Eigen::Ref<const Points<Scalar>>& sites);
+  /// centroids of their cells, of which a cell that winds round a periodic domain has several; it
+  /// is given the one that its hint leads to.
+  template <class Derived>
+  Problem& set_initial_sites(const Eigen::DenseBase<Derived>& sites) {
+    return set_initial_sites(Columns<Scalar>(sites));
+  }
+  Problem& set_initial_sites(Columns<Scalar> sites);
   /// A warm start: the owner of every point, in 0..n-1, each site owning as many points as its
   /// capacity; capacities that are not equal must be set first. Sites start at the centroids of the
   /// cells.
@@ -54,7 +59,7 @@ class CCVT_EXPORT Problem {
   [[nodiscard]] const Domain& domain() const { return domain_; }
   [[nodiscard]] const std::vector<Index>& capacities() const { return capacities_; }
   /// Empty unless set.
-  [[nodiscard]] const Points<Scalar>& initial_sites() const { return initial_sites_; }
+  [[nodiscard]] const Columns<Scalar>& initial_sites() const { return initial_sites_; }
   /// Empty unless set.
   [[nodiscard]] const std::vector<Index>& initial_owners() const { return initial_owners_; }
   /// The domain's box, or the bounding box of the points.
@@ -64,14 +69,11 @@ class CCVT_EXPORT Problem {
   PointsView<Scalar> points_;
   Domain domain_;
   std::vector<Index> capacities_;
-  Points<Scalar> initial_sites_;
+  Columns<Scalar> initial_sites_;
   std::vector<Index> initial_owners_;
 };
 
 template <class Derived>
 Problem(const Eigen::DenseBase<Derived>&, Index) -> Problem<typename Derived::Scalar>;
-
-extern template class Problem<float>;
-extern template class Problem<double>;
 
 }  // namespace ccvt

@@ -38,19 +38,18 @@ class CCVT_EXPORT Solver {
 
   /// #dimensions by n: where the sites are now, rounded to Scalar. In a periodic domain inside the
   /// box, its lower faces included and its upper ones not.
-  [[nodiscard]] Points<Scalar> sites() const;
+  [[nodiscard]] Points<Scalar> sites() const { return site_columns(); }
   /// The owner of every point. While a coarse level is being relaxed, points that have not yet
   /// joined have the owner -1.
   [[nodiscard]] std::vector<Index> owners() const;
   [[nodiscard]] const Summary& summary() const;
 
  private:
-  struct Implementation;
+  [[nodiscard]] Columns<Scalar> site_columns() const;
+
+  struct CCVT_NO_EXPORT Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
-
-extern template class Solver<float>;
-extern template class Solver<double>;
 
 /// What tessellate() returns.
 template <class Scalar, int Dimension = Eigen::Dynamic>

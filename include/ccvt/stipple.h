@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "ccvt/columns.h"
 #include "ccvt/export.h"
 #include "ccvt/io.h"
 #include "ccvt/options.h"
@@ -35,7 +36,7 @@ struct Stippling {
   int width = 0;
   int height = 0;
   /// 2 by #sites: the centres of the dots.
-  Points<Scalar> dots;
+  Columns<Scalar> dots;
   double dot_radius = 0;
   Summary summary;
 };
@@ -59,7 +60,11 @@ CCVT_EXPORT Stippling<Scalar> stipple(const Image& image, Index sites,
 /// outside the picture, it is the radius for dots that do not overlap, sqrt(ink / (pi #dots)).
 /// `dots`: 2 by #dots, finite, at least one. `ink`: in (0, width * height].
 template <class Scalar>
-CCVT_EXPORT double dot_radius_for(const Points<Scalar>& dots, int width, int height, double ink);
+CCVT_EXPORT double dot_radius_for(PointsView<Scalar> dots, int width, int height, double ink);
+template <class Derived>
+double dot_radius_for(const Eigen::DenseBase<Derived>& dots, int width, int height, double ink) {
+  return dot_radius_for(view_points(dots), width, height, ink);
+}
 
 /// A stand-alone SVG document in pixel coordinates: one circle a dot on a white ground.
 template <class Scalar>

@@ -6,6 +6,8 @@
 #include <string>
 #include <type_traits>
 
+#include "ccvt/columns.h"
+
 namespace ccvt {
 
 /// Number of a point or a site, and the unit of capacities. A problem has fewer than 2^31 points.
@@ -64,6 +66,10 @@ PointsView<typename Derived::Scalar> view_points(const Eigen::DenseBase<Derived>
   const bool one_row = Derived::RowsAtCompileTime == 1 && Derived::IsRowMajor;
   return {p.data(), static_cast<int>(p.rows()), static_cast<Index>(p.cols()),
           one_row ? p.innerStride() : p.outerStride()};
+}
+template <class Scalar>
+PointsView<Scalar> view_points(const Columns<Scalar>& points) {
+  return view_points(points.eigen());
 }
 
 }  // namespace ccvt

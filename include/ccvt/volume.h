@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "ccvt/columns.h"
 #include "ccvt/density.h"
 #include "ccvt/domain.h"
 #include "ccvt/export.h"
@@ -25,19 +26,21 @@ struct CCVT_EXPORT Grid {
   /// Cells along each axis; the first one varies fastest in memory.
   std::vector<std::int64_t> shape;
   /// D: the centre of the first cell.
-  Eigen::VectorXd origin;
+  Coordinates origin;
   /// D by D: column a leads from a cell to the next one along axis a: the direction of the axis
   /// times the spacing along it. Not singular.
-  Eigen::MatrixXd axes;
+  Columns<double> axes;
 
   /// A grid along the axes of the world. Throws InvalidInput unless both vectors have as many
   /// entries as `shape`, and all spacings are positive and finite.
-  static Grid spaced(std::vector<std::int64_t> shape, const Eigen::VectorXd& spacing,
-                     const Eigen::VectorXd& origin);
+  static Grid spaced(std::vector<std::int64_t> shape, const Coordinates& spacing,
+                     const Coordinates& origin);
 
   [[nodiscard]] int dimension() const { return static_cast<int>(shape.size()); }
   /// The distance of neighbouring centres along each axis.
-  [[nodiscard]] Eigen::VectorXd spacing() const { return axes.colwise().norm().transpose(); }
+  [[nodiscard]] Eigen::VectorXd spacing() const {
+    return axes.eigen().colwise().norm().transpose();
+  }
   /// |det(axes)|.
   [[nodiscard]] double cell_volume() const;
 
@@ -156,7 +159,7 @@ struct CCVT_EXPORT VolumeOptions {
 template <class Scalar>
 struct VolumeSamples {
   /// D by #sites, in the world.
-  Points<Scalar> sites;
+  Columns<Scalar> sites;
   /// How many points each site owns.
   std::vector<Index> capacities;
   /// The mass of each cell: its share of the points times the integral of the density over the
@@ -194,7 +197,16 @@ CCVT_EXPORT void write_samples(const std::filesystem::path& path,
 /// the longest side of a picture, in pixels, from 16 to 4096. Throws InvalidInput for other sizes
 /// and dimensions.
 template <class Scalar>
-CCVT_EXPORT ColourImage preview(const DensityGrid& density, const Points<Scalar>& sites,
+CCVT_EXPORT ColourImage preview(const DensityGrid& density, PointsView<Scalar> sites,
                                 int size = 480);
+template <class Derived>
+ColourImage preview(const DensityGrid& density, const Eigen::DenseBase<Derived>& sites,
+                    int size = 480) {
+  return preview(density, view_points(sites), size);
+}
+template <class Scalar>
+ColourImage preview(const DensityGrid& density, const Columns<Scalar>& sites, int size = 480) {
+  return preview(density, view_points(sites), size);
+}
 
 }  // namespace ccvt

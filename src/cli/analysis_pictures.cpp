@@ -53,7 +53,7 @@ Panel plane_of(const Spectrum& spectrum, std::size_t a, std::size_t b) {
 Panel projected_plane(const AnalyzedSet& set, int threads) {
   const PointSet& first = set.runs.front();
   const Box& box = first.domain().box();
-  const Box face{box.lower.head(2), box.upper.head(2)};
+  const Box face{box.lower.eigen().head(2), box.upper.eigen().head(2)};
   std::vector<PointSet> runs;
   for (const PointSet& run : set.runs) {
     const Points<double> points = run.points().topRows(2);

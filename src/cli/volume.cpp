@@ -32,8 +32,8 @@ void check_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
   const Eigen::Vector3d last(static_cast<double>(mask.grid.shape[0]),
                              static_cast<double>(mask.grid.shape[1]),
                              static_cast<double>(mask.grid.shape[2]));
-  const Eigen::Vector3d near = volume.grid.origin - mask.grid.origin;
-  const Eigen::Vector3d far = near + (volume.grid.axes - mask.grid.axes) * last;
+  const Eigen::Vector3d near = volume.grid.origin.eigen() - mask.grid.origin.eigen();
+  const Eigen::Vector3d far = near + (volume.grid.axes.eigen() - mask.grid.axes.eigen()) * last;
   if (near.norm() > 0.1 * cell || far.norm() > 0.1 * cell) {
     throw InvalidInput(arguments.mask.string() + ": its cells are not where those of " +
                        arguments.volume.string() + " are; resample it first");

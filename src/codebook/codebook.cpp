@@ -43,7 +43,7 @@ void check_vectors(PointsView<Scalar> vectors, int dimension) {
 
 /// Coordinates all within so little that their squares have no digits.
 template <class Scalar>
-void check_extent(PointsView<Scalar> vectors, const Points<double>& codewords) {
+void check_extent(PointsView<Scalar> vectors, Eigen::Map<const Points<double>> codewords) {
   if (vectors.count == 0) return;
   constexpr double least = 1e-150;
   double widest = 0;
@@ -117,7 +117,7 @@ std::string CodebookSummary::brief() const {
   return line + ", " + text(seconds_total, 3) + " s";
 }
 
-Codebook::Codebook(Eigen::MatrixXd codewords, Eigen::VectorXd weights)
+Codebook::Codebook(Columns<double> codewords, Coordinates weights)
     : codewords_(std::move(codewords)), weights_(std::move(weights)) {
   if (codewords_.rows() < 1 || codewords_.cols() < 1) {
     throw InvalidInput("codewords: there are " + std::to_string(codewords_.cols()) + " of " +
@@ -126,12 +126,12 @@ Codebook::Codebook(Eigen::MatrixXd codewords, Eigen::VectorXd weights)
   }
   static_cast<void>(view_points(codewords_));  // checks how many there are
   require_moderate("codewords", view_points(codewords_));
-  if (weights_.size() == 0) weights_ = Eigen::VectorXd::Zero(codewords_.cols());
+  if (weights_.size() == 0) weights_ = Coordinates::constant(codewords_.cols(), 0);
   if (weights_.size() != codewords_.cols()) {
     throw InvalidInput("weights: there are " + std::to_string(weights_.size()) + " for " +
                        std::to_string(codewords_.cols()) + " codewords: one each is needed");
   }
-  for (Eigen::Index s = 0; s < weights_.size(); ++s) {
+  for (std::ptrdiff_t s = 0; s < weights_.size(); ++s) {
     if (std::abs(weights_[s]) <= kLargestWeight) continue;
     throw InvalidInput("weights[" + std::to_string(s) + "] is " + text(weights_[s]) +
                        ": it must be finite and at most " + text(kLargestWeight) + " in magnitude");
@@ -145,9 +145,9 @@ std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, i
                        ": it must be from 0 (one per processor) to 4096");
   }
   check_vectors(vectors, dimension());
-  check_extent(vectors, codewords_);
-  const Eigen::VectorXd weights =
-      coding == Coding::weighted ? weights_ : Eigen::VectorXd::Zero(weights_.size());
+  check_extent(vectors, codewords_.eigen());
+  const Coordinates weights =
+      coding == Coding::weighted ? weights_ : Coordinates::constant(weights_.size(), 0);
   return cheapest_sites(vectors,
                         {dimension(),
                          {codewords_.data(), static_cast<std::size_t>(codewords_.size())},
@@ -155,13 +155,12 @@ std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, i
                         Arena(threads));
 }
 
-Eigen::MatrixXd Codebook::decode(std::span<const Index> codes) const {
+void Codebook::decode_to(std::span<const Index> codes, std::span<double> vectors) const {
   check_codes(codes, size());
-  Eigen::MatrixXd vectors(dimension(), static_cast<Eigen::Index>(codes.size()));
+  const auto dimension = static_cast<std::size_t>(this->dimension());
   for (std::size_t k = 0; k < codes.size(); ++k) {
-    vectors.col(static_cast<Eigen::Index>(k)) = codewords_.col(codes[k]);
+    std::copy_n(codewords_.col(codes[k]).data(), dimension, vectors.data() + k * dimension);
   }
-  return vectors;
 }
 
 template <class Scalar>
@@ -191,15 +190,15 @@ void Codebook::save(const std::filesystem::path& codewords,
 
 Codebook Codebook::load(const std::filesystem::path& codewords,
                         const std::filesystem::path& weights) {
-  Eigen::MatrixXd words = read_points<double>(codewords);
-  if (weights.empty()) return Codebook(std::move(words));
+  const Points<double> words = read_points<double>(codewords);
+  if (weights.empty()) return Codebook(words);
   const Points<double> column = read_points<double>(weights);
   if (column.rows() != 1 || column.cols() != words.cols()) {
     throw InvalidInput(weights.string() + ": has the shape (" + std::to_string(column.cols()) +
                        ", " + std::to_string(column.rows()) + "), but one number for each of the " +
                        std::to_string(words.cols()) + " codewords is needed");
   }
-  return Codebook(std::move(words), column.row(0).transpose());
+  return Codebook(words, column.row(0).transpose());
 }
 
 template CCVT_EXPORT std::vector<Index> Codebook::encode(PointsView<float>, Coding, int) const;

@@ -54,7 +54,7 @@ std::vector<Index> nearest_sites(const Metric& metric, PointsView<Scalar> points
   if (points.dimension <= kTreeDimensions && n > kProductSites) {
     SiteState state(points.dimension, n);
     state.position = sites;
-    Box box{Eigen::VectorXd::Constant(points.dimension, 0), {}};
+    Box box = Box::unit(points.dimension);
     for (int d = 0; d < points.dimension; ++d) box.lower[d] = static_cast<double>(points[0][d]);
     box.upper = box.lower;
     for (Index p = 1; p < points.count; ++p) {

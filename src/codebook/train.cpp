@@ -56,7 +56,7 @@ class Trainer {
     summary_.threads_used = arena_.threads();
   }
 
-  Training run(const Eigen::MatrixXd* codewords);
+  Training run(const Columns<double>* codewords);
 
  private:
   void seed();
@@ -244,7 +244,7 @@ void Trainer<Scalar>::exact() {
 }
 
 template <class Scalar>
-Training Trainer<Scalar>::run(const Eigen::MatrixXd* codewords) {
+Training Trainer<Scalar>::run(const Columns<double>* codewords) {
   const Index n = problem_.site_count();
   weights_.assign(static_cast<std::size_t>(n), 0.0);
   if (codewords != nullptr) {
@@ -266,7 +266,7 @@ Training Trainer<Scalar>::run(const Eigen::MatrixXd* codewords) {
   }
   // Weights count by their differences only.
   const double highest = *std::max_element(weights_.begin(), weights_.end());
-  Eigen::VectorXd weights(n);
+  Coordinates weights = Coordinates::constant(n, 0);
   for (Index s = 0; s < n; ++s) weights[s] = weights_[static_cast<std::size_t>(s)] - highest;
   Codebook codebook(Eigen::Map<const Eigen::MatrixXd>(sites_.data(), vectors_.dimension, n),
                     std::move(weights));
@@ -287,7 +287,7 @@ Training train_codebook(PointsView<Scalar> vectors, Index codewords,
 }
 
 template <class Scalar>
-Training train_codebook_from(PointsView<Scalar> vectors, const Eigen::MatrixXd& codewords,
+Training train_codebook_from(PointsView<Scalar> vectors, const Columns<double>& codewords,
                              const CodebookOptions& options) {
   options.validate();
   if (codewords.rows() != vectors.dimension) {
@@ -300,9 +300,9 @@ Training train_codebook_from(PointsView<Scalar> vectors, const Eigen::MatrixXd& 
 
 template CCVT_EXPORT Training train_codebook(PointsView<float>, Index, const CodebookOptions&);
 template CCVT_EXPORT Training train_codebook(PointsView<double>, Index, const CodebookOptions&);
-template CCVT_EXPORT Training train_codebook_from(PointsView<float>, const Eigen::MatrixXd&,
+template CCVT_EXPORT Training train_codebook_from(PointsView<float>, const Columns<double>&,
                                                   const CodebookOptions&);
-template CCVT_EXPORT Training train_codebook_from(PointsView<double>, const Eigen::MatrixXd&,
+template CCVT_EXPORT Training train_codebook_from(PointsView<double>, const Columns<double>&,
                                                   const CodebookOptions&);
 
 }  // namespace ccvt

@@ -171,7 +171,7 @@ void place(const InputFile& file, const Nifti& n, Grid& grid) {
   }
   check_pixdim(file, n);
   const Eigen::Vector3d spacing(n.pixdim[1], n.pixdim[2], n.pixdim[3]);
-  grid.axes = spacing.asDiagonal();
+  grid.axes = Eigen::Matrix3d(spacing.asDiagonal());
   grid.origin = Eigen::Vector3d::Zero();
   if (n.qform_code <= 0) return;
   const Eigen::Vector3d vector(n.quaternion[0], n.quaternion[1], n.quaternion[2]);

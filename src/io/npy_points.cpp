@@ -11,6 +11,7 @@
 #include "io/input_file.h"
 #include "io/npy.h"
 #include "io/npy_numbers.h"
+#include "io/points_map.h"
 #include "io/text.h"
 
 namespace ccvt::io {
@@ -68,7 +69,7 @@ class NpyPoints {
   }
 
   template <class Scalar>
-  Points<Scalar> read();
+  void read(const detail::Allocation<Scalar>& allocation);
 
  private:
   void check();
@@ -78,9 +79,9 @@ class NpyPoints {
   /// Of each column of the file, which coordinate it is, or kNone.
   [[nodiscard]] std::vector<std::size_t> targets() const;
   template <class Scalar>
-  void read_rows(Points<Scalar>& points);
+  void read_rows(PointsMap<Scalar>& points);
   template <class Scalar>
-  void read_columns(Points<Scalar>& points);
+  void read_columns(PointsMap<Scalar>& points);
   template <class Stored, class Scalar>
   void put(Stored stored, std::size_t row, std::size_t column, Scalar& coordinate) const;
 
@@ -132,7 +133,7 @@ std::vector<std::size_t> NpyPoints::targets() const {
 
 /// In C order: point by point.
 template <class Scalar>
-void NpyPoints::read_rows(Points<Scalar>& points) {
+void NpyPoints::read_rows(PointsMap<Scalar>& points) {
   const std::vector<std::size_t> target = targets();
   std::size_t row = 0;
   std::size_t column = 0;
@@ -148,7 +149,7 @@ void NpyPoints::read_rows(Points<Scalar>& points) {
 
 /// In Fortran order: one coordinate of all points after the other, each to its place at once.
 template <class Scalar>
-void NpyPoints::read_columns(Points<Scalar>& points) {
+void NpyPoints::read_columns(PointsMap<Scalar>& points) {
   const std::vector<std::size_t> target = targets();
   for (std::size_t column = 0; column < target.size(); ++column) {
     if (target[column] == kNone) {
@@ -165,15 +166,13 @@ void NpyPoints::read_columns(Points<Scalar>& points) {
 }
 
 template <class Scalar>
-Points<Scalar> NpyPoints::read() {
-  Points<Scalar> points(static_cast<Eigen::Index>(columns_.size()),
-                        static_cast<Eigen::Index>(extent(0)));
+void NpyPoints::read(const detail::Allocation<Scalar>& allocation) {
+  PointsMap<Scalar> points = allocate(allocation, header());
   if (npy_.fortran_order) {
     read_columns(points);
   } else {
     read_rows(points);
   }
-  return points;
 }
 
 }  // namespace
@@ -183,11 +182,14 @@ PointsHeader inspect_npy_points(const std::filesystem::path& path, const ReadOpt
 }
 
 template <class Scalar>
-Points<Scalar> read_npy_points(const std::filesystem::path& path, const ReadOptions& options) {
-  return NpyPoints(path, options).read<Scalar>();
+void read_npy_points(const std::filesystem::path& path, const ReadOptions& options,
+                     const detail::Allocation<Scalar>& allocation) {
+  NpyPoints(path, options).read(allocation);
 }
 
-template Points<float> read_npy_points<float>(const std::filesystem::path&, const ReadOptions&);
-template Points<double> read_npy_points<double>(const std::filesystem::path&, const ReadOptions&);
+template void read_npy_points(const std::filesystem::path&, const ReadOptions&,
+                              const detail::Allocation<float>&);
+template void read_npy_points(const std::filesystem::path&, const ReadOptions&,
+                              const detail::Allocation<double>&);
 
 }  // namespace ccvt::io

@@ -280,7 +280,8 @@ void place(const InputFile& file, const Header& header, Grid& grid) {
   if (!directions.empty()) {
     const auto columns = header.three("space directions", directions);
     for (std::size_t d = 0; d < 3; ++d) {
-      grid.axes.col(static_cast<Eigen::Index>(d)) = header.vector("space directions", columns[d]);
+      grid.axes.eigen().col(static_cast<Eigen::Index>(d)) =
+          header.vector("space directions", columns[d]);
     }
   } else if (!spacings.empty()) {
     const auto entries = header.three("spacings", spacings);

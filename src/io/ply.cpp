@@ -15,6 +15,7 @@
 
 #include "io/columns.h"
 #include "io/input_file.h"
+#include "io/points_map.h"
 #include "io/text.h"
 
 namespace ccvt::io {
@@ -117,13 +118,13 @@ class PlyFile {
   }
 
   template <class Scalar>
-  Points<Scalar> read() {
+  void read(const detail::Allocation<Scalar>& allocation) {
     const PointsHeader header = points_header();
     for (const Element& element : elements_) {
       if (&element == &vertices()) break;
       for (std::uint64_t i = 0; i < element.count; ++i) read_item(element, i, [](int, double) {});
     }
-    Points<Scalar> points(header.dimension, static_cast<Eigen::Index>(header.count));
+    PointsMap<Scalar> points = allocate(allocation, header);
     for (std::uint64_t i = 0; i < header.count; ++i) {
       read_item(vertices(), i, [&](int axis, double value) {
         const auto x = static_cast<Scalar>(value);
@@ -137,7 +138,6 @@ class PlyFile {
         points(axis, static_cast<Eigen::Index>(i)) = x;
       });
     }
-    return points;
   }
 
  private:
@@ -377,11 +377,14 @@ PointsHeader inspect_ply_points(const std::filesystem::path& path, const ReadOpt
 }
 
 template <class Scalar>
-Points<Scalar> read_ply_points(const std::filesystem::path& path, const ReadOptions& options) {
-  return PlyFile(path, options).read<Scalar>();
+void read_ply_points(const std::filesystem::path& path, const ReadOptions& options,
+                     const detail::Allocation<Scalar>& allocation) {
+  PlyFile(path, options).read(allocation);
 }
 
-template Points<float> read_ply_points<float>(const std::filesystem::path&, const ReadOptions&);
-template Points<double> read_ply_points<double>(const std::filesystem::path&, const ReadOptions&);
+template void read_ply_points(const std::filesystem::path&, const ReadOptions&,
+                              const detail::Allocation<float>&);
+template void read_ply_points(const std::filesystem::path&, const ReadOptions&,
+                              const detail::Allocation<double>&);
 
 }  // namespace ccvt::io

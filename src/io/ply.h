@@ -11,6 +11,7 @@ namespace ccvt::io {
 /// elements are skipped. Messages count vertices from 0.
 PointsHeader inspect_ply_points(const std::filesystem::path& path, const ReadOptions& options);
 template <class Scalar>
-Points<Scalar> read_ply_points(const std::filesystem::path& path, const ReadOptions& options);
+void read_ply_points(const std::filesystem::path& path, const ReadOptions& options,
+                     const detail::Allocation<Scalar>& allocation);
 
 }  // namespace ccvt::io

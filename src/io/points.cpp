@@ -16,6 +16,7 @@
 #include "io/npy_points.h"
 #include "io/output_file.h"
 #include "io/ply.h"
+#include "io/points_map.h"
 #include "io/text.h"
 #include "io/vecs.h"
 
@@ -24,6 +25,7 @@ namespace ccvt {
 namespace {
 
 using io::InputFile;
+using io::PointsMap;
 using io::TextRows;
 
 constexpr std::size_t kBlock = std::size_t{1} << 16;
@@ -51,7 +53,7 @@ std::string points_extension(const std::filesystem::path& path) {
 }
 
 template <class Scalar>
-void check_finite(const InputFile& file, const Points<Scalar>& points) {
+void check_finite(const InputFile& file, const PointsMap<Scalar>& points) {
   for (Eigen::Index row = 0; row < points.cols(); ++row) {
     if (points.col(row).allFinite()) continue;
     Eigen::Index column = 0;
@@ -87,7 +89,8 @@ void parse_point(const TextRows& rows, const std::vector<std::size_t>& columns, 
 }
 
 template <class Scalar>
-Points<Scalar> read_text_points(const std::filesystem::path& path, const ReadOptions& options) {
+void read_text_points(const std::filesystem::path& path, const ReadOptions& options,
+                      const detail::Allocation<Scalar>& allocation) {
   TextRows rows(path);
   if (!rows.next()) rows.fail_file("has no points");
   const std::size_t fields = rows.fields().size();
@@ -109,22 +112,26 @@ Points<Scalar> read_text_points(const std::filesystem::path& path, const ReadOpt
     parse_point(rows, columns, points.col(count).data());
     ++count;
   } while (rows.next());
-  points.conservativeResize(Eigen::NoChange, count);
-  return points;
+  const PointsHeader header = {ScalarType::float64, static_cast<int>(dimension),
+                               static_cast<std::uint64_t>(count)};
+  io::allocate(allocation, header) = points.leftCols(count);
 }
 
 /// Those coordinates of vectors that are asked for.
 template <class Scalar>
-Points<Scalar> read_vectors(const std::filesystem::path& path, const ReadOptions& options) {
-  Points<Scalar> vectors = io::read_vecs<Scalar>(path);
+void read_vectors(const std::filesystem::path& path, const ReadOptions& options,
+                  const detail::Allocation<Scalar>& allocation) {
   const InputFile file(path);
-  if (!options.columns.empty()) {
-    const auto columns =
-        io::choose_columns(file, options.columns, {}, static_cast<std::size_t>(vectors.rows()));
-    vectors = vectors(columns.at, Eigen::all).eval();
-  }
-  check_finite(file, vectors);
-  return vectors;
+  if (options.columns.empty()) return check_finite(file, io::read_vecs(path, allocation));
+  Points<Scalar> all;
+  const auto vectors = io::read_vecs(path, detail::allocate_in(all));
+  const auto columns =
+      io::choose_columns(file, options.columns, {}, static_cast<std::size_t>(vectors.rows()));
+  const PointsHeader header = {ScalarType::float32, static_cast<int>(columns.at.size()),
+                               static_cast<std::uint64_t>(vectors.cols())};
+  PointsMap<Scalar> chosen = io::allocate(allocation, header);
+  chosen = vectors(columns.at, Eigen::all);
+  check_finite(file, chosen);
 }
 
 template <class Scalar>
@@ -161,13 +168,28 @@ PointsHeader inspect_points(const std::filesystem::path& path, const ReadOptions
           std::move(columns.names), std::move(columns.left_out)};
 }
 
+namespace {
+
 template <class Scalar>
-Points<Scalar> read_points(const std::filesystem::path& path, const ReadOptions& options) {
+void read_into(const std::filesystem::path& path, const ReadOptions& options,
+               const detail::Allocation<Scalar>& allocation) {
   const std::string extension = points_extension(path);
-  if (extension == ".ply") return io::read_ply_points<Scalar>(path, options);
-  if (extension == ".npy") return io::read_npy_points<Scalar>(path, options);
-  if (io::is_vecs(path)) return read_vectors<Scalar>(path, options);
-  return read_text_points<Scalar>(path, options);
+  if (extension == ".ply") return io::read_ply_points(path, options, allocation);
+  if (extension == ".npy") return io::read_npy_points(path, options, allocation);
+  if (io::is_vecs(path)) return read_vectors(path, options, allocation);
+  read_text_points(path, options, allocation);
+}
+
+}  // namespace
+
+void detail::read_points(const std::filesystem::path& path, const ReadOptions& options,
+                         Allocation<float> points) {
+  read_into(path, options, points);
+}
+
+void detail::read_points(const std::filesystem::path& path, const ReadOptions& options,
+                         Allocation<double> points) {
+  read_into(path, options, points);
 }
 
 template <class Scalar>
@@ -259,10 +281,6 @@ void write_text(const std::filesystem::path& path, std::string_view text) {
   file.commit();
 }
 
-template CCVT_EXPORT Points<float> read_points<float>(const std::filesystem::path&,
-                                                      const ReadOptions&);
-template CCVT_EXPORT Points<double> read_points<double>(const std::filesystem::path&,
-                                                        const ReadOptions&);
 template CCVT_EXPORT void write_points<float>(const std::filesystem::path&, PointsView<float>);
 template CCVT_EXPORT void write_points<double>(const std::filesystem::path&, PointsView<double>);
 

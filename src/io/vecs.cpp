@@ -41,9 +41,9 @@ PointsHeader read_header(InputFile& file, std::size_t item_bytes) {
 bool holds_bytes(const std::filesystem::path& path) { return extension_of(path) == ".bvecs"; }
 
 template <class Stored, class Scalar>
-Points<Scalar> read_records(InputFile& file) {
+PointsMap<Scalar> read_records(InputFile& file, const detail::Allocation<Scalar>& allocation) {
   const PointsHeader header = read_header(file, sizeof(Stored));
-  Points<Scalar> points(header.dimension, static_cast<Eigen::Index>(header.count));
+  PointsMap<Scalar> points = allocate(allocation, header);
   std::vector<Stored> vector(static_cast<std::size_t>(header.dimension));
   for (Eigen::Index p = 0; p < points.cols(); ++p) {
     if (p > 0) {
@@ -75,13 +75,15 @@ PointsHeader inspect_vecs(const std::filesystem::path& path) {
 }
 
 template <class Scalar>
-Points<Scalar> read_vecs(const std::filesystem::path& path) {
+PointsMap<Scalar> read_vecs(const std::filesystem::path& path,
+                            const detail::Allocation<Scalar>& allocation) {
   InputFile file(path);
-  return holds_bytes(path) ? read_records<std::uint8_t, Scalar>(file)
-                           : read_records<float, Scalar>(file);
+  return holds_bytes(path) ? read_records<std::uint8_t>(file, allocation)
+                           : read_records<float>(file, allocation);
 }
 
-template Points<float> read_vecs<float>(const std::filesystem::path&);
-template Points<double> read_vecs<double>(const std::filesystem::path&);
+template PointsMap<float> read_vecs(const std::filesystem::path&, const detail::Allocation<float>&);
+template PointsMap<double> read_vecs(const std::filesystem::path&,
+                                     const detail::Allocation<double>&);
 
 }  // namespace ccvt::io

@@ -4,6 +4,7 @@
 
 #include "ccvt/io.h"
 #include "ccvt/types.h"
+#include "io/points_map.h"
 
 /// Files of vectors as search benchmarks have them: of each vector its dimension, an int32, and
 /// then as many float32 (.fvecs) or uint8 (.bvecs); little endian.
@@ -15,6 +16,7 @@ namespace ccvt::io {
 /// nothing else; read_vecs() does not look whether coordinates are finite.
 PointsHeader inspect_vecs(const std::filesystem::path& path);
 template <class Scalar>
-Points<Scalar> read_vecs(const std::filesystem::path& path);
+PointsMap<Scalar> read_vecs(const std::filesystem::path& path,
+                            const detail::Allocation<Scalar>& allocation);
 
 }  // namespace ccvt::io

@@ -191,8 +191,8 @@ void check_volume(const InputFile& file, const VolumeHeader& header) {
     file.fail("scales its values by " + text(header.slope) + " and " + text(header.intercept) +
               "; must be finite");
   }
-  const double volume = header.grid.axes.determinant();
-  if (!header.grid.origin.allFinite() || !std::isfinite(volume) || volume == 0) {
+  const double volume = header.grid.axes.eigen().determinant();
+  if (!header.grid.origin.eigen().allFinite() || !std::isfinite(volume) || volume == 0) {
     file.fail("places its cells by axes and an origin that are not finite, or flat");
   }
 }

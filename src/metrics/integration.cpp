@@ -20,7 +20,7 @@ constexpr int kPlaces = 256;
 Points<double> in_unit_cube(const PointSet& set) {
   const Box& box = set.domain().box();
   const Eigen::ArrayXd extent = box.extent();
-  return (set.points().colwise() - box.lower).array().colwise() / extent;
+  return (set.points().colwise() - box.lower.eigen()).array().colwise() / extent;
 }
 
 /// The integral over a unit interval of exp(-(x - c)^2 / (2 s^2)).

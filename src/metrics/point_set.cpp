@@ -75,7 +75,7 @@ double imbalance_factor(std::span<const Index> owners, Index sites) {
   return 1 + capacity_error(owners, sites);
 }
 
-PointSet::PointSet(Points<double> points, Domain domain)
+PointSet::PointSet(Columns<double> points, Domain domain)
     : points_(std::move(points)), domain_(std::move(domain)) {
   if (points_.rows() < 1) throw InvalidInput("points: have no dimensions");
   if (points_.cols() > INT32_MAX) {
@@ -116,7 +116,7 @@ PointSet::PointSet(Points<double> points, Domain domain)
                          "from " + text(box.lower[d]) + " to " + text(box.upper[d]));
     }
   }
-  if ((points_.colwise() - points_.col(0)).isZero(0)) {
+  if ((points_.eigen().colwise() - points_.col(0)).isZero(0)) {
     throw InvalidInput("points: all " + std::to_string(points_.cols()) +
                        " of them are equal; at least two must differ");
   }

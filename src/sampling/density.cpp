@@ -53,8 +53,9 @@ Box world_box(const DensityGrid& grid) {
   if (!grid.to_world) return grid.box;
   const Affine& map = *grid.to_world;
   const Eigen::VectorXd centre =
-      map.matrix * (0.5 * (grid.box.lower + grid.box.upper)) + map.offset;
-  const Eigen::VectorXd reach = map.matrix.cwiseAbs() * (0.5 * grid.box.extent());
+      map.matrix.eigen() * (0.5 * (grid.box.lower.eigen() + grid.box.upper.eigen())) +
+      map.offset.eigen();
+  const Eigen::VectorXd reach = map.matrix.eigen().cwiseAbs() * (0.5 * grid.box.extent());
   return {centre - reach, centre + reach};
 }
 
@@ -68,8 +69,8 @@ void check_affine(const DensityGrid& grid) {
                               map.matrix.cols(), " and an offset of ", map.offset.size(),
                               ", but the box has ", dimension, " dimensions"));
   }
-  const double volume = map.matrix.determinant();
-  if (!map.offset.allFinite() || !std::isfinite(volume) || volume == 0) {
+  const double volume = map.matrix.eigen().determinant();
+  if (!map.offset.eigen().allFinite() || !std::isfinite(volume) || volume == 0) {
     throw InvalidInput(
         concat("grid: to_world must be finite and not singular; its determinant is ", volume));
   }
@@ -287,7 +288,7 @@ double density_mass(const DensityGrid& grid, const Arena& arena) {
   for (const double mass : masses_of(grid, CellDensities(grid), Parts(grid, cells), arena)) {
     sum.add(mass);
   }
-  const double stretch = grid.to_world ? std::abs(grid.to_world->matrix.determinant()) : 1;
+  const double stretch = grid.to_world ? std::abs(grid.to_world->matrix.eigen().determinant()) : 1;
   return sum.value() * (grid.box.volume() / static_cast<double>(cells) * stretch);
 }
 

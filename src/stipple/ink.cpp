@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ccvt/stipple.h"
+#include "geometry/as_matrix.h"
 
 namespace ccvt {
 
@@ -27,9 +28,9 @@ struct Interval {
 
 /// Where the dots are along one dimension, grown by `reach`, but not beyond the picture.
 template <class Scalar>
-Interval covered(const Points<Scalar>& dots, int dimension, double reach, int size) {
-  const auto least = static_cast<double>(dots.row(dimension).minCoeff());
-  const auto most = static_cast<double>(dots.row(dimension).maxCoeff());
+Interval covered(PointsView<Scalar> dots, int dimension, double reach, int size) {
+  const auto least = static_cast<double>(as_matrix(dots).row(dimension).minCoeff());
+  const auto most = static_cast<double>(as_matrix(dots).row(dimension).maxCoeff());
   return {std::clamp(least - reach, 0.0, static_cast<double>(size)),
           std::clamp(most + reach, 0.0, static_cast<double>(size))};
 }
@@ -49,10 +50,10 @@ class DistanceRaster {
 
   /// Places farther than `reach` from all dots stay at infinity.
   template <class Scalar>
-  void measure(const Points<Scalar>& dots, double reach) {
-    for (Eigen::Index dot = 0; dot < dots.cols(); ++dot) {
-      const double x = static_cast<double>(dots(0, dot)) - x_.lower;
-      const double y = static_cast<double>(dots(1, dot)) - y_.lower;
+  void measure(PointsView<Scalar> dots, double reach) {
+    for (Index dot = 0; dot < dots.count; ++dot) {
+      const double x = static_cast<double>(dots[dot][0]) - x_.lower;
+      const double y = static_cast<double>(dots[dot][1]) - y_.lower;
       const auto [first_row, last_row] = range(y, reach, step_y_, rows_);
       for (std::size_t row = first_row; row < last_row; ++row) {
         const double dy = (static_cast<double>(row) + 0.5) * step_y_ - y;
@@ -102,11 +103,11 @@ class DistanceRaster {
 }  // namespace
 
 template <class Scalar>
-double dot_radius_for(const Points<Scalar>& dots, int width, int height, double ink) {
+double dot_radius_for(PointsView<Scalar> dots, int width, int height, double ink) {
   const double area = static_cast<double>(width) * height;
-  if (dots.rows() != 2 || dots.cols() < 1 || !dots.allFinite()) {
+  if (dots.dimension != 2 || dots.count < 1 || !as_matrix(dots).allFinite()) {
     throw InvalidInput("dots: must be finite, 2 by at least 1, but are " +
-                       std::to_string(dots.rows()) + " by " + std::to_string(dots.cols()));
+                       std::to_string(dots.dimension) + " by " + std::to_string(dots.count));
   }
   if (width < 1 || height < 1 || !(ink > 0 && ink <= area)) {
     throw InvalidInput("ink: is " + std::to_string(ink) + " for " + std::to_string(width) + " x " +
@@ -114,7 +115,7 @@ double dot_radius_for(const Points<Scalar>& dots, int width, int height, double 
                        " pixels; must be positive and at most the number of pixels");
   }
   // Dots that do not overlap: no radius below this one covers enough.
-  const double least = std::sqrt(ink / (std::numbers::pi * static_cast<double>(dots.cols())));
+  const double least = std::sqrt(ink / (std::numbers::pi * dots.count));
   for (double reach = 1.5 * least;; reach *= 2) {
     const Interval x = covered(dots, 0, reach, width);
     const Interval y = covered(dots, 1, reach, height);
@@ -133,7 +134,7 @@ double dot_radius_for(const Points<Scalar>& dots, int width, int height, double 
   }
 }
 
-template CCVT_EXPORT double dot_radius_for<float>(const Points<float>&, int, int, double);
-template CCVT_EXPORT double dot_radius_for<double>(const Points<double>&, int, int, double);
+template CCVT_EXPORT double dot_radius_for<float>(PointsView<float>, int, int, double);
+template CCVT_EXPORT double dot_radius_for<double>(PointsView<double>, int, int, double);
 
 }  // namespace ccvt

@@ -60,7 +60,7 @@ Stippling<Scalar> stipple(const Image& image, Index sites, const StippleOptions&
     throw InvalidInput(std::string("image: is ") + (options.invert ? "black" : "white") +
                        " everywhere; there is nothing to stipple");
   }
-  Box box{Eigen::Vector2d::Zero(), Eigen::Vector2d(image.width, image.height)};
+  Box box{{0, 0}, {static_cast<double>(image.width), static_cast<double>(image.height)}};
   const DensityGrid density{std::span<const float>(dark), {image.width, image.height}, box};
 
   Stippling<Scalar> result;
@@ -77,9 +77,9 @@ Stippling<Scalar> stipple(const Image& image, Index sites, const StippleOptions&
     result.dots = solver.sites();
     result.summary = solver.summary();
   }
-  result.dot_radius = options.dot_radius > 0
-                          ? options.dot_radius
-                          : dot_radius_for(result.dots, image.width, image.height, ink);
+  result.dot_radius = options.dot_radius > 0 ? options.dot_radius
+                                             : dot_radius_for(view_points(result.dots), image.width,
+                                                              image.height, ink);
   return result;
 }
 

@@ -105,20 +105,19 @@ void draw_field(const Projection& projection, const Line& across, const Line& up
 }
 
 /// Pixels on each side of a dot's middle.
-int half_width_of_dots(Eigen::Index samples, int width, int height) {
-  const double each =
-      kCovered * width * height / static_cast<double>(std::max<Eigen::Index>(1, samples));
+int half_width_of_dots(Index samples, int width, int height) {
+  const double each = kCovered * width * height / static_cast<double>(std::max<Index>(1, samples));
   return std::clamp(static_cast<int>(std::sqrt(each) / 2), 0, kMostHalfWidth);
 }
 
 }  // namespace
 
 template <class Scalar>
-ColourImage preview(const DensityGrid& density, const Points<Scalar>& sites, int size) {
+ColourImage preview(const DensityGrid& density, PointsView<Scalar> sites, int size) {
   detail::check_density(density, 1, Eigen::Dynamic, sizeof(Scalar));
-  if (density.shape.size() != 3 || sites.rows() != 3) {
+  if (density.shape.size() != 3 || sites.dimension != 3) {
     throw InvalidInput("preview: the grid has " + std::to_string(density.shape.size()) +
-                       " dimensions and the sites have " + std::to_string(sites.rows()) +
+                       " dimensions and the sites have " + std::to_string(sites.dimension) +
                        "; both need 3");
   }
   if (size < 16 || size > 4096) {
@@ -129,9 +128,9 @@ ColourImage preview(const DensityGrid& density, const Points<Scalar>& sites, int
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
   Eigen::Vector3d sides = extent;
   if (density.to_world) {
-    to_box = Eigen::Matrix3d(density.to_world->matrix).inverse();
-    offset = density.to_world->offset;
-    sides = extent.cwiseProduct(density.to_world->matrix.colwise().norm().transpose());
+    to_box = Eigen::Matrix3d(density.to_world->matrix.eigen()).inverse();
+    offset = density.to_world->offset.eigen();
+    sides = extent.cwiseProduct(density.to_world->matrix.eigen().colwise().norm().transpose());
   }
   std::array<Line, 3> lines{};
   for (std::size_t d = 0; d < 3; ++d) {
@@ -140,6 +139,9 @@ ColourImage preview(const DensityGrid& density, const Points<Scalar>& sites, int
                 std::max(1, static_cast<int>(std::lround(share * size)))};
   }
 
+  const auto place_of = [&](Index s) {
+    return Eigen::Vector3d(sites[s][0], sites[s][1], sites[s][2]);
+  };
   const std::array<Projection, 3> projections = project(density);
   ColourImage image;
   image.width = 2 * kGap;
@@ -154,11 +156,10 @@ ColourImage preview(const DensityGrid& density, const Points<Scalar>& sites, int
     const Line& across = lines[p.across];
     const Line& up = lines[p.up];
     draw_field(p, across, up, left, image);
-    const int half = half_width_of_dots(sites.cols(), across.pixels, up.pixels);
-    for (Eigen::Index s = 0; s < sites.cols(); ++s) {
+    const int half = half_width_of_dots(sites.count, across.pixels, up.pixels);
+    for (Index s = 0; s < sites.count; ++s) {
       const Eigen::Vector3d place =
-          (to_box * (sites.col(s).template cast<double>() - offset) - density.box.lower)
-              .cwiseQuotient(extent);
+          (to_box * (place_of(s) - offset) - density.box.lower.eigen()).cwiseQuotient(extent);
       const auto column =
           static_cast<int>(place[static_cast<Eigen::Index>(p.across)] * across.pixels);
       const auto row = static_cast<int>((1 - place[static_cast<Eigen::Index>(p.up)]) * up.pixels);
@@ -179,7 +180,7 @@ ColourImage preview(const DensityGrid& density, const Points<Scalar>& sites, int
   return image;
 }
 
-template CCVT_EXPORT ColourImage preview<float>(const DensityGrid&, const Points<float>&, int);
-template CCVT_EXPORT ColourImage preview<double>(const DensityGrid&, const Points<double>&, int);
+template CCVT_EXPORT ColourImage preview<float>(const DensityGrid&, PointsView<float>, int);
+template CCVT_EXPORT ColourImage preview<double>(const DensityGrid&, PointsView<double>, int);
 
 }  // namespace ccvt

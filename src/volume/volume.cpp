@@ -27,8 +27,8 @@ void check_finite(double value, const char* field) {
 
 }  // namespace
 
-Grid Grid::spaced(std::vector<std::int64_t> shape, const Eigen::VectorXd& spacing,
-                  const Eigen::VectorXd& origin) {
+Grid Grid::spaced(std::vector<std::int64_t> shape, const Coordinates& spacing,
+                  const Coordinates& origin) {
   const auto dimension = static_cast<Eigen::Index>(shape.size());
   if (spacing.size() != dimension || origin.size() != dimension) {
     throw InvalidInput("grid: the shape has " + std::to_string(dimension) +
@@ -41,14 +41,14 @@ Grid Grid::spaced(std::vector<std::int64_t> shape, const Eigen::VectorXd& spacin
     throw InvalidInput("grid: spacing[" + std::to_string(d) + "] is " + text(spacing[d]) +
                        "; must be positive and finite");
   }
-  return {std::move(shape), origin, spacing.asDiagonal()};
+  return {std::move(shape), origin, Eigen::MatrixXd(spacing.eigen().asDiagonal())};
 }
 
-double Grid::cell_volume() const { return std::abs(axes.determinant()); }
+double Grid::cell_volume() const { return std::abs(axes.eigen().determinant()); }
 
 DensityGrid Grid::density(GridValues values, Interpolation interpolation) const {
   // In the box, the centres of the cells are at whole numbers.
-  Box box{Eigen::VectorXd::Constant(dimension(), -0.5), Eigen::VectorXd(dimension())};
+  Box box{Coordinates::constant(dimension(), -0.5), Coordinates::constant(dimension(), 0)};
   for (Eigen::Index d = 0; d < box.upper.size(); ++d) {
     box.upper[d] = static_cast<double>(shape[static_cast<std::size_t>(d)]) - 0.5;
   }

@@ -2,7 +2,9 @@
 #   cmake -D WAY=installed|sub_project -D SOURCE_DIR= -D BINARY_DIR= -D WORK_DIR= -D GENERATOR=
 #         -D COMPILER= -D PARALLEL= -P check.cmake
 # installed     what BINARY_DIR built, installed to a prefix that is then moved; CMake, pkg-config
-# sub_project   FetchContent, with a shared library; then that library installed
+# sub_project   FetchContent, with a shared library compiled for this very processor; then that
+#               library installed
+# flags         both of them, installed before, under some sets of flags: see flags.sh, which has more
 
 # Debug, since that compiles fastest.
 set(common -G ${GENERATOR} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=Debug)
@@ -80,6 +82,10 @@ if(WAY STREQUAL "installed")
 elseif(WAY STREQUAL "sub_project")
   # Kernels for one instruction set, as that compiles fastest.
   consume(sub_project -D CCVT_SOURCE_DIR=${SOURCE_DIR} -D BUILD_SHARED_LIBS=ON
-    -D CCVT_INSTALL=ON -D CCVT_PARALLEL=${PARALLEL} -D CMAKE_CXX_FLAGS=-DHWY_COMPILE_ONLY_STATIC)
+    -D CCVT_INSTALL=ON -D CCVT_PARALLEL=${PARALLEL}
+    "-DCMAKE_CXX_FLAGS=-DHWY_COMPILE_ONLY_STATIC -march=native")
   install_and_consume(${WORK_DIR}/sub_project shared)
+elseif(WAY STREQUAL "flags")
+  run(${CMAKE_CURRENT_LIST_DIR}/flags.sh --short ${WORK_DIR}
+    ${WORK_DIR}/../installed/installed ${WORK_DIR}/../sub_project/shared)
 endif()

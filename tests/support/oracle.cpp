@@ -16,7 +16,7 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 template <class Scalar>
 Real coordinate_bound(const Problem<Scalar>& problem) {
   const Box box = problem.bounding_box();
-  return std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
+  return std::max(box.lower.eigen().cwiseAbs().maxCoeff(), box.upper.eigen().cwiseAbs().maxCoeff());
 }
 
 /// What is owed to rounding in a position that the library keeps as a double and reaches by a sum
