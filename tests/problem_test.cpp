@@ -91,7 +91,7 @@ TEST_CASE("numbers of points and sites") {
 }
 
 TEST_CASE_TEMPLATE("coordinates", Scalar, float, double) {
-  const auto large = sizeof(Scalar) == sizeof(float) ? 1e18 : 1e151;
+  const auto large = sizeof(Scalar) == sizeof(float) ? 1e18 : 1e141;
   for (const double value : {not_a_number, infinity, -infinity, large, -large}) {
     CAPTURE(value);
     const auto points = with_value<Scalar>(value);
