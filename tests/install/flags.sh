@@ -66,7 +66,7 @@ for prefix in "$@"; do
     read -ra link < <(PKG_CONFIG_PATH=$pc_dir pkg-config --libs ccvt)
     # The headers are the same for all: compiled once, linked with each library.
     [ -e "$object" ] ||
-      "${command[@]}" -std=c++20 -Wall -Wextra "${compile[@]}" -c -o "$object" \
+      "${command[@]}" -std=c++20 "${compile[@]}" -c -o "$object" \
         "$source_dir/everything.cpp"
     "${command[@]}" -o "$object.program" "$object" "${link[@]}" \
       -Wl,-rpath,"$(dirname "$pc_dir")"
