@@ -10,11 +10,9 @@ else()
   message(FATAL_ERROR "CCVT_PARALLEL is \"${CCVT_PARALLEL}\", but must be tbb or threads")
 endif()
 find_package(ZLIB 1.2 REQUIRED GLOBAL)
+find_package(PNG 1.6 REQUIRED GLOBAL)
+find_package(JPEG REQUIRED GLOBAL)
 include(cmake/flann.cmake)
-
-# stb: single-header image codecs. Debian ships no CMake package for them.
-find_path(CCVT_STB_INCLUDE_DIR stb_image.h PATH_SUFFIXES stb REQUIRED)
-mark_as_advanced(CCVT_STB_INCLUDE_DIR)
 
 if(CCVT_BUILD_CLI)
   find_package(CLI11 2 REQUIRED CONFIG)

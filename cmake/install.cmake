@@ -46,7 +46,7 @@ cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_INCLUDEDIR
 set(CCVT_PC_REQUIRES "eigen3 >= 3.4")
 set(CCVT_PC_LIBS "")
 if(CCVT_LIBRARY_TYPE STREQUAL "STATIC_LIBRARY")
-  string(APPEND CCVT_PC_REQUIRES ", libhwy >= 1.0, liblz4, zlib")
+  string(APPEND CCVT_PC_REQUIRES ", libhwy >= 1.0, libjpeg, liblz4, libpng >= 1.6, zlib")
   if(CCVT_PARALLEL STREQUAL "tbb")
     string(APPEND CCVT_PC_REQUIRES ", tbb >= 2021")
   else()

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "support/files.h"
-#include "support/png.h"
 
 namespace ccvt::test {
 namespace {
@@ -65,15 +64,6 @@ double union_area(const ccvt::Columns<Scalar>& dots, double radius, int width, i
   return static_cast<double>(covered) / (fine * fine);
 }
 
-std::string refusal_of(const fs::path& path) {
-  try {
-    read_image(path);
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "nothing thrown";
-}
-
 }  // namespace
 
 TEST_SUITE_BEGIN("stipple");
@@ -96,100 +86,6 @@ TEST_CASE("a written picture comes back to 8 bits") {
   wild.values[2] = std::numeric_limits<float>::quiet_NaN();
   write_png(directory / "wild.png", wild);
   CHECK(read_image(directory / "wild.png").values == std::vector<float>{1, 0, 0});
-}
-
-TEST_CASE("grey, colour, alpha, 8 and 16 bits, palettes") {
-  const TemporaryDirectory directory;
-  const std::string palette =
-      png_chunk("PLTE", std::string("\xFF\xFF\xFF\x00\x00\x00\xFF\x00\x00", 9));
-  struct Case {
-    std::string png;
-    std::vector<double> expected;
-  };
-  const double half = 0x8000 / 65535.0;
-  const Case cases[] = {
-      {make_png(3, 1, 8, 0, {0, 51, 255}), {0, 0.2, 1}},
-      {make_png(1, 2, 8, 0, {0, 255}), {0, 1}},
-      {make_png(3, 1, 16, 0, {0, 0x8000, 65535}), {0, half, 1}},
-      {make_png(2, 1, 16, 0, {257, 258}), {257 / 65535.0, 258 / 65535.0}},
-      {make_png(3, 1, 8, 4, {0, 0, 0, 51, 255, 255}), {1, 0.8, 1}},
-      {make_png(2, 1, 16, 4, {0, 0x8000, 0x8000, 65535}), {1 - half, half}},
-      {make_png(4, 1, 8, 2, {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255}),
-       {0.2126, 0.7152, 0.0722, 1}},
-      {make_png(2, 1, 8, 6, {255, 0, 0, 102, 9, 9, 9, 0}), {0.6 + 0.4 * 0.2126, 1}},
-      {make_png(1, 1, 16, 6, {0, 65535, 0, 65535}), {0.7152}},
-      {make_png(3, 1, 8, 3, {0, 1, 2}, palette), {1, 0, 0.2126}},
-      {make_png(3, 1, 8, 3, {0, 1, 2}, palette + png_chunk("tRNS", std::string("\xFF\x00\xFF", 3))),
-       {1, 1, 0.2126}},
-  };
-  for (const auto& [png, expected] : cases) {
-    const Image image = read_image(put(directory / "p.png", png));
-    REQUIRE(image.values.size() == expected.size());
-    for (std::size_t i = 0; i < expected.size(); ++i) {
-      CHECK(static_cast<double>(image.values[i]) == doctest::Approx(expected[i]).epsilon(1e-6));
-      if (expected[i] == 1) CHECK(image.values[i] == 1.0F);  // white has no ink at all
-    }
-  }
-}
-
-TEST_CASE("JPEG, and contents rather than names") {
-  const TemporaryDirectory directory;
-  const fs::path data = CCVT_TEST_DATA;
-  const Image gradient = read_image(data / "gradient.jpg");
-  CHECK(gradient.width == 24);
-  CHECK(gradient.height == 16);
-  CHECK(gradient(0, 0) == doctest::Approx(0.2126).epsilon(0.1));
-  CHECK(gradient(23, 15) == doctest::Approx(0.7152 + 0.0722 / 4).epsilon(0.1));
-  const Image grey = read_image(data / "grey_progressive.jpg");
-  CHECK(grey(3, 5) == doctest::Approx(128.0 / 255).epsilon(0.02));
-  fs::copy(data / "gradient.jpg", directory / "named.png");
-  CHECK(read_image(directory / "named.png").values == gradient.values);
-}
-
-TEST_CASE("every truncation of a picture is refused") {
-  const TemporaryDirectory directory;
-  const std::string whole[] = {make_png(2, 2, 8, 0, {0, 51, 102, 255}),
-                               get(fs::path(CCVT_TEST_DATA) / "gradient.jpg"),
-                               get(fs::path(CCVT_TEST_DATA) / "grey_progressive.jpg")};
-  for (const std::string& bytes : whole) {
-    REQUIRE(bytes.size() > 60);
-    for (std::size_t size = 0; size < bytes.size(); ++size) {
-      const std::string message = refusal_of(put(directory / "p.png", bytes.substr(0, size)));
-      CAPTURE(size);
-      CAPTURE(message);
-      CHECK(message.rfind((directory / "p.png").string() + ": ", 0) == 0);
-    }
-    CHECK(refusal_of(put(directory / "p.png", bytes)) == "nothing thrown");
-  }
-}
-
-TEST_CASE("every damaged byte of a PNG is refused") {
-  const TemporaryDirectory directory;
-  const std::string good = make_png(2, 2, 8, 0, {0, 51, 102, 255});
-  for (std::size_t at = 0; at < good.size(); ++at) {
-    std::string bad = good;
-    bad[at] = static_cast<char>(bad[at] ^ 0x10);
-    CAPTURE(at);
-    CHECK(refusal_of(put(directory / "p.png", bad)) != "nothing thrown");
-  }
-}
-
-TEST_CASE("pictures that claim too much are refused before they are decoded") {
-  const TemporaryDirectory directory;
-  const auto claim = [&](std::uint32_t width, std::uint32_t height) {
-    std::string png = make_png(1, 1, 8, 0, {0});
-    std::string header = big_endian(width) + big_endian(height);
-    header += std::string("\x08\x00\x00\x00\x00", 5);
-    png.replace(8, 25, png_chunk("IHDR", header));
-    return refusal_of(put(directory / "p.png", png));
-  };
-  CHECK(claim(1, 1) == "nothing thrown");
-  CHECK(claim(10000, 10000).find("more than its") != std::string::npos);
-  CHECK(claim(0xFFFFFFFF, 0xFFFFFFFF).find("at most 268435456") != std::string::npos);
-  CHECK(claim(0, 5).find("0 x 5 pixels") != std::string::npos);
-  CHECK(claim(2, 2).find("cannot be decoded") != std::string::npos);
-  CHECK(refusal_of(put(directory / "p.png", "GIF89a")).find("neither PNG nor") !=
-        std::string::npos);
 }
 
 TEST_CASE("darkness") {

@@ -1,108 +1,132 @@
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "ccvt/io.h"
-#include "io/image_structure.h"
 #include "io/input_file.h"
 #include "io/output_file.h"
-#include "io/stb.h"
+#include "io/picture.h"
 
 namespace ccvt {
 
+namespace io {
+
+void check_size(const InputFile& file, std::uint64_t width, std::uint64_t height,
+                std::uint64_t most_in_file) {
+  const std::string size_text = std::to_string(width) + " x " + std::to_string(height) + " pixels";
+  if (width == 0 || height == 0) file.fail("has " + size_text);
+  if (width > kMostPixels / height) {
+    file.fail("has " + size_text + "; at most " + std::to_string(kMostPixels) + " are supported");
+  }
+  if (width * height > most_in_file) {
+    file.fail("claims " + size_text + ", more than its " + std::to_string(file.size()) +
+              " bytes can hold");
+  }
+}
+
+}  // namespace io
+
 namespace {
 
-constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;
-/// No PNG or JPEG stores more pixels in a byte: a PNG of one bit a pixel reaches 8 * 1032.
-constexpr std::uint64_t kMostPixelsPerByte = std::uint64_t{8} * 1032;
+template <int Depth>
+std::uint64_t sample(const std::uint8_t* row, std::size_t index) {
+  if constexpr (Depth == 8) return row[index];
+  return std::uint64_t{256} * row[2 * index] + row[2 * index + 1];
+}
 
 /// Grey on white. In whole numbers, so that white becomes 1 exactly.
-template <class Sample>
-void to_grey(const Sample* samples, std::uint64_t full, int channels, std::vector<float>& values) {
+template <int Depth>
+void to_grey(const io::PictureLayout& layout, const std::uint8_t* row, float* values) {
   constexpr std::uint64_t weights[3] = {2126, 7152, 722};  // Rec. 709, sum 10000
-  const auto stride = static_cast<std::size_t>(channels);
+  constexpr std::uint64_t full = (1U << Depth) - 1;
+  const auto channels = static_cast<std::size_t>(layout.channels);
+  const auto size = static_cast<std::size_t>(layout.width) * channels;
   const bool colour = channels >= 3;
-  const bool alpha = channels == 2 || channels == 4;
-  for (float& value : values) {
+  const bool alpha = channels % 2 == 0;
+  for (std::size_t at = 0; at < size; at += channels) {
     std::uint64_t grey = 0;
-    for (std::size_t c = 0; colour && c < 3; ++c) grey += weights[c] * samples[c];
-    if (!colour) grey = std::uint64_t{10000} * samples[0];
-    const std::uint64_t opaque = alpha ? samples[stride - 1] : full;
+    for (std::size_t c = 0; colour && c < 3; ++c) grey += weights[c] * sample<Depth>(row, at + c);
+    if (!colour) grey = 10000 * sample<Depth>(row, at);
+    const std::uint64_t opaque = alpha ? sample<Depth>(row, at + channels - 1) : full;
     const std::uint64_t composited = grey * opaque + 10000 * full * (full - opaque);
-    value = static_cast<float>(static_cast<double>(composited) /
-                               static_cast<double>(10000 * full * full));
-    samples += stride;
+    *values++ = static_cast<float>(static_cast<double>(composited) /
+                                   static_cast<double>(10000 * full * full));
   }
 }
 
 /// Red, green and blue on white, in 8 bits.
-template <class Sample>
-void to_colour(const Sample* samples, std::uint64_t full, int channels,
-               std::vector<std::uint8_t>& rgb) {
-  const auto stride = static_cast<std::size_t>(channels);
-  const bool alpha = channels == 2 || channels == 4;
-  for (std::size_t k = 0; k < rgb.size(); k += 3, samples += stride) {
-    const std::uint64_t opaque = alpha ? samples[stride - 1] : full;
+template <int Depth>
+void to_colour(const io::PictureLayout& layout, const std::uint8_t* row, std::uint8_t* rgb) {
+  constexpr std::uint64_t full = (1U << Depth) - 1;
+  const auto channels = static_cast<std::size_t>(layout.channels);
+  const auto size = static_cast<std::size_t>(layout.width) * channels;
+  const bool alpha = channels % 2 == 0;
+  for (std::size_t at = 0; at < size; at += channels) {
+    const std::uint64_t opaque = alpha ? sample<Depth>(row, at + channels - 1) : full;
     for (std::size_t c = 0; c < 3; ++c) {
       const std::uint64_t composited =
-          samples[channels >= 3 ? c : 0] * opaque + full * (full - opaque);
-      rgb[k + c] = static_cast<std::uint8_t>((510 * composited + full * full) / (2 * full * full));
+          sample<Depth>(row, at + (channels >= 3 ? c : 0)) * opaque + full * (full - opaque);
+      *rgb++ = static_cast<std::uint8_t>((510 * composited + full * full) / (2 * full * full));
     }
   }
 }
 
-/// Decodes, after all checks.
-io::Pixels read_pixels(const std::filesystem::path& path) {
+std::unique_ptr<io::PictureDecoder> open_picture(const io::InputFile& file,
+                                                 std::span<const unsigned char> bytes) {
+  const auto starts_with = [&](std::initializer_list<unsigned char> magic) {
+    return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
+  };
+  if (starts_with({0x89, 'P', 'N', 'G'})) return io::open_png(file, bytes);
+  if (starts_with({0xFF, 0xD8, 0xFF})) return io::open_jpeg(file, bytes);
+  file.fail("is neither PNG nor JPEG");
+}
+
+/// Calls append(layout, row) with each row. Memory for rows that do not come is not touched.
+template <class Value, class Append>
+io::PictureLayout read_rows(const std::filesystem::path& path, std::size_t values_per_pixel,
+                            std::vector<Value>& values, Append append) {
   io::InputFile file(path);
   if (file.size() > (std::uint64_t{1} << 31) - 1) file.fail("is larger than 2 GiB");
   std::vector<unsigned char> bytes(file.size());
   file.read(bytes.data(), bytes.size());
-  const io::ImageStructure structure = io::inspect_image(bytes);
-  if (!structure.error.empty()) file.fail(structure.error);
-  const std::string size_text =
-      std::to_string(structure.width) + " x " + std::to_string(structure.height) + " pixels";
-  if (structure.width == 0 || structure.height == 0) file.fail("has " + size_text);
-  if (structure.width > kMostPixels / structure.height) {
-    file.fail("has " + size_text + "; at most " + std::to_string(kMostPixels) + " are supported");
+  const auto decoder = open_picture(file, bytes);
+  const io::PictureLayout layout = decoder->layout();
+  const std::size_t row_size = values_per_pixel * static_cast<std::size_t>(layout.width);
+  values.reserve(row_size * static_cast<std::size_t>(layout.height));
+  for (int y = 0; y < layout.height; ++y) {
+    const std::uint8_t* const row = decoder->next_row();
+    values.resize(values.size() + row_size);
+    append(layout, row, values.data() + values.size() - row_size);
   }
-  if (structure.width * structure.height > bytes.size() * kMostPixelsPerByte) {
-    file.fail("claims " + size_text + ", more than its " + std::to_string(bytes.size()) +
-              " bytes can hold");
-  }
-
-  std::string error;
-  io::Pixels pixels = io::decode_image(bytes, error);
-  if (!error.empty()) file.fail(error);
-  return pixels;
-}
-
-std::size_t pixel_count(const io::Pixels& pixels) {
-  return static_cast<std::size_t>(pixels.width) * static_cast<std::size_t>(pixels.height);
+  decoder->finish();
+  return layout;
 }
 
 }  // namespace
 
 Image read_image(const std::filesystem::path& path) {
-  const io::Pixels pixels = read_pixels(path);
-  Image image{pixels.width, pixels.height, std::vector<float>(pixel_count(pixels))};
-  if (pixels.bits16) {
-    to_grey(pixels.bits16.get(), 65535, pixels.channels, image.values);
-  } else {
-    to_grey(pixels.bits8.get(), 255, pixels.channels, image.values);
-  }
+  Image image;
+  const auto layout = read_rows(path, 1, image.values, [](const auto& rows, auto row, auto out) {
+    rows.depth == 8 ? to_grey<8>(rows, row, out) : to_grey<16>(rows, row, out);
+  });
+  image.width = layout.width;
+  image.height = layout.height;
   return image;
 }
 
 ColourImage read_colour_image(const std::filesystem::path& path) {
-  const io::Pixels pixels = read_pixels(path);
-  ColourImage image{pixels.width, pixels.height,
-                    std::vector<std::uint8_t>(3 * pixel_count(pixels))};
-  if (pixels.bits16) {
-    to_colour(pixels.bits16.get(), 65535, pixels.channels, image.rgb);
-  } else {
-    to_colour(pixels.bits8.get(), 255, pixels.channels, image.rgb);
-  }
+  ColourImage image;
+  const auto layout = read_rows(path, 3, image.rgb, [](const auto& rows, auto row, auto out) {
+    rows.depth == 8 ? to_colour<8>(rows, row, out) : to_colour<16>(rows, row, out);
+  });
+  image.width = layout.width;
+  image.height = layout.height;
   return image;
 }
 
@@ -110,15 +134,8 @@ namespace {
 
 void write_png(const std::filesystem::path& path, int width, int height, int channels,
                const std::vector<std::uint8_t>& samples) {
-  std::vector<char> encoded;
-  const bool done =
-      io::encode_png(width, height, channels, samples.data(), [&](const void* data, std::size_t n) {
-        const char* const first = static_cast<const char*>(data);
-        encoded.insert(encoded.end(), first, first + n);
-      });
-  if (!done) throw IoError(path.string() + ": cannot be encoded");
   io::OutputFile file(path);
-  file.write(encoded.data(), encoded.size());
+  io::encode_png(file, width, height, channels, samples.data());
   file.commit();
 }
 
@@ -131,10 +148,10 @@ void check_png(const std::filesystem::path& path, int width, int height, std::si
   const auto pixels = width < 1 || height < 1
                           ? std::uint64_t{0}
                           : static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-  if (pixels == 0 || pixels > kMostPixels || values != channels * pixels) {
+  if (pixels == 0 || pixels > io::kMostPixels || values != channels * pixels) {
     throw InvalidInput("image: has " + std::to_string(values) + " values for " +
                        std::to_string(width) + " x " + std::to_string(height) +
-                       " pixels; from 1 to " + std::to_string(kMostPixels) + " pixels with " +
+                       " pixels; from 1 to " + std::to_string(io::kMostPixels) + " pixels with " +
                        (channels == 1 ? "one value" : std::to_string(channels) + " values") +
                        " each can be written");
   }
