@@ -3,7 +3,7 @@
 
 option(CCVT_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
 option(CCVT_CLANG_TIDY "Add the target tidy: clang-tidy on the library and the program" OFF)
-option(CCVT_FUZZ "Build the fuzzer of the volume readers, with clang++ and libFuzzer" OFF)
+option(CCVT_FUZZ "Build the fuzzers of the readers, with clang++ and libFuzzer" OFF)
 set(CCVT_SANITIZE "" CACHE STRING "Sanitizers: address;undefined, or thread")
 
 if(CCVT_SANITIZE MATCHES "thread" AND NOT CCVT_PARALLEL STREQUAL "threads")
