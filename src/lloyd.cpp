@@ -1,6 +1,7 @@
 #include "ccvt/lloyd.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -19,6 +20,8 @@ namespace ccvt {
 namespace {
 
 constexpr double kHalfUlp = 0x1p-53;
+/// For first owners, when the run is cancelled before there are any.
+constexpr std::chrono::milliseconds kTimeToFinish{300};
 constexpr std::size_t kPointsPerGrain = 4096;
 constexpr std::size_t kSitesPerGrain = 64;
 
@@ -36,14 +39,15 @@ class Lloyd {
  private:
   void start();
   bool step();
+  void assign_first();
   Index assign();
   void gather();
   void finish(Termination termination);
-  bool cancelled() const { return options_.cancelled && options_.cancelled(); }
   [[nodiscard]] bool gains(Index point, Index site) const;
 
   const Problem<Scalar>& problem_;
   const Options& options_;
+  Stop stop_;
   Arena arena_;
   Metric metric_;
   Box box_;
@@ -61,7 +65,8 @@ template <class Scalar>
 Lloyd<Scalar>::Lloyd(const Problem<Scalar>& problem, const Options& options)
     : problem_(problem),
       options_((options.validate(), options)),
-      arena_(options.threads),
+      stop_(options.cancelled),
+      arena_(options.threads, &stop_),
       metric_(problem.dimension(), problem.domain()),
       box_(problem.bounding_box()),
       coordinate_bound_(std::max(box_.lower.eigen().cwiseAbs().maxCoeff(),
@@ -87,12 +92,33 @@ void Lloyd<Scalar>::start() {
   if (owners_.empty()) {
     summary_.initialization_used = "nearest";
     owners_.assign(points_.size(), -1);
-    assign();
+    assign_first();
   } else {
     summary_.initialization_used = "owners";
   }
   gather();
   summary_.initial_energy = summary_.energy;
+}
+
+/// When the run is cancelled meanwhile and there is no time for all points, these are dealt out
+/// evenly in their order.
+template <class Scalar>
+void Lloyd<Scalar>::assign_first() {
+  try {
+    assign();
+    return;
+  } catch (const Stopped&) {
+    summary_.termination = Termination::cancelled;
+  }
+  stop_.allow(kTimeToFinish);
+  try {
+    assign();
+  } catch (const Stopped&) {
+    for (std::size_t p = 0; p < owners_.size(); ++p) {
+      owners_[p] = static_cast<Index>(p * changed_.size() / owners_.size());
+    }
+  }
+  stop_.off();
 }
 
 /// Whether `point` is nearer to `site` than to its owner, beyond what rounding can fake.
@@ -138,6 +164,7 @@ Index Lloyd<Scalar>::assign() {
 /// Groups the points by owner, and moves the sites of changed cells to their centroids [eq. 2].
 template <class Scalar>
 void Lloyd<Scalar>::gather() {
+  const Stop::Pause pause(stop_);
   std::vector<Index> sizes(changed_.size(), 0);
   for (const Index owner : owners_) ++sizes[static_cast<std::size_t>(owner)];
   cells_ = {};  // before there is another copy of the coordinates
@@ -181,7 +208,7 @@ bool Lloyd<Scalar>::step() {
     finish(Termination::iteration_limit);
     return false;
   }
-  if (cancelled()) {
+  if (stop_.requested()) {
     finish(Termination::cancelled);
     return false;
   }
@@ -191,7 +218,12 @@ bool Lloyd<Scalar>::step() {
     const Stopwatch total(summary_.seconds_total);
     const Stopwatch relaxation(summary_.seconds_relaxation);
     std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
-    record.exchanged = assign();
+    try {
+      record.exchanged = assign();
+    } catch (const Stopped&) {
+      finish(Termination::cancelled);
+      return false;
+    }
     if (record.exchanged > 0) gather();
   }
   record.iteration = ++summary_.iterations;
@@ -216,7 +248,8 @@ bool Lloyd<Scalar>::step() {
 template <class Scalar>
 detail::LloydResult<Scalar> Lloyd<Scalar>::run() {
   start();
-  while (step()) {
+  if (summary_.termination == Termination::cancelled) finish(Termination::cancelled);
+  while (summary_.termination == Termination::running && step()) {
   }
   detail::LloydResult<Scalar> result;
   result.sites = {summary_.dimension, summary_.sites};

@@ -68,7 +68,13 @@ class Random {
   /// A random permutation of the values, each equally likely [Fisher, Yates; Durstenfeld 1964].
   template <class T, std::size_t Extent>
   constexpr void shuffle(std::span<T, Extent> values) {
+    shuffle(values, [](std::size_t) {});
+  }
+  /// The same, and calls each(i) before each swap.
+  template <class T, std::size_t Extent, class Each>
+  constexpr void shuffle(std::span<T, Extent> values, const Each& each) {
     for (std::size_t i = values.size(); i > 1; --i) {
+      each(i);
       using std::swap;
       swap(values[i - 1], values[below(i)]);
     }

@@ -1,11 +1,15 @@
 #include "ccvt/solver.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <numeric>
+#include <span>
 #include <utility>
 
 #include "normalize.h"
 #include "parallel/arena.h"
+#include "relax/deal.h"
 #include "relax/initial_sites.h"
 #include "relax/initialize.h"
 #include "relax/levels.h"
@@ -18,6 +22,9 @@ namespace ccvt {
 namespace {
 
 constexpr int kBalancedDimensions = 8;
+/// For points of levels that a cancelled run has not reached; not tried with more points than that.
+constexpr std::chrono::milliseconds kTimeToFinish{300};
+constexpr Index kMostToFinish = 1 << 24;
 
 const char* name_of(Initialization initialization) {
   switch (initialization) {
@@ -41,6 +48,8 @@ struct Solver<Scalar>::Implementation {
 
   void place_sites();
   void enter_level(std::size_t next);
+  void join(std::span<const Index> joining, std::span<const Pair> near, Filling<Scalar>& filling);
+  void deal(const Cells<Scalar>& owned, std::span<const Index> filled);
   void make_relaxer();
   void take_owners();
   void record(const PassCount& pass);
@@ -50,6 +59,7 @@ struct Solver<Scalar>::Implementation {
   Problem<Scalar> problem;
   Options options;
   Summary summary;
+  Stop stop;
   Arena arena;
   Metric metric;
   Box box;
@@ -62,13 +72,16 @@ struct Solver<Scalar>::Implementation {
   Cells<Scalar> cells;
   SiteState sites;
   std::unique_ptr<Relaxer<Scalar>> relaxer;
+  /// Of a run that was cancelled, when there was no time for more: the owners, by deal_rest().
+  std::vector<Index> dealt;
 };
 
 template <class Scalar>
 Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Options given_options)
     : problem(std::move(given_problem)),
       options((given_options.validate(), std::move(given_options))),
-      arena(options.threads),
+      stop(options.cancelled),
+      arena(options.threads, &stop),
       metric(problem.dimension(), problem.domain()) {
   const Stopwatch total(summary.seconds_total);
   const Stopwatch initialization(summary.seconds_initialization);
@@ -95,13 +108,22 @@ Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Op
   for (std::size_t k = 0; k < capacities.size(); ++k) {
     capacities[k] = problem.capacities()[static_cast<std::size_t>(site_of[k])];
   }
-  levels = make_levels(capacities, problem.point_count(), options);
+  try {
+    levels = make_levels(capacities, problem.point_count(), options, arena);
+  } catch (const Stopped&) {
+    levels.assign(1, {std::move(capacities), {}});
+    summary.levels = 1;
+    deal({}, {});
+    finish(Termination::cancelled);
+    return;
+  }
   summary.levels = static_cast<int>(levels.size());
   if (warm) {
     take_owners();
   } else {
     enter_level(0);
   }
+  if (!dealt.empty()) finish(Termination::cancelled);
 }
 
 /// Initial sites, in spatial order.
@@ -132,39 +154,74 @@ void Solver<Scalar>::Implementation::take_owners() {
   make_relaxer();
 }
 
-/// Lets the points of the next level join the cells, by the chosen initialization.
+/// Gives the joining points owners by the chosen initialization.
 template <class Scalar>
-void Solver<Scalar>::Implementation::enter_level(std::size_t next) {
-  level = next;
-  const Level& joining = levels[level];
-  Cells<Scalar> larger(problem.dimension(), joining.capacities);
-  Filling<Scalar> filling(larger, problem.points());
-  for (Index s = 0; level > 0 && s < cells.site_count(); ++s) {
-    filling.add_cell(cells, s);
-  }
-  cells = {};
-  const auto near = relaxer ? relaxer->listed() : std::vector<Pair>{};
+void Solver<Scalar>::Implementation::join(std::span<const Index> joining,
+                                          std::span<const Pair> near, Filling<Scalar>& filling) {
   switch (options.initialization) {
     case Initialization::automatic:  // decided by the constructor
     case Initialization::balanced:
-      join_balanced(metric, sites, box, joining.joining, near, arena, filling);
-      break;
+      return join_balanced(metric, sites, box, joining, near, arena, filling);
     case Initialization::coherent:
-      join_coherent(metric, sites, joining.joining, options.seed, filling);
-      break;
+      return join_coherent(metric, sites, joining, options.seed, filling, arena);
     case Initialization::random:
-      join_random(joining.joining, options.seed, filling);
-      break;
+      return join_random(joining, options.seed, filling, arena);
+  }
+}
+
+/// Lets the points of the next level join the cells. When the run is cancelled meanwhile, all
+/// points are dealt out.
+template <class Scalar>
+void Solver<Scalar>::Implementation::enter_level(std::size_t next) {
+  const auto near = relaxer ? relaxer->listed() : std::vector<Pair>{};
+  Cells<Scalar> larger(problem.dimension(), levels[next].capacities);
+  Filling<Scalar> filling(larger, problem.points());
+  for (Index s = 0; level < next && s < cells.site_count(); ++s) {
+    filling.add_cell(cells, s);
+  }
+  cells = {};
+  level = next;
+  try {
+    join(levels[level].joining, near, filling);
+  } catch (const Stopped&) {
+    return deal(larger, filling.filled);
+  } catch (...) {
+    deal(larger, filling.filled);
+    finish(Termination::cancelled);
+    throw;
   }
   levels[level].joining = {};
   cells = std::move(larger);
   make_relaxer();
 }
 
+/// Ends a cancelled run: all points get owners without more ado, and the sites stay as they are.
+template <class Scalar>
+void Solver<Scalar>::Implementation::deal(const Cells<Scalar>& owned,
+                                          std::span<const Index> filled) {
+  stop.off();
+  dealt = deal_rest(metric, sites, box, problem.points(), levels.back().capacities, owned, filled);
+  level = levels.size() - 1;
+  levels[level].joining = {};
+  cells = {};
+  relaxer.reset();
+  constexpr std::size_t kPart = 1 << 16;
+  std::vector<double> parts((dealt.size() + kPart - 1) / kPart, 0.0);
+  arena.for_each(parts.size(), 1, [&](std::size_t part) {
+    for (std::size_t p = part * kPart; p < std::min((part + 1) * kPart, dealt.size()); ++p) {
+      parts[part] +=
+          metric.squared_distance(problem.points()[static_cast<Index>(p)], sites.at(dealt[p]));
+    }
+  });
+  summary.energy = std::accumulate(parts.begin(), parts.end(), 0.0);
+  summary.initial_energy = summary.energy;
+}
+
 template <class Scalar>
 void Solver<Scalar>::Implementation::make_relaxer() {
-  relaxer =
-      std::make_unique<Relaxer<Scalar>>(metric, options, arena, cells, sites, coordinate_bound);
+  relaxer = std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, cells, sites,
+                                              coordinate_bound);
+  const Stop::Pause pause(stop);
   relaxer->update_all();
   summary.energy = total_energy(sites);
   if (level + 1 == levels.size()) summary.initial_energy = summary.energy;
@@ -193,12 +250,21 @@ void Solver<Scalar>::Implementation::record(const PassCount& pass) {
 
 template <class Scalar>
 void Solver<Scalar>::Implementation::finish(Termination termination) {
+  if (termination == Termination::cancelled) {
+    // Owners as good as the sites, if there is time for that.
+    stop.allow(kTimeToFinish);
+    if (level + 1 < levels.size() && problem.point_count() > kMostToFinish) {
+      deal(cells, cells.sizes());
+    }
+  }
   while (level + 1 < levels.size()) {
     const Stopwatch total(summary.seconds_total);
     const Stopwatch initialization(summary.seconds_initialization);
     enter_level(level + 1);
   }
-  summary.termination = termination;
+  stop.off();
+  // Cancelled while points of the last levels joined.
+  summary.termination = dealt.empty() ? termination : Termination::cancelled;
   normalize_energy(box, summary);
   double capacity_error_sum = 0;
   const double n = problem.site_count();
@@ -212,6 +278,7 @@ void Solver<Scalar>::Implementation::finish(Termination termination) {
 template <class Scalar>
 bool Solver<Scalar>::Implementation::step() {
   if (summary.termination != Termination::running) return false;
+  stop.enter();
   if (summary.iterations >= options.max_iterations) {
     finish(Termination::iteration_limit);
     return false;
@@ -236,6 +303,7 @@ bool Solver<Scalar>::Implementation::step() {
       const Stopwatch initialization(summary.seconds_initialization);
       enter_level(level + 1);
     }
+    if (!dealt.empty()) finish(Termination::cancelled);
   } else if (finest && options.energy_tolerance > 0 &&
              energy_before - summary.energy < options.energy_tolerance * energy_before) {
     finish(Termination::energy_tolerance);
@@ -272,6 +340,7 @@ void Solver<Scalar>::run() {
 template <class Scalar>
 void Solver<Scalar>::cancel() {
   if (implementation_->summary.termination == Termination::running) {
+    implementation_->stop.enter();
     implementation_->finish(Termination::cancelled);
   }
 }
@@ -294,6 +363,9 @@ template <class Scalar>
 std::vector<Index> Solver<Scalar>::owners() const {
   const Implementation& i = *implementation_;
   std::vector<Index> owners(static_cast<std::size_t>(i.problem.point_count()), -1);
+  for (std::size_t p = 0; p < i.dealt.size(); ++p) {
+    owners[p] = i.site_of[static_cast<std::size_t>(i.dealt[p])];
+  }
   for (Index k = 0; k < i.cells.site_count(); ++k) {
     const Index* points = i.cells.points(k);
     for (Index p = 0; p < i.cells.size(k); ++p) {

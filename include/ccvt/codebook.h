@@ -56,8 +56,10 @@ struct CCVT_EXPORT CodebookOptions {
   std::vector<Index> capacities = {};
   /// Called after each iteration, from the thread that trains; false cancels.
   std::function<bool(const IterationRecord&)> on_iteration = {};
-  /// Asked from time to time, from the thread that trains; true ends training with what there is,
-  /// of which an exact assignment is still made, since it must keep the capacities.
+  /// Asked several times a second, from the thread that trains; true ends training with the
+  /// codewords there are, during seeding the best seeds so far. `exact` still assigns the vectors
+  /// if that takes no longer than a third of a second; else they keep the last codes that met the
+  /// capacities, or are dealt out in their order, weights are 0, and the gap is 1.
   std::function<bool()> cancelled = {};
 
   /// Throws InvalidInput naming the first field outside its bounds.
@@ -128,15 +130,18 @@ class CCVT_EXPORT Codebook {
   /// The code of each vector (#dimensions by #vectors, finite), in 0..n-1; of several cheapest any,
   /// but always the same one. By a k-d tree one dimension up in few dimensions [site (s,
   /// sqrt(W - w)), query (p, 0)], by blocked products else; exact. O(#vectors n #dimensions) at
-  /// worst. Throws InvalidInput for vectors of another dimension, or not finite.
+  /// worst. Throws InvalidInput for vectors of another dimension, or not finite; Cancelled
+  /// (metrics.h) when `cancelled`, asked several times a second from the thread that called, says
+  /// so.
   template <class Derived>
   [[nodiscard]] std::vector<Index> encode(const Eigen::DenseBase<Derived>& vectors,
-                                          Coding coding = Coding::nearest, int threads = 0) const {
-    return encode(view_points(vectors), coding, threads);
+                                          Coding coding = Coding::nearest, int threads = 0,
+                                          const std::function<bool()>& cancelled = {}) const {
+    return encode(view_points(vectors), coding, threads, cancelled);
   }
   template <class Scalar>
-  [[nodiscard]] std::vector<Index> encode(PointsView<Scalar> vectors, Coding coding,
-                                          int threads) const;
+  [[nodiscard]] std::vector<Index> encode(PointsView<Scalar> vectors, Coding coding, int threads,
+                                          const std::function<bool()>& cancelled = {}) const;
 
   /// #dimensions by #codes: the codewords of the codes. Throws InvalidInput for a code that is not
   /// in 0..n-1.

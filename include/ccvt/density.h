@@ -79,15 +79,19 @@ namespace detail {
 CCVT_EXPORT void check_density(const DensityGrid& grid, Index count, int fixed_dimension,
                                std::size_t scalar_bytes);
 CCVT_EXPORT void fill_density(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
-                              int threads, std::span<float> coordinates);
+                              int threads, std::span<float> coordinates,
+                              const std::function<bool()>& cancelled);
 CCVT_EXPORT void fill_density(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
-                              int threads, std::span<double> coordinates);
+                              int threads, std::span<double> coordinates,
+                              const std::function<bool()>& cancelled);
 CCVT_EXPORT void fill_function(const DensityFunction& density, double maximum, const Box& box,
                                std::uint64_t seed, DensitySampling sampling, int threads,
-                               std::span<float> coordinates);
+                               std::span<float> coordinates,
+                               const std::function<bool()>& cancelled);
 CCVT_EXPORT void fill_function(const DensityFunction& density, double maximum, const Box& box,
                                std::uint64_t seed, DensitySampling sampling, int threads,
-                               std::span<double> coordinates);
+                               std::span<double> coordinates,
+                               const std::function<bool()>& cancelled);
 }  // namespace detail
 
 /// Exactly `count` points, #dimensions by #points, distributed as the grid says.
@@ -103,6 +107,9 @@ CCVT_EXPORT void fill_function(const DensityFunction& density, double maximum, c
 /// and placed under its tent; what falls out of the box is mirrored at its faces. That is exact, in
 /// any number of dimensions, and costs no look at the neighbours.
 ///
+/// `cancelled`, when given, is asked a few times a second, from the thread that called; true makes
+/// this throw Cancelled (metrics.h). So does sample_function().
+///
 /// `threads` 0: one per processor; any number gives identical bits. O(#cells + #dimensions *
 /// count) time: about 1 ns a cell to add up the values, and 10 to 30 ns a cell along the curve;
 /// no copy of the grid, and less than 1 byte for a hundred cells, and 4 for 16 white points, beyond
@@ -113,11 +120,13 @@ CCVT_EXPORT void fill_function(const DensityFunction& density, double maximum, c
 template <class Scalar = double, int Dimension = Eigen::Dynamic>
 Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sample_density(
     const DensityGrid& grid, Index count, std::uint64_t seed = 0,
-    DensitySampling sampling = DensitySampling::stratified, int threads = 0) {
+    DensitySampling sampling = DensitySampling::stratified, int threads = 0,
+    const std::function<bool()>& cancelled = {}) {
   detail::check_density(grid, count, Dimension, sizeof(Scalar));
   Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> points(grid.box.dimension(), count);
   detail::fill_density(grid, seed, sampling, threads,
-                       std::span<Scalar>(points.data(), static_cast<std::size_t>(points.size())));
+                       std::span<Scalar>(points.data(), static_cast<std::size_t>(points.size())),
+                       cancelled);
   return points;
 }
 
@@ -146,12 +155,13 @@ Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sample_density(
 template <class Scalar = double, int Dimension = Eigen::Dynamic>
 Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sample_function(
     const DensityFunction& density, double maximum, const Box& box, Index count,
-    std::uint64_t seed = 0, DensitySampling sampling = DensitySampling::stratified,
-    int threads = 1) {
+    std::uint64_t seed = 0, DensitySampling sampling = DensitySampling::stratified, int threads = 1,
+    const std::function<bool()>& cancelled = {}) {
   detail::check_sampling(box, count, Dimension, sizeof(Scalar));
   Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> points(box.dimension(), count);
   detail::fill_function(density, maximum, box, seed, sampling, threads,
-                        std::span<Scalar>(points.data(), static_cast<std::size_t>(points.size())));
+                        std::span<Scalar>(points.data(), static_cast<std::size_t>(points.size())),
+                        cancelled);
   return points;
 }
 

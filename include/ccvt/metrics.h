@@ -127,11 +127,13 @@ struct SpectrumOptions {
   /// Draws frequencies where they are not all visited.
   std::uint64_t seed = 0;
   int threads = 0;
-  /// Asked now and then; true makes power_spectrum() and analyze() throw Cancelled.
+  /// Asked several times a second, from the thread that called; true makes power_spectrum() and
+  /// analyze() throw Cancelled.
   std::function<bool()> cancelled = {};
 };
 
-/// What SpectrumOptions::cancelled leads to.
+/// What SpectrumOptions::cancelled leads to, and where there is nothing to return yet: see
+/// sample_density(), sample_volume() and stipple().
 struct Cancelled {};
 
 /// A ring (in 3D a shell) of frequencies.

@@ -93,8 +93,11 @@ struct CCVT_EXPORT Options {
 
   /// Called after each iteration from the thread that runs the solver; false cancels.
   std::function<bool(const IterationRecord&)> on_iteration = {};
-  /// Asked between batches, from the thread that runs the solver; true ends the run there, with
-  /// the points owned as they then are.
+  /// Asked several times a second, from the thread that runs the solver; true ends the run there,
+  /// with the points owned as they then are. Points that have not joined yet then join as always if
+  /// that takes no longer than a third of a second. Else they are dealt out to sites with room,
+  /// near ones where that is easily told, and the sites stay where the last level left them:
+  /// capacities are exact, but sites are not the centroids of their cells, and the energy says so.
   std::function<bool()> cancelled = {};
 
   /// Throws InvalidInput naming the first field outside its bounds.

@@ -28,8 +28,9 @@ class CCVT_EXPORT Solver {
   ~Solver();
 
   /// One iteration: a pass and the centroid update after it. An exception thrown by a callback is
-  /// passed on, and leaves a solver that may go on. False when the run has ended, for
-  /// the reason in summary().termination; further calls then do nothing.
+  /// passed on, and leaves a solver that may go on, or, when points were joining, one that has been
+  /// cancelled. False when the run has ended, for the reason in summary().termination; further
+  /// calls then do nothing.
   bool step();
   /// Steps until the run has ended.
   void run();
@@ -54,7 +55,7 @@ class CCVT_EXPORT Solver {
 /// What tessellate() returns.
 template <class Scalar, int Dimension = Eigen::Dynamic>
 struct Result {
-  /// #dimensions by n: the centroid of each cell.
+  /// #dimensions by n: the centroid of each cell; but see Options::cancelled.
   Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sites;
   /// The owner of each point, in 0..n-1.
   std::vector<Index> owners;

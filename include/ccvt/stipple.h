@@ -48,7 +48,8 @@ CCVT_EXPORT std::vector<float> darkness(const Image& image, bool invert = false,
 
 /// Draws sites * points_per_site points from the darkness of `image` and tessellates them in
 /// Euclidean space: the sites are the dots. Throws InvalidInput when no pixel is dark, when
-/// `sites` is less than 1, and for bad options.
+/// `sites` is less than 1, and for bad options; Cancelled when the run is cancelled before all
+/// points are drawn.
 template <class Scalar = float>
 CCVT_EXPORT Stippling<Scalar> stipple(const Image& image, Index sites,
                                       const StippleOptions& options = {});

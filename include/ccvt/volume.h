@@ -174,7 +174,7 @@ struct VolumeSamples {
 /// Draws sites * points_per_site points from a density and tessellates them in Euclidean space, in
 /// world units: voxels need not be cubes. Memory, beside the grid: about 4 times the coordinates of
 /// the points. Throws InvalidInput for what sample_density() refuses, when `sites` is less than 1,
-/// and for bad options.
+/// and for bad options; Cancelled when the run is cancelled before all points are drawn.
 template <class Scalar = float>
 CCVT_EXPORT VolumeSamples<Scalar> sample_volume(const DensityGrid& density, Index sites,
                                                 const VolumeOptions& options = {});

@@ -23,7 +23,7 @@ int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header)
   const auto start = std::chrono::steady_clock::now();
   const auto codes = blame(arguments.vectors, [&] {
     return codebook.encode(vectors, arguments.weights.empty() ? Coding::nearest : Coding::weighted,
-                           arguments.threads);
+                           arguments.threads, [] { return interrupted(); });
   });
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

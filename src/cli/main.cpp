@@ -4,6 +4,7 @@
 #include <string>
 
 #include "ccvt/io.h"
+#include "ccvt/metrics.h"
 #include "cli/arguments.h"
 #include "cli/run.h"
 #include "cli/signals.h"
@@ -25,6 +26,8 @@ int main(int argc, char** argv) {
     return report(error.what(), 2);
   } catch (const ccvt::IoError& error) {
     return report(error.what(), 2);
+  } catch (const ccvt::Cancelled&) {
+    return report("interrupted before there was anything to write", 130);
   } catch (const ccvt::cli::Interrupted&) {
     return report("interrupted before there was anything to write", 130);
   } catch (const std::bad_alloc&) {

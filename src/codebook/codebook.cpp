@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "ccvt/io.h"
+#include "ccvt/metrics.h"
 #include "codebook/encode.h"
 #include "format.h"
 #include "geometry/squares.h"
@@ -139,7 +140,8 @@ Codebook::Codebook(Columns<double> codewords, Coordinates weights)
 }
 
 template <class Scalar>
-std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, int threads) const {
+std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, int threads,
+                                    const std::function<bool()>& cancelled) const try {
   if (threads < 0 || threads > 4096) {
     throw InvalidInput("threads is " + std::to_string(threads) +
                        ": it must be from 0 (one per processor) to 4096");
@@ -148,11 +150,14 @@ std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, i
   check_extent(vectors, codewords_.eigen());
   const Coordinates weights =
       coding == Coding::weighted ? weights_ : Coordinates::constant(weights_.size(), 0);
+  Stop stop(cancelled);
   return cheapest_sites(vectors,
                         {dimension(),
                          {codewords_.data(), static_cast<std::size_t>(codewords_.size())},
                          {weights.data(), static_cast<std::size_t>(weights.size())}},
-                        Arena(threads));
+                        Arena(threads, &stop));
+} catch (const Stopped&) {
+  throw Cancelled();
 }
 
 void Codebook::decode_to(std::span<const Index> codes, std::span<double> vectors) const {
@@ -201,8 +206,10 @@ Codebook Codebook::load(const std::filesystem::path& codewords,
   return Codebook(words, column.row(0).transpose());
 }
 
-template CCVT_EXPORT std::vector<Index> Codebook::encode(PointsView<float>, Coding, int) const;
-template CCVT_EXPORT std::vector<Index> Codebook::encode(PointsView<double>, Coding, int) const;
+template CCVT_EXPORT std::vector<Index> Codebook::encode(PointsView<float>, Coding, int,
+                                                         const std::function<bool()>&) const;
+template CCVT_EXPORT std::vector<Index> Codebook::encode(PointsView<double>, Coding, int,
+                                                         const std::function<bool()>&) const;
 template CCVT_EXPORT double Codebook::distortion(PointsView<float>, std::span<const Index>) const;
 template CCVT_EXPORT double Codebook::distortion(PointsView<double>, std::span<const Index>) const;
 

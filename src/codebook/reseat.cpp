@@ -76,7 +76,7 @@ Split split(PointsView<float> points, const std::vector<Index>& members) {
 }  // namespace
 
 bool reseat_sites(PointsView<float> points, const std::vector<Index>& owners,
-                  std::vector<double>& sites) {
+                  std::vector<double>& sites, const Arena& arena) {
   const auto dimension = static_cast<std::size_t>(points.dimension);
   const auto n = static_cast<Index>(sites.size() / dimension);
   const Grouping groups(owners, n);
@@ -84,6 +84,7 @@ bool reseat_sites(PointsView<float> points, const std::vector<Index>& owners,
   std::vector<Merger> mergers(static_cast<std::size_t>(n));
   const auto at = [&](Index s) { return sites.data() + static_cast<std::size_t>(s) * dimension; };
   for (Index i = 0; i < n; ++i) {
+    arena.check();
     const auto members = groups.of(i);
     splits[static_cast<std::size_t>(i)] = split(points, {members.begin(), members.end()});
     Merger& merger = mergers[static_cast<std::size_t>(i)];

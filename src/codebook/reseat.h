@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "ccvt/types.h"
+#include "parallel/arena.h"
 
 namespace ccvt {
 
@@ -11,6 +12,6 @@ namespace ccvt {
 /// twice. What a merger costs is exact for the two cells [Ward 1963]; what a split gains is found
 /// by 2-means in the cell. False when there is nothing to gain. O(m D + n^2 D).
 bool reseat_sites(PointsView<float> points, const std::vector<Index>& owners,
-                  std::vector<double>& sites);
+                  std::vector<double>& sites, const Arena& arena = Arena(1));
 
 }  // namespace ccvt

@@ -100,7 +100,7 @@ std::vector<Index> draw_distinct(Index count, Index total, std::uint64_t seed,
 }
 
 std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64_t seed,
-                              std::uint64_t stream) {
+                              std::uint64_t stream, const Arena& arena) {
   const int dimension = points.dimension;
   const Index count = points.count;
   const Index step = std::max<Index>(kernels::product_points(), 64);
@@ -121,6 +121,7 @@ std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64
   // Several draws pay where distances are cheap.
   const int draws = dimension <= 8 ? 2 + static_cast<int>(std::log(sites)) : 1;
   for (Index s = 0; s < sites; ++s) {
+    arena.check();
     auto chosen = static_cast<Index>(random.below(static_cast<std::uint64_t>(count)));
     if (s > 0) {
       std::transform_inclusive_scan(squared.begin(), squared.begin() + count, sum.begin(),
@@ -169,9 +170,7 @@ double sampled_energy(PointsView<Scalar> points, const std::vector<double>& site
 
 template <class Scalar>
 std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int restarts,
-                               std::uint64_t seed, const Arena& arena,
-                               const std::function<bool()>& cancelled) {
-  const auto stopped = [&] { return cancelled && cancelled(); };
+                               std::uint64_t seed, const Arena& arena) {
   const std::int64_t wanted = std::max(kLeastSample, kSamplePerSite * sites);
   const auto count = static_cast<Index>(std::min<std::int64_t>(points.count, wanted));
   const Sample sample = draw_sample(points, count, seed);
@@ -179,20 +178,30 @@ std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int resta
   const Metric metric(points.dimension, Domain());
   Seeds best;
   best.energy = std::numeric_limits<double>::infinity();
-  for (int r = 0; r < restarts && (r == 0 || !stopped()); ++r) {
-    Seeds seeds;
-    seeds.sites = plus_plus(view, sites, seed, kFirstSeedStream + static_cast<std::uint64_t>(r));
-    seeds.owners = nearest_sites(metric, view, seeds.sites, arena);
-    relax(metric, view, arena, seeds);
-    for (int k = 0; k < kReseatings && !stopped(); ++k) {
-      Seeds changed = seeds;
-      if (!reseat_sites(view, seeds.owners, changed.sites)) break;
-      changed.owners = nearest_sites(metric, view, changed.sites, arena);
-      relax(metric, view, arena, changed);
-      if (changed.energy >= seeds.energy * (1 - kRough)) break;
-      seeds = std::move(changed);
+  Seeds seeds;
+  try {
+    for (int r = 0; r < restarts; ++r) {
+      seeds = {};
+      seeds.sites =
+          plus_plus(view, sites, seed, kFirstSeedStream + static_cast<std::uint64_t>(r), arena);
+      seeds.owners = nearest_sites(metric, view, seeds.sites, arena);
+      relax(metric, view, arena, seeds);
+      for (int k = 0; k < kReseatings; ++k) {
+        Seeds changed = seeds;
+        if (!reseat_sites(view, seeds.owners, changed.sites, arena)) break;
+        changed.owners = nearest_sites(metric, view, changed.sites, arena);
+        relax(metric, view, arena, changed);
+        if (changed.energy >= seeds.energy * (1 - kRough)) break;
+        seeds = std::move(changed);
+      }
+      if (seeds.energy < best.energy) best = std::move(seeds);
     }
-    if (seeds.energy < best.energy) best = std::move(seeds);
+  } catch (const Stopped&) {
+    if (best.sites.empty()) best.sites = std::move(seeds.sites);
+    for (const Index p :
+         draw_distinct(best.sites.empty() ? sites : 0, count, seed, kSampleStream)) {
+      best.sites.insert(best.sites.end(), view[p], view[p] + view.dimension);
+    }
   }
   for (std::size_t k = 0; k < best.sites.size(); ++k) {
     best.sites[k] = best.sites[k] / sample.scale + sample.mean[k % sample.mean.size()];
@@ -204,9 +213,8 @@ template double sampled_energy(PointsView<float>, const std::vector<double>&, st
                                const Arena&);
 template double sampled_energy(PointsView<double>, const std::vector<double>&, std::uint64_t,
                                const Arena&);
-template std::vector<double> seed_sites(PointsView<float>, Index, int, std::uint64_t, const Arena&,
-                                        const std::function<bool()>&);
-template std::vector<double> seed_sites(PointsView<double>, Index, int, std::uint64_t, const Arena&,
-                                        const std::function<bool()>&);
+template std::vector<double> seed_sites(PointsView<float>, Index, int, std::uint64_t, const Arena&);
+template std::vector<double> seed_sites(PointsView<double>, Index, int, std::uint64_t,
+                                        const Arena&);
 
 }  // namespace ccvt

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "ccvt/types.h"
@@ -11,12 +10,11 @@ namespace ccvt {
 
 /// Good first codewords for Euclidean `points`: of `restarts` seedings, each improved on a sample
 /// by Lloyd iterations and by merging and splitting cells, the one of least energy. One after the
-/// other, `dimension` values each. `cancelled`, when given, is asked between the steps; true takes
-/// the best there is.
+/// other, `dimension` values each. When the arena throws Stopped meanwhile, the best there are so
+/// far, or distinct points; then the stop of the arena is still on.
 template <class Scalar>
 std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int restarts,
-                               std::uint64_t seed, const Arena& arena,
-                               const std::function<bool()>& cancelled = {});
+                               std::uint64_t seed, const Arena& arena);
 
 /// The sum of squared distances to the nearest of `sites` over a sample of the points.
 template <class Scalar>
@@ -27,7 +25,7 @@ double sampled_energy(PointsView<Scalar> points, const std::vector<double>& site
 /// probability proportional to the squared distance to those drawn before; of several draws the one
 /// that leaves the least energy is taken.
 std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64_t seed,
-                              std::uint64_t stream);
+                              std::uint64_t stream, const Arena& arena = Arena(1));
 
 /// `count` distinct numbers below `total`, ascending.
 std::vector<Index> draw_distinct(Index count, Index total, std::uint64_t seed,

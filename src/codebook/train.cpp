@@ -31,6 +31,8 @@ constexpr double kLevelTolerance = 1e-3;
 /// meet them is no less useful, but where clouds of vectors are far apart, too many such iterations
 /// send codewords astray: with one round a mixture in 64-D takes three times as long as with eight.
 constexpr int kMoreRounds = 8;
+/// For the exact assignment of a training that was cancelled.
+constexpr std::chrono::milliseconds kTimeToFinish{300};
 /// A gain below this share is rounding.
 constexpr double kRounding = 1e-13;
 
@@ -45,7 +47,8 @@ class Trainer {
       : problem_(vectors, codewords),
         vectors_(vectors),
         options_(options),
-        arena_(options.threads),
+        stop_(options.cancelled),
+        arena_(options.threads, &stop_),
         metric_(vectors.dimension, Domain()) {
     if (!options.capacities.empty()) problem_.set_capacities(options.capacities);
     summary_.method = options.method;
@@ -60,6 +63,10 @@ class Trainer {
 
  private:
   void seed();
+  void train();
+  void prove();
+  void end_cancelled();
+  void settle_for_less();
   void lloyd();
   void pairwise();
   void exact();
@@ -70,12 +77,14 @@ class Trainer {
   Problem<Scalar> problem_;
   PointsView<Scalar> vectors_;
   const CodebookOptions& options_;
+  Stop stop_;
   Arena arena_;
   Metric metric_;
   Clock::time_point start_ = Clock::now();
   std::vector<double> sites_;
   std::vector<double> weights_;
   std::vector<Index> owners_;
+  std::vector<Index> met_;  ///< the last owners of all vectors that met the capacities
   CodebookSummary summary_;
 };
 
@@ -83,7 +92,7 @@ template <class Scalar>
 void Trainer<Scalar>::seed() {
   const Index n = problem_.site_count();
   if (options_.seeding == Seeding::kmeans_plus_plus) {
-    sites_ = seed_sites(vectors_, n, options_.restarts, options_.seed, arena_, options_.cancelled);
+    sites_ = seed_sites(vectors_, n, options_.restarts, options_.seed, arena_);
     return;
   }
   double least = std::numeric_limits<double>::infinity();
@@ -97,6 +106,7 @@ void Trainer<Scalar>::seed() {
       sites_ = std::move(sites);
       return;
     }
+    if (r == 0) sites_ = sites;
     const double energy = sampled_energy(vectors_, sites, options_.seed, arena_);
     if (energy >= least) continue;
     least = energy;
@@ -114,8 +124,7 @@ bool Trainer<Scalar>::go_on(Index vectors, double energy, std::int64_t moved) {
   record.energy = energy;
   record.active_sites = problem_.site_count();
   record.seconds = seconds_since(start_);
-  if ((options_.on_iteration && !options_.on_iteration(record)) ||
-      (options_.cancelled && options_.cancelled())) {
+  if ((options_.on_iteration && !options_.on_iteration(record)) || stop_.requested()) {
     summary_.termination = Termination::cancelled;
   } else if (summary_.iterations >= options_.max_iterations) {
     summary_.termination = Termination::iteration_limit;
@@ -156,6 +165,7 @@ void Trainer<Scalar>::pairwise() {
   options.energy_tolerance = options_.tolerance;
   options.on_iteration = options_.on_iteration;
   options.cancelled = options_.cancelled;
+  stop_.off();                 // tessellate() asks, and what comes after is short
   options.multilevel = false;  // the seeds are better than what a coarse level would make of them
   auto result = tessellate(problem_, options);
   owners_ = std::move(result.owners);
@@ -197,6 +207,7 @@ void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index>
     if (comparable) before = energy;
     comparable = round != Round::incomplete;
     centred = true;
+    if (finest && comparable) met_ = owners_;
     std::int64_t moved = 0;
     for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
     if (!go_on(vectors.count, energy, moved)) break;
@@ -230,6 +241,7 @@ void Trainer<Scalar>::exact() {
   if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
   for (const Index count : counts) {
     if (ended()) break;
+    arena_.check();
     Points<Scalar> sample(vectors_.dimension, count);
     Index k = 0;
     for (const Index p : draw_distinct(count, m, options_.seed, kLevelStream)) {
@@ -238,31 +250,83 @@ void Trainer<Scalar>::exact() {
     exact_level(view_points(sample), share_capacities(capacities, m, count), false);
   }
   exact_level(vectors_, capacities, true);
-  ExactAssignment<Scalar> assignment(metric_, vectors_, problem_.site_count(), capacities, arena_);
+  if (summary_.termination == Termination::cancelled) throw Stopped();
+  prove();
+}
+
+/// The exact assignment for the codewords as they are, and its certificate.
+template <class Scalar>
+void Trainer<Scalar>::prove() {
+  ExactAssignment<Scalar> assignment(metric_, vectors_, problem_.site_count(), options_.capacities,
+                                     arena_);
   const Certificate certificate = assignment.solve(sites_, weights_, owners_);
   summary_.gap = certificate.energy > 0 ? std::min(1.0, certificate.gap / certificate.energy) : 0;
+}
+
+template <class Scalar>
+void Trainer<Scalar>::train() {
+  switch (options_.method) {
+    case CodebookMethod::exact:
+      return exact();
+    case CodebookMethod::pairwise:
+      return pairwise();
+    case CodebookMethod::lloyd:
+      return lloyd();
+  }
+}
+
+/// Ends a cancelled run without another pricing: with the last owners that met the capacities, or
+/// with vectors dealt out in their order. Lloyd's may be any.
+template <class Scalar>
+void Trainer<Scalar>::settle_for_less() {
+  stop_.off();
+  summary_.termination = Termination::cancelled;
+  if (options_.method == CodebookMethod::exact) {
+    summary_.gap = 1;
+    std::fill(weights_.begin(), weights_.end(), 0.0);
+  }
+  const auto m = static_cast<std::size_t>(vectors_.count);
+  if (options_.method == CodebookMethod::lloyd && owners_.size() == m) return;
+  owners_ = std::move(met_);
+  if (!owners_.empty()) return;
+  for (Index s = 0; s < problem_.site_count(); ++s) {
+    owners_.insert(owners_.end(),
+                   static_cast<std::size_t>(problem_.capacities()[static_cast<std::size_t>(s)]), s);
+  }
+}
+
+/// Ends with an exact assignment if there is time for it.
+template <class Scalar>
+void Trainer<Scalar>::end_cancelled() {
+  if (options_.method != CodebookMethod::exact) return settle_for_less();
+  stop_.allow(kTimeToFinish);
+  try {
+    if (owners_.size() != static_cast<std::size_t>(vectors_.count)) {
+      owners_ = nearest_sites(metric_, vectors_, sites_, arena_);
+    }
+    prove();
+  } catch (const Stopped&) {
+    return settle_for_less();
+  }
+  stop_.off();
+  summary_.termination = Termination::cancelled;
 }
 
 template <class Scalar>
 Training Trainer<Scalar>::run(const Columns<double>* codewords) {
   const Index n = problem_.site_count();
   weights_.assign(static_cast<std::size_t>(n), 0.0);
-  if (codewords != nullptr) {
-    sites_.assign(codewords->data(), codewords->data() + codewords->size());
-  } else {
-    seed();
-  }
-  summary_.seconds_seeding = seconds_since(start_);
-  switch (options_.method) {
-    case CodebookMethod::exact:
-      exact();
-      break;
-    case CodebookMethod::pairwise:
-      pairwise();
-      break;
-    case CodebookMethod::lloyd:
-      lloyd();
-      break;
+  try {
+    if (codewords != nullptr) {
+      sites_.assign(codewords->data(), codewords->data() + codewords->size());
+    } else {
+      seed();
+    }
+    summary_.seconds_seeding = seconds_since(start_);
+    if (stop_.requested()) throw Stopped();  // seeding may have been cut short
+    train();
+  } catch (const Stopped&) {
+    end_cancelled();
   }
   // Weights count by their differences only.
   const double highest = *std::max_element(weights_.begin(), weights_.end());

@@ -30,6 +30,7 @@ ExactAssignment<Scalar>::ExactAssignment(const Metric& metric, PointsView<Scalar
       points_(points),
       capacities_(std::move(capacities)),
       floating_(capacities_.empty()),
+      arena_(arena),
       pricer_(metric, points, arena) {
   if (floating_) capacities_ = equal_capacities(points.count, sites);
   for (Index p = 0; p < points.count; ++p) {
@@ -120,10 +121,10 @@ auto ExactAssignment<Scalar>::improve(std::span<const double> sites, std::vector
   const double budget = slack_;
   ExchangeGraph graph(capacities_, floating_, owners, weights);
   for (const Offer& offer : prices.offers) graph.add(offer);
-  auto outcome = graph.settle(budget);
+  auto outcome = graph.settle(budget, arena_);
   while (outcome == ExchangeGraph::Outcome::closed) {
     widen(weighted(sites, weights), owners, graph);
-    outcome = graph.settle(budget);
+    outcome = graph.settle(budget, arena_);
   }
   certificate_.augmentations += graph.augmentations();
   const double offers = static_cast<double>(prices.offers.size()) / points_.count;

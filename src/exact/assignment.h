@@ -46,6 +46,8 @@ class ExactAssignment {
     met,         ///< capacities are met, at the least cost or nearly so
     incomplete,  ///< some sites still have too many points
   };
+  /// Stopped, thrown by the arena, leaves owners that need not meet the capacities.
+  ///
   /// One round, from any owners (used to group points, best near the truth) and weights.
   Round improve(std::span<const double> sites, std::vector<double>& weights,
                 std::vector<Index>& owners);
@@ -70,6 +72,7 @@ class ExactAssignment {
   PointsView<Scalar> points_;
   std::vector<Index> capacities_;
   bool floating_;
+  const Arena& arena_;
   Pricer<Scalar> pricer_;
   double largest_coordinate_ = 0;
   double slack_ = -1;  ///< negative: not chosen yet

@@ -224,10 +224,11 @@ void ExchangeGraph::move_along_path(Index source, Index target) {
   ++augmentations_;
 }
 
-ExchangeGraph::Outcome ExchangeGraph::settle(double budget) {
+ExchangeGraph::Outcome ExchangeGraph::settle(double budget, const Arena& arena) {
   Outcome outcome = Outcome::settled;
   for (Index s = 0; s < static_cast<Index>(cells_.size()); ++s) {
     while (surplus(s) > 0) {
+      arena.check();
       double length = 0;
       const Search search = find_path(s, budget, length);
       if (search == Search::closed) return Outcome::closed;

@@ -43,7 +43,7 @@ class ExchangeGraph {
   };
   /// Moves points along shortest paths, as long as no weight falls by more than `budget` since the
   /// start. With all offers of at most that slack at hand, no other offer matters.
-  Outcome settle(double budget);
+  Outcome settle(double budget, const Arena& arena = Arena(1));
   [[nodiscard]] std::span<const Index> reached() const { return settled_; }
   /// Lets the weights of the sites that reached() lists fall by `amount` at no charge.
   void lower_reached(double amount);

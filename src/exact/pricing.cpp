@@ -117,6 +117,7 @@ auto Pricer<Scalar>::price_cells(const Task& task, const Grouping& groups) const
   std::vector<Scratch> scratch(static_cast<std::size_t>(arena_.threads()));
   arena_.for_ranges(parts.size(), 4, [&](std::size_t begin, std::size_t end, int worker) {
     for (std::size_t k = begin; k < end; ++k) {
+      arena_.check();
       price_cell(task, parts[k].second, parts[k].first, scratch[static_cast<std::size_t>(worker)],
                  cells[k]);
     }
@@ -229,6 +230,7 @@ void Pricer<Scalar>::price_cell(const Task& task, std::span<const Index> members
   }
   prepare_product(task, site, radius, scratch);
   for (Index first = 0; first < static_cast<Index>(members.size()); first += kBlockPoints) {
+    arena_.check();
     price_block(task, members, first, site, scratch, result);
   }
 }

@@ -8,6 +8,7 @@
 
 #include "ccvt/metrics.h"
 #include "geometry/metric.h"
+#include "metrics/sets.h"
 #include "parallel/arena.h"
 #include "spatial/site_tree.h"
 
@@ -148,7 +149,9 @@ Bonds bonds_of(const Cell& cell, double shortest) {
 
 }  // namespace
 
-BondOrder bond_order(const PointSet& set, int threads) {
+BondOrder bond_order(const PointSet& set, int threads) { return bond_order(set, Arena(threads)); }
+
+BondOrder bond_order(const PointSet& set, const Arena& arena) {
   if (set.dimension() != 2) {
     throw InvalidInput("set: has " + std::to_string(set.dimension()) +
                        " dimensions; bond order is that of two");
@@ -157,7 +160,7 @@ BondOrder bond_order(const PointSet& set, int threads) {
   const SiteTree tree(metric, {set.points().data(), static_cast<std::size_t>(set.points().size())});
   std::vector<Bonds> bonds(static_cast<std::size_t>(set.count()));
   const double shortest = kShortestEdge * set.mean_spacing();
-  Arena(threads).for_each(bonds.size(), 64, [&](std::size_t p) {
+  arena.for_each(bonds.size(), 64, [&](std::size_t p) {
     bonds[p] = bonds_of(cell_of(set, metric, tree, static_cast<Index>(p)), shortest);
   });
   std::complex<double> sum = 0;

@@ -77,10 +77,14 @@ double packing_distance(int dimension) {
 }
 
 NearestDistances nearest_distances(const PointSet& set, int threads) {
+  return nearest_distances(set, Arena(threads));
+}
+
+NearestDistances nearest_distances(const PointSet& set, const Arena& arena) {
   const Metric metric(set.dimension(), set.domain());
   const SiteTree tree(metric, values_of(set.points()));
   std::vector<double> distance(static_cast<std::size_t>(set.count()));
-  Arena(threads).for_ranges(distance.size(), kChunk, [&](std::size_t begin, std::size_t end, int) {
+  arena.for_ranges(distance.size(), kChunk, [&](std::size_t begin, std::size_t end, int) {
     std::vector<Index> found;
     for (std::size_t p = begin; p < end; ++p) {
       const double* const at = set.points().col(static_cast<Eigen::Index>(p)).data();
@@ -106,6 +110,10 @@ NearestDistances nearest_distances(const PointSet& set, int threads) {
 }
 
 PairCorrelation pair_correlation(std::span<const PointSet> sets, int threads) {
+  return pair_correlation(sets, Arena(threads));
+}
+
+PairCorrelation pair_correlation(std::span<const PointSet> sets, const Arena& arena) {
   check_alike(sets);
   const PointSet& first = sets.front();
   const double reach = first.domain().box().extent().minCoeff() / 2 / first.mean_spacing();
@@ -114,7 +122,6 @@ PairCorrelation pair_correlation(std::span<const PointSet> sets, int threads) {
   result.value.assign(static_cast<std::size_t>(std::min(4.0, reach) / result.bin_width), 0.0);
   if (result.value.empty()) return result;
   const Metric metric(first.dimension(), first.domain());
-  const Arena arena(threads);
   for (const PointSet& set : sets) {
     const SiteTree tree(metric, values_of(set.points()));
     const auto count = static_cast<std::size_t>(set.count());

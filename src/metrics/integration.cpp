@@ -98,11 +98,15 @@ class Functions {
 }  // namespace
 
 double star_discrepancy(const PointSet& set, int threads) {
+  return star_discrepancy(set, Arena(threads));
+}
+
+double star_discrepancy(const PointSet& set, const Arena& arena) {
   const Points<double> x = in_unit_cube(set);
   const auto n = static_cast<double>(x.cols());
   const int dimension = set.dimension();
   std::vector<double> rows(static_cast<std::size_t>(x.cols()));
-  Arena(threads).for_each(rows.size(), 16, [&](std::size_t row) {
+  arena.for_each(rows.size(), 16, [&](std::size_t row) {
     const auto i = static_cast<Eigen::Index>(row);
     // Each pair once: the sum is symmetric.
     double pairs = (1 - x.col(i).array()).prod();
@@ -119,9 +123,14 @@ double star_discrepancy(const PointSet& set, int threads) {
 }
 
 IntegrationVariance integration_variance(const PointSet& set, std::uint64_t seed, int threads) {
+  return integration_variance(set, seed, Arena(threads));
+}
+
+IntegrationVariance integration_variance(const PointSet& set, std::uint64_t seed,
+                                         const Arena& arena) {
   const Points<double> points = in_unit_cube(set);
   std::vector<std::array<Trial, 3>> trials(kPlaces);
-  Arena(threads).for_each(trials.size(), 1, [&](std::size_t place) {
+  arena.for_each(trials.size(), 1, [&](std::size_t place) {
     Random random(seed, kPlaceStream + place);
     Eigen::VectorXd c(set.dimension());
     for (double& x : c) x = random.uniform();

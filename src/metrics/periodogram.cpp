@@ -64,7 +64,6 @@ double FrequencyGrid::bytes(const Eigen::ArrayXd& half) {
 /// as + bc) and for -k (ac + bs, bc - as). Each tile of rows belongs to one task and sums its
 /// blocks of points in their order.
 void FrequencyGrid::add_power(const PointSet& set, const Arena& arena,
-                              const std::function<bool()>& cancelled,
                               std::vector<double>& power) const {
   const auto dimensions = half_.size();
   const int last = half_.back();
@@ -78,7 +77,7 @@ void FrequencyGrid::add_power(const PointSet& set, const Arena& arena,
   std::vector<Waves> waves(dimensions);
   Eigen::MatrixXd last_waves;
   for (Eigen::Index first = 0; first < set.count(); first += kBlockPoints) {
-    if (cancelled && cancelled()) throw Cancelled();
+    arena.check();
     const Eigen::Index count = std::min<Eigen::Index>(kBlockPoints, set.count() - first);
     arena.for_each(dimensions, 1, [&](std::size_t d) {
       waves[d].resize(count, half_[d] + 1);
@@ -118,6 +117,7 @@ void FrequencyGrid::add_power(const PointSet& set, const Arena& arena,
     return at;
   };
   for (std::size_t r = 0; r < prefixes.size(); ++r) {
+    arena.check();
     const Eigen::MatrixXd& sum = sums[r / kTileRows];
     const auto row = static_cast<Eigen::Index>(r % kTileRows);
     const bool zero = prefixes[r] == Prefix{0, 0};

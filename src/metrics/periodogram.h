@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "ccvt/metrics.h"
@@ -25,10 +24,8 @@ class FrequencyGrid {
   /// What add_power() needs, the power included, in bytes; `half` may be too large for a grid.
   [[nodiscard]] static double bytes(const Eigen::ArrayXd& half);
 
-  /// Adds |sum over points of exp(-2 pi i f.p)|^2 at every frequency but 0. `cancelled` is asked
-  /// for each 256 points.
-  void add_power(const PointSet& set, const Arena& arena, const std::function<bool()>& cancelled,
-                 std::vector<double>& power) const;
+  /// Adds |sum over points of exp(-2 pi i f.p)|^2 at every frequency but 0.
+  void add_power(const PointSet& set, const Arena& arena, std::vector<double>& power) const;
 
  private:
   std::vector<int> half_;

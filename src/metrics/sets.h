@@ -3,14 +3,28 @@
 #include <span>
 
 #include "ccvt/metrics.h"
+#include "parallel/arena.h"
 
 namespace ccvt {
 
 /// Throws InvalidInput unless there is a set and all agree in dimension, count and domain.
 void check_alike(std::span<const PointSet> sets);
 
+/// Throws InvalidInput for the first option out of range.
+void check_options(const SpectrumOptions& options);
+
 /// Of radius r >= 0: V_D = V_{D-2} 2 pi r^2 / D. Not by std::lgamma(), which writes a global
 /// variable.
 double ball_volume(int dimension, double r);
+
+// The metrics of analyze(), in an arena that may throw Stopped.
+NearestDistances nearest_distances(const PointSet& set, const Arena& arena);
+PairCorrelation pair_correlation(std::span<const PointSet> sets, const Arena& arena);
+BondOrder bond_order(const PointSet& set, const Arena& arena);
+Spectrum power_spectrum(std::span<const PointSet> sets, const SpectrumOptions& options,
+                        const Arena& arena);
+double star_discrepancy(const PointSet& set, const Arena& arena);
+IntegrationVariance integration_variance(const PointSet& set, std::uint64_t seed,
+                                         const Arena& arena);
 
 }  // namespace ccvt

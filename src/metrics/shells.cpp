@@ -12,7 +12,7 @@ constexpr double kMostQuanta = 65536;
 
 }  // namespace
 
-FrequencyShells::FrequencyShells(Eigen::VectorXd steps, double highest)
+FrequencyShells::FrequencyShells(Eigen::VectorXd steps, double highest, const Arena& arena)
     : steps_(std::move(steps)), quantum_(highest * highest / kMostQuanta) {
   const double step = steps_[0];
   cube_ = ((steps_.array() - step).abs() <= 1e-9 * step).all() &&
@@ -25,6 +25,7 @@ FrequencyShells::FrequencyShells(Eigen::VectorXd steps, double highest)
     runs_.push_back(runs_of(d));
     Row next = ways_.back();  // k = 0
     for (const Run& run : runs_.back()) {
+      arena.check();
       const Row& before = ways_.back();
       for (std::size_t s = run.quanta; s <= most_; ++s) {
         next[s] += 2.0 * run.count * before[s - run.quanta];

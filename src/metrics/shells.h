@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "parallel/arena.h"
 #include "random.h"
 
 namespace ccvt {
@@ -20,7 +21,7 @@ class FrequencyShells {
   static constexpr double kMostSteps = 0x1p30;
 
   /// Steps above 0, highest above 0 and at most kMostSteps of them.
-  FrequencyShells(Eigen::VectorXd steps, double highest);
+  FrequencyShells(Eigen::VectorXd steps, double highest, const Arena& arena = Arena(1));
 
   /// How many k there are with lower <= |f| < upper, k and -k counted once.
   [[nodiscard]] double count(double lower, double upper) const;

@@ -23,27 +23,9 @@ constexpr double kMostProducts = 0x1p37;  ///< for the whole periodogram of a se
 constexpr double kMostBytes = 0x1p30;     ///< for it and what finds it; for frequencies drawn, too
 constexpr double kNoPower = 1e-20;        ///< what rounding leaves of none
 constexpr int kRingDraws = 128;
+constexpr Eigen::Index kBetweenChecks = 1 << 12;
 constexpr int kLowDraws = 512;
 constexpr std::uint64_t kDrawStream = 0x73706563'00000000ULL;
-
-void check_options(const SpectrumOptions& options) {
-  if (!(options.max_frequency > 0) || !std::isfinite(options.max_frequency)) {
-    throw InvalidInput("max_frequency: " + text(options.max_frequency) +
-                       " is not positive and finite");
-  }
-  if (!(options.ring_width >= 0) || !std::isfinite(options.ring_width)) {
-    throw InvalidInput("ring_width: " + text(options.ring_width) +
-                       " is neither 0 nor positive and finite");
-  }
-  if (options.ring_width > 0 && options.max_frequency / options.ring_width > 1e6) {
-    throw InvalidInput("ring_width: " + text(options.ring_width) +
-                       " makes more than a million rings up to max_frequency " +
-                       text(options.max_frequency));
-  }
-  if (options.threads < 0) {
-    throw InvalidInput("threads: " + std::to_string(options.threads) + " is negative");
-  }
-}
 
 /// Mean and variance of the power of the frequencies in a ring.
 struct Sums {
@@ -124,7 +106,8 @@ void check_draws(const Eigen::ArrayXd& half, const SpectrumOptions& options, std
 }
 
 /// The power of a drawn frequency, |sum|^2 / n, averaged over the sets.
-double power_at(std::span<const PointSet> sets, const Eigen::Map<const Eigen::VectorXi>& k) {
+double power_at(std::span<const PointSet> sets, const Eigen::Map<const Eigen::VectorXi>& k,
+                const Arena& arena) {
   double power = 0;
   for (const PointSet& set : sets) {
     const Box& box = set.domain().box();
@@ -132,6 +115,7 @@ double power_at(std::span<const PointSet> sets, const Eigen::Map<const Eigen::Ve
     double re = 0;
     double im = 0;
     for (Eigen::Index p = 0; p < set.points().cols(); ++p) {
+      if (p % kBetweenChecks == 0) arena.check();
       double turns = 0;
       for (Eigen::Index d = 0; d < k.size(); ++d) {
         if (k[d] != 0) turns += wave[d] * (set.points()(d, p) - box.lower[d]);
@@ -149,7 +133,7 @@ void fill_from_grid(std::span<const PointSet> sets, const SpectrumOptions& optio
                     const Arena& arena, RingSums& rings, Spectrum& spectrum) {
   const FrequencyGrid grid(spectrum.half);
   spectrum.power.assign(grid.size(), 0.0);
-  for (const PointSet& set : sets) grid.add_power(set, arena, options.cancelled, spectrum.power);
+  for (const PointSet& set : sets) grid.add_power(set, arena, spectrum.power);
   const double scale = static_cast<double>(sets.size()) * spectrum.points;
   for (double& p : spectrum.power) p /= scale;
 
@@ -158,6 +142,7 @@ void fill_from_grid(std::span<const PointSet> sets, const SpectrumOptions& optio
   Eigen::VectorXi k(spectrum.dimension);
   // Those behind f = 0 are one of each pair f, -f.
   for (std::size_t at = grid.size() / 2 + 1; at < grid.size(); ++at) {
+    if (at % kBetweenChecks == 0) arena.check();
     std::size_t rest = at;
     double squared = 0;
     for (std::size_t d = 0; d < spectrum.half.size(); ++d) {
@@ -178,13 +163,14 @@ void fill_from_grid(std::span<const PointSet> sets, const SpectrumOptions& optio
 
 void fill_from_draws(std::span<const PointSet> sets, const SpectrumOptions& options,
                      const Arena& arena, RingSums& rings, Spectrum& spectrum) {
-  const FrequencyShells shells(steps_of(sets.front()), options.max_frequency);
+  const FrequencyShells shells(steps_of(sets.front()), options.max_frequency, arena);
   std::vector<double> counts;
   std::vector<std::size_t> ring_of;
   std::vector<int> drawn;  // one frequency after the other
   const auto draw = [&](double lower, double upper, int draws, std::size_t ring) {
     Random random(options.seed, kDrawStream + ring);
     for (int i = 0; i < draws; ++i) {
+      arena.check();
       const Eigen::VectorXi k = shells.draw(lower, upper, random);
       drawn.insert(drawn.end(), k.begin(), k.end());
       ring_of.push_back(ring);
@@ -194,6 +180,7 @@ void fill_from_draws(std::span<const PointSet> sets, const SpectrumOptions& opti
   const double highest = 2 * options.max_frequency;
   for (std::size_t r = 0; r < rings.size(); ++r) {
     const double upper = r + 1 < rings.size() ? rings.lower(r + 1) : highest;
+    arena.check();
     counts.push_back(shells.count(rings.lower(r), upper));
     if (counts.back() > 0) draw(rings.lower(r), upper, kRingDraws, r);
   }
@@ -201,16 +188,11 @@ void fill_from_draws(std::span<const PointSet> sets, const SpectrumOptions& opti
   if (shells.count(0, below) > 0) draw(0, below, kLowDraws, rings.size());
 
   std::vector<double> power(ring_of.size());
-  constexpr std::size_t kBetweenQuestions = 64;
-  for (std::size_t begin = 0; begin < power.size(); begin += kBetweenQuestions) {
-    if (options.cancelled && options.cancelled()) throw Cancelled();
-    const std::size_t count = std::min(kBetweenQuestions, power.size() - begin);
-    arena.for_each(count, 1, [&](std::size_t i) {
-      const auto dimension = static_cast<std::size_t>(spectrum.dimension);
-      power[begin + i] = power_at(sets, Eigen::Map<const Eigen::VectorXi>(
-                                            &drawn[(begin + i) * dimension], spectrum.dimension));
-    });
-  }
+  const auto dimension = static_cast<std::size_t>(spectrum.dimension);
+  arena.for_each(power.size(), 1, [&](std::size_t i) {
+    power[i] = power_at(
+        sets, Eigen::Map<const Eigen::VectorXi>(&drawn[i * dimension], spectrum.dimension), arena);
+  });
   Sums low;
   for (std::size_t i = 0; i < power.size(); ++i) {
     (ring_of[i] < rings.size() ? rings[ring_of[i]] : low).add(power[i]);
@@ -258,8 +240,37 @@ double oscillation(const std::vector<SpectrumRing>& rings) {
 
 }  // namespace
 
+void check_options(const SpectrumOptions& options) {
+  if (!(options.max_frequency > 0) || !std::isfinite(options.max_frequency)) {
+    throw InvalidInput("max_frequency: " + text(options.max_frequency) +
+                       " is not positive and finite");
+  }
+  if (!(options.ring_width >= 0) || !std::isfinite(options.ring_width)) {
+    throw InvalidInput("ring_width: " + text(options.ring_width) +
+                       " is neither 0 nor positive and finite");
+  }
+  if (options.ring_width > 0 && options.max_frequency / options.ring_width > 1e6) {
+    throw InvalidInput("ring_width: " + text(options.ring_width) +
+                       " makes more than a million rings up to max_frequency " +
+                       text(options.max_frequency));
+  }
+  if (options.threads < 0) {
+    throw InvalidInput("threads: " + std::to_string(options.threads) + " is negative");
+  }
+}
+
 Spectrum power_spectrum(std::span<const PointSet> sets, const SpectrumOptions& options) {
   check_options(options);
+  Stop stop(options.cancelled);
+  try {
+    return power_spectrum(sets, options, Arena(options.threads, &stop));
+  } catch (const Stopped&) {
+    throw Cancelled();
+  }
+}
+
+Spectrum power_spectrum(std::span<const PointSet> sets, const SpectrumOptions& options,
+                        const Arena& arena) {
   check_alike(sets);
   const PointSet& first = sets.front();
   const Eigen::VectorXd steps = steps_of(first);
@@ -274,7 +285,6 @@ Spectrum power_spectrum(std::span<const PointSet> sets, const SpectrumOptions& o
   RingSums rings(width, options.max_frequency);
   const Eigen::ArrayXd half = (options.max_frequency / steps.array() * (1 + 1e-12)).floor();
   const double products = (2 * half + 1).prod() * first.count();
-  const Arena arena(options.threads);
   if (spectrum.dimension <= 3 && products <= kMostProducts &&
       FrequencyGrid::bytes(half) <= kMostBytes) {
     for (const double h : half) spectrum.half.push_back(static_cast<int>(h));

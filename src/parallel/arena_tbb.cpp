@@ -13,7 +13,7 @@ struct Arena::Backend {
   tbb::task_arena arena;
 };
 
-Arena::Arena(int threads) {
+Arena::Arena(int threads, Stop* stop) : stop_(stop) {
   // Asking TBB for more workers than processors makes it print a warning, and gains nothing.
   const int processors = std::max(1, tbb::info::default_concurrency());
   threads_ = threads <= 0 ? processors : std::min(threads, processors);

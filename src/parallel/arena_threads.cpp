@@ -14,7 +14,7 @@ namespace ccvt {
 
 struct Arena::Backend {};
 
-Arena::Arena(int threads) {
+Arena::Arena(int threads, Stop* stop) : stop_(stop) {
   const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   threads_ = threads <= 0 ? processors : threads;
 }

@@ -187,8 +187,9 @@ std::vector<Index> surpluses(const Filling<Scalar>& filling) {
 /// A site passes points on once all that flow to it have arrived; of such sites, the one that
 /// became one last, as what it needs is still at hand.
 template <class Scalar>
-void flow_downhill(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scalar>& filling) {
-  const std::vector<double> phi = potential(graph, surpluses(filling));
+void flow_downhill(const SiteGraph& graph, const Arena& arena, Mover<Scalar>& mover,
+                   Filling<Scalar>& filling) {
+  const std::vector<double> phi = potential(graph, surpluses(filling), arena);
   const auto flow = [&](Index from, Index to) {
     const double drop = phi[static_cast<std::size_t>(from)] - phi[static_cast<std::size_t>(to)];
     return static_cast<Index>(std::clamp(std::nearbyint(drop), -1.0, 2147483647.0));
@@ -211,6 +212,7 @@ void flow_downhill(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scalar>
     for (const Index next : graph.neighbours(site)) {
       const Index count = flow(site, next);
       if (count < 1) continue;
+      arena.check();
       mover.move(next, count);
       if (--awaited[static_cast<std::size_t>(next)] == 0) ready.push_back(next);
     }
@@ -221,7 +223,8 @@ void flow_downhill(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scalar>
 /// What a subtree has too much goes up to its parent; then what it lacks comes down. A site never
 /// has to pass on more points than it has: see the order of both sweeps.
 template <class Scalar>
-void flow_along_tree(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scalar>& filling) {
+void flow_along_tree(const SiteGraph& graph, const Arena& arena, Mover<Scalar>& mover,
+                     Filling<Scalar>& filling) {
   const SiteGraph::SpanningTree tree = graph.spanning_tree();
   std::vector<Index> subtree = surpluses(filling);
   const auto parent = [&](Index s) { return tree.parent[static_cast<std::size_t>(s)]; };
@@ -234,6 +237,7 @@ void flow_along_tree(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scala
     }
     subtree[static_cast<std::size_t>(parent(s))] += surplus;
     if (surplus <= 0) continue;
+    arena.check();
     mover.leave(s);
     mover.move(parent(s), surplus);
   }
@@ -241,6 +245,7 @@ void flow_along_tree(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scala
     if (parent(s) < 0) continue;
     const Index lack = -subtree[static_cast<std::size_t>(s)];
     if (lack <= 0) continue;
+    arena.check();
     mover.leave(parent(s));
     mover.move(s, lack);
   }
@@ -251,14 +256,18 @@ void flow_along_tree(const SiteGraph& graph, Mover<Scalar>& mover, Filling<Scala
 
 template <class Scalar>
 void balance(const Metric& metric, const SiteState& sites, std::span<const Pair> near,
-             Filling<Scalar>& filling) {
+             const Arena& arena, Filling<Scalar>& filling) {
+  arena.check();
   const SiteGraph graph(sites.count(), gabriel_pairs(metric, sites, near));
+  arena.check();
   Mover<Scalar> mover(metric, sites, filling);
-  flow_downhill(graph, mover, filling);
-  flow_along_tree(graph, mover, filling);
+  flow_downhill(graph, arena, mover, filling);
+  flow_along_tree(graph, arena, mover, filling);
 }
 
-template void balance(const Metric&, const SiteState&, std::span<const Pair>, Filling<float>&);
-template void balance(const Metric&, const SiteState&, std::span<const Pair>, Filling<double>&);
+template void balance(const Metric&, const SiteState&, std::span<const Pair>, const Arena&,
+                      Filling<float>&);
+template void balance(const Metric&, const SiteState&, std::span<const Pair>, const Arena&,
+                      Filling<double>&);
 
 }  // namespace ccvt

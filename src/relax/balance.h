@@ -3,6 +3,7 @@
 #include <span>
 
 #include "geometry/metric.h"
+#include "parallel/arena.h"
 #include "relax/filling.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
@@ -21,6 +22,6 @@ namespace ccvt {
 /// Throws std::logic_error unless the surpluses sum to zero.
 template <class Scalar>
 void balance(const Metric& metric, const SiteState& sites, std::span<const Pair> near,
-             Filling<Scalar>& filling);
+             const Arena& arena, Filling<Scalar>& filling);
 
 }  // namespace ccvt

@@ -34,6 +34,12 @@ class Cells {
   [[nodiscard]] Index point_count() const { return static_cast<Index>(order_.size()); }
   [[nodiscard]] Index size(Index site) const { return offset_[at(site) + 1] - offset_[at(site)]; }
 
+  [[nodiscard]] std::vector<Index> sizes() const {
+    std::vector<Index> sizes(static_cast<std::size_t>(site_count()));
+    for (std::size_t s = 0; s < sizes.size(); ++s) sizes[s] = size(static_cast<Index>(s));
+    return sizes;
+  }
+
   /// The points of a cell, by number.
   [[nodiscard]] Index* points(Index site) { return order_.data() + offset_[at(site)]; }
   [[nodiscard]] const Index* points(Index site) const { return order_.data() + offset_[at(site)]; }

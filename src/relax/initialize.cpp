@@ -13,11 +13,14 @@ namespace {
 constexpr std::uint64_t kOrderStream = 3;
 /// Points that are on their way from memory while others join.
 constexpr std::size_t kAhead = 24;
+constexpr std::size_t kBetweenChecks = 1 << 12;
 
-std::vector<Index> shuffled(std::span<const Index> points, std::uint64_t seed) {
+std::vector<Index> shuffled(std::span<const Index> points, std::uint64_t seed, const Arena& arena) {
   std::vector<Index> order(points.begin(), points.end());
   Random random(seed, kOrderStream);
-  random.shuffle(std::span(order));
+  random.shuffle(std::span(order), [&](std::size_t k) {
+    if (k % kBetweenChecks == 0) arena.check();
+  });
   return order;
 }
 
@@ -47,13 +50,14 @@ std::vector<Pair> nearest_neighbours(const Metric& metric, const SiteState& site
 
 template <class Scalar>
 void join_coherent(const Metric& metric, const SiteState& sites, std::span<const Index> joining,
-                   std::uint64_t seed, Filling<Scalar>& filling) {
+                   std::uint64_t seed, Filling<Scalar>& filling, const Arena& arena) {
   SiteTree available(metric, sites.position);
   for (Index s = 0; s < sites.count(); ++s) {
     if (filling.surplus(s) == 0) available.remove(s);
   }
   std::vector<double> query(static_cast<std::size_t>(metric.dimension()));
-  for (const Index point : shuffled(joining, seed)) {
+  for (const Index point : shuffled(joining, seed, arena)) {
+    arena.check();
     std::copy_n(filling.points[point], query.size(), query.begin());
     const Index site = available.nearest(query.data());
     filling.add(site, point);
@@ -82,27 +86,29 @@ void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
     }
   }
   if (near.empty()) {
-    balance(metric, sites, nearest_neighbours(metric, sites, arena), filling);
+    balance(metric, sites, nearest_neighbours(metric, sites, arena), arena, filling);
   } else {
-    balance(metric, sites, near, filling);
+    balance(metric, sites, near, arena, filling);
   }
 }
 
 template <class Scalar>
-void join_random(std::span<const Index> joining, std::uint64_t seed, Filling<Scalar>& filling) {
-  const std::vector<Index> order = shuffled(joining, seed);
+void join_random(std::span<const Index> joining, std::uint64_t seed, Filling<Scalar>& filling,
+                 const Arena& arena) {
+  const std::vector<Index> order = shuffled(joining, seed, arena);
   auto next = order.begin();
   for (Index s = 0; s < filling.cells.site_count(); ++s) {
+    arena.check();
     while (filling.surplus(s) < 0) filling.add(s, *next++);
   }
 }
 
 #define CCVT_INSTANTIATE(Scalar)                                                                   \
   template void join_coherent(const Metric&, const SiteState&, std::span<const Index>,             \
-                              std::uint64_t, Filling<Scalar>&);                                    \
+                              std::uint64_t, Filling<Scalar>&, const Arena&);                      \
   template void join_balanced(const Metric&, const SiteState&, const Box&, std::span<const Index>, \
                               std::span<const Pair>, const Arena&, Filling<Scalar>&);              \
-  template void join_random(std::span<const Index>, std::uint64_t, Filling<Scalar>&);
+  template void join_random(std::span<const Index>, std::uint64_t, Filling<Scalar>&, const Arena&);
 
 CCVT_INSTANTIATE(float)
 CCVT_INSTANTIATE(double)

@@ -16,13 +16,14 @@
 namespace ccvt {
 
 /// Each of these gives the `joining` points their first owners and fills the cells exactly. Points
-/// of a coarser level are in `filling` already.
+/// of a coarser level are in `filling` already. When the arena throws Stopped, those in `filling`
+/// are some of the joining ones, each once, and the sites as they were.
 
 /// Each point, in a seeded random order, takes the nearest site with room left [Program 6].
 /// O(m log n): the tree forgets sites as they fill up.
 template <class Scalar>
 void join_coherent(const Metric& metric, const SiteState& sites, std::span<const Index> joining,
-                   std::uint64_t seed, Filling<Scalar>& filling);
+                   std::uint64_t seed, Filling<Scalar>& filling, const Arena& arena = Arena(1));
 
 /// Each point takes its nearest site whether or not it has room; then balance(). `near` are pairs
 /// of sites near each other, if any are known.
@@ -33,6 +34,7 @@ void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
 
 /// Random owners [Program 1].
 template <class Scalar>
-void join_random(std::span<const Index> joining, std::uint64_t seed, Filling<Scalar>& filling);
+void join_random(std::span<const Index> joining, std::uint64_t seed, Filling<Scalar>& filling,
+                 const Arena& arena = Arena(1));
 
 }  // namespace ccvt

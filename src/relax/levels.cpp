@@ -9,6 +9,7 @@ namespace ccvt {
 namespace {
 
 constexpr std::uint64_t kLevelStream = 2;
+constexpr Index kBetweenChecks = 1 << 14;
 
 std::int64_t total(std::span<const Index> capacities) {
   return std::accumulate(capacities.begin(), capacities.end(), std::int64_t{0});
@@ -17,7 +18,7 @@ std::int64_t total(std::span<const Index> capacities) {
 }  // namespace
 
 std::vector<Level> make_levels(std::span<const Index> capacities, Index points,
-                               const Options& options) {
+                               const Options& options, const Arena& arena) {
   std::vector<Level> levels(1);
   levels[0].capacities.assign(capacities.begin(), capacities.end());
   if (options.multilevel) {
@@ -48,6 +49,7 @@ std::vector<Level> make_levels(std::span<const Index> capacities, Index points,
         static_cast<std::size_t>(needed[l] - (l > 0 ? needed[l - 1] : std::int64_t{0})));
   }
   for (Index p = 0; p < points; ++p) {
+    if (p % kBetweenChecks == 0) arena.check();
     std::size_t joins = levels.size() - 1;
     while (joins > 0) {
       const auto draw = random.below(static_cast<std::uint64_t>(needed[joins]));

@@ -6,6 +6,7 @@
 
 #include "ccvt/options.h"
 #include "ccvt/types.h"
+#include "parallel/arena.h"
 
 namespace ccvt {
 
@@ -20,6 +21,6 @@ struct Level {
 /// level all points have joined and capacities are those given. One level without
 /// Options::multilevel, or when capacities are too small to divide. O(m).
 std::vector<Level> make_levels(std::span<const Index> capacities, Index points,
-                               const Options& options);
+                               const Options& options, const Arena& arena = Arena(1));
 
 }  // namespace ccvt

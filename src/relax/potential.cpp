@@ -207,7 +207,8 @@ double dot(const Vector& a, const Vector& b) {
 
 }  // namespace
 
-std::vector<double> potential(const SiteGraph& graph, std::span<const Index> e) {
+std::vector<double> potential(const SiteGraph& graph, std::span<const Index> e,
+                              const Arena& arena) {
   const std::size_t n = e.size();
   Vector phi(n, 0.0);
   if (n < 2) return phi;
@@ -222,6 +223,7 @@ std::vector<double> potential(const SiteGraph& graph, std::span<const Index> e) 
     const bool solved = std::all_of(residual.begin(), residual.end(),
                                     [](double r) { return std::abs(r) <= kResidual; });
     if (solved) break;
+    arena.check();
     inverse.apply(residual, improved);
     const double rho = dot(residual, improved);
     const double beta = iteration == 0 ? 0 : rho / before;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "ccvt/types.h"
+#include "parallel/arena.h"
 #include "relax/site_graph.h"
 
 namespace ccvt {
@@ -11,6 +12,7 @@ namespace ccvt {
 /// The potential phi with L phi = e, where L is the graph's Laplacian, to 0.25 in every residual.
 /// `e` sums to zero. About O(sites + edges): conjugate gradients, preconditioned by a multigrid
 /// cycle over aggregates of sites [Vanek, Mandel, Brezina 1996; unsmoothed, Braess 1995].
-std::vector<double> potential(const SiteGraph& graph, std::span<const Index> e);
+std::vector<double> potential(const SiteGraph& graph, std::span<const Index> e,
+                              const Arena& arena = Arena(1));
 
 }  // namespace ccvt

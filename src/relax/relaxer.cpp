@@ -14,6 +14,9 @@ constexpr std::size_t kPairsPerGrain = 64;
 /// Sites updated at once by a worker.
 constexpr std::size_t kSitesPerGrain = 64;
 
+/// A worker looks whether to stop after so many points.
+constexpr Index kPointsBetweenChecks = 1 << 16;
+
 /// Full passes over all pairs before the list of meeting ones is tried again.
 constexpr int kDensePasses = 4;
 
@@ -27,10 +30,11 @@ std::size_t list_limit(Index sites) {
 
 template <class Scalar>
 Relaxer<Scalar>::Relaxer(const Metric& metric, const Options& options, const Arena& arena,
-                         Cells<Scalar>& cells, SiteState& sites, double coordinate_bound)
-    : metric_(metric), options_(options), arena_(arena), cells_(cells), sites_(sites) {
+                         Stop& stop, Cells<Scalar>& cells, SiteState& sites,
+                         double coordinate_bound)
+    : metric_(metric), options_(options), arena_(arena), stop_(stop), cells_(cells), sites_(sites) {
   for (int w = 0; w < arena.threads(); ++w) {
-    workers_.push_back({PairSwapper<Scalar>(metric, options, coordinate_bound), {}, {}});
+    workers_.push_back({PairSwapper<Scalar>(metric, options, coordinate_bound), {}, {}, 0});
   }
   changed_.assign(sites.radius.size(), 0);
   touched_.assign(sites.radius.size(), 1);
@@ -43,12 +47,6 @@ void Relaxer<Scalar>::update_all() {
   arena_.for_each(sites_.radius.size(), kSitesPerGrain, [&](std::size_t s) {
     update_site(metric_, cells_, sites_, static_cast<Index>(s));
   });
-}
-
-template <class Scalar>
-bool Relaxer<Scalar>::cancelled() {
-  stopped_ = stopped_ || (options_.cancelled && options_.cancelled());
-  return stopped_;
 }
 
 /// Whether a pair is worth a look: of those whose spheres meet, in a full pass, one of two sites
@@ -64,6 +62,11 @@ bool Relaxer<Scalar>::may_gain(Index i, Index j, bool full) const {
 
 template <class Scalar>
 void Relaxer<Scalar>::examine(Worker& worker, Index i, Index j) {
+  worker.streamed += cells_.size(i) / 2 + cells_.size(j) / 2;
+  if (worker.streamed > kPointsBetweenChecks) {
+    worker.streamed = 0;
+    arena_.check();
+  }
   ++worker.count.pairs;
   const Index exchanged = worker.swap(cells_, sites_, i, j);
   if (exchanged == 0) return;
@@ -211,6 +214,28 @@ void Relaxer<Scalar>::update_changed(bool full) {
 }
 
 template <class Scalar>
+void Relaxer<Scalar>::pass(bool full) {
+  if (full) {
+    full_pass();
+    cached_passes_ = 0;
+  } else {
+    cached_pass();
+    ++cached_passes_;
+  }
+}
+
+/// A pass was left in the middle: what is listed may be incomplete.
+template <class Scalar>
+void Relaxer<Scalar>::forget_pairs() {
+  cache_.clear();
+  meeting_.forget();
+  schedule_ = {};
+  added_schedule_ = {};
+  dense_ = false;
+  std::fill(touched_.begin(), touched_.end(), std::uint8_t{1});
+}
+
+template <class Scalar>
 PassCount Relaxer<Scalar>::step() {
   const bool full = cache_.empty() || cached_passes_ >= options_.cached_passes;
   for (Worker& worker : workers_) {
@@ -219,41 +244,37 @@ PassCount Relaxer<Scalar>::step() {
   }
   std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
   try {
-    if (full) {
-      full_pass();
-      cached_passes_ = 0;
-    } else {
-      cached_pass();
-      ++cached_passes_;
-    }
+    pass(full);
+  } catch (const Stopped&) {
+    stopped_ = true;
+    forget_pairs();
   } catch (...) {
     // Swaps have been made: whoever goes on must find the sites where their cells are.
-    cache_.clear();
-    meeting_.forget();
-    schedule_ = {};
-    added_schedule_ = {};
-    dense_ = false;
-    std::fill(touched_.begin(), touched_.end(), std::uint8_t{1});
+    forget_pairs();
+    const Stop::Pause pause(stop_);
     update_all();
     throw;
   }
-  PassCount pass;
-  pass.full = full;
-  pass.stopped = stopped_;
+  // What is left takes a pass over the cells that have changed.
+  if (stopped_) stop_.off();
+  PassCount count;
+  count.full = full;
+  count.stopped = stopped_;
   cache_.clear();
   for (const Worker& worker : workers_) {
-    pass.pairs += worker.count.pairs;
-    pass.swaps += worker.count.swaps;
-    pass.exchanged += worker.count.exchanged;
+    count.pairs += worker.count.pairs;
+    count.swaps += worker.count.swaps;
+    count.exchanged += worker.count.exchanged;
     cache_.insert(cache_.end(), worker.swapped.begin(), worker.swapped.end());
   }
   // Which worker met a pair is chance; the schedule must not depend on it.
   std::sort(cache_.begin(), cache_.end());
-  pass.active_sites =
+  count.active_sites =
       static_cast<Index>(std::count(changed_.begin(), changed_.end(), std::uint8_t{1}));
+  const Stop::Pause pause(stop_);
   update_changed(full && !stopped_);
-  stable_ = full && !stopped_ && pass.swaps == 0;
-  return pass;
+  stable_ = full && !stopped_ && count.swaps == 0;
+  return count;
 }
 
 template <class Scalar>

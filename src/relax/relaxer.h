@@ -18,7 +18,7 @@ namespace ccvt {
 /// What one pass did.
 struct PassCount {
   bool full = true;
-  bool stopped = false;  ///< Options::cancelled said so between two batches
+  bool stopped = false;  ///< Options::cancelled said so in the middle
   std::int64_t pairs = 0;
   std::int64_t swaps = 0;
   std::int64_t exchanged = 0;
@@ -35,13 +35,14 @@ template <class Scalar>
 class Relaxer {
  public:
   /// `cells` holds the points; `sites` where the sites are. Makes no move yet: call update_all().
-  Relaxer(const Metric& metric, const Options& options, const Arena& arena, Cells<Scalar>& cells,
-          SiteState& sites, double coordinate_bound);
+  Relaxer(const Metric& metric, const Options& options, const Arena& arena, Stop& stop,
+          Cells<Scalar>& cells, SiteState& sites, double coordinate_bound);
 
   /// Moves every site to the centroid of its cell.
   void update_all();
 
-  /// One pass and the centroid update after it.
+  /// One pass and the centroid update after it. When `stop` ends the pass, the update is still
+  /// made, and `stop` switched off.
   PassCount step();
 
   [[nodiscard]] bool stable() const { return stable_; }
@@ -54,6 +55,7 @@ class Relaxer {
     PairSwapper<Scalar> swap;
     PassCount count;
     std::vector<Pair> swapped;
+    Index streamed = 0;  ///< points of pairs since the last look whether to stop
   };
 
   void full_pass();
@@ -64,12 +66,15 @@ class Relaxer {
   void run(const Schedule& schedule, bool full);
   [[nodiscard]] bool may_gain(Index i, Index j, bool full) const;
   void examine(Worker& worker, Index i, Index j);
-  bool cancelled();
+  void pass(bool full);
+  void forget_pairs();
+  bool cancelled() { return stopped_ = stopped_ || stop_.requested(); }
   void update_changed(bool full);
 
   const Metric& metric_;
   const Options& options_;
   const Arena& arena_;
+  Stop& stop_;
   Cells<Scalar>& cells_;
   SiteState& sites_;
   std::vector<Worker> workers_;

@@ -137,6 +137,7 @@ std::vector<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells
       for (Index k = 0; k < cells_here; ++k) {
         const Index targets = k < from.touched ? static_cast<Index>(to.site.size()) : to.touched;
         if (targets == 0) continue;
+        arena.check();
         own.cell.load(cells, sites, blocks, from.site[static_cast<std::size_t>(k)]);
         const Index padded =
             (targets + kernels::kDotSites - 1) / kernels::kDotSites * kernels::kDotSites;

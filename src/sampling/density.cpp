@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "ccvt/metrics.h"
 #include "parallel/arena.h"
 #include "random.h"
 #include "sampling/cell_densities.h"
@@ -249,8 +250,9 @@ class CellFill {
 
 template <class Scalar>
 void fill(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling, int threads,
-          std::span<Scalar> coordinates) {
-  const Arena arena(threads);
+          std::span<Scalar> coordinates, const std::function<bool()>& cancelled) try {
+  Stop stop(cancelled);
+  const Arena arena(threads, &stop);
   const CellDensities densities(grid);
   const Parts parts(grid, std::visit([](const auto& v) { return std::ssize(v); }, grid.values));
   const std::vector<double> masses = masses_of(grid, densities, parts, arena);
@@ -277,6 +279,8 @@ void fill(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
   } else {
     deal(masses, SortedDraws(seed, count, arena), arena, place);
   }
+} catch (const Stopped&) {
+  throw Cancelled();
 }
 
 }  // namespace
@@ -303,13 +307,15 @@ void check_density(const DensityGrid& grid, Index count, int fixed_dimension,
 }
 
 void fill_density(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
-                  int threads, std::span<float> coordinates) {
-  fill(grid, seed, sampling, threads, coordinates);
+                  int threads, std::span<float> coordinates,
+                  const std::function<bool()>& cancelled) {
+  fill(grid, seed, sampling, threads, coordinates, cancelled);
 }
 
 void fill_density(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
-                  int threads, std::span<double> coordinates) {
-  fill(grid, seed, sampling, threads, coordinates);
+                  int threads, std::span<double> coordinates,
+                  const std::function<bool()>& cancelled) {
+  fill(grid, seed, sampling, threads, coordinates, cancelled);
 }
 
 }  // namespace detail

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ccvt/density.h"
+#include "ccvt/metrics.h"
 #include "parallel/arena.h"
 #include "random.h"
 #include "sampling/hilbert.h"
@@ -193,8 +194,10 @@ void stratified(const CheckedDensity<Scalar>& density, double maximum, const Box
 
 template <class Scalar>
 void fill(const DensityFunction& f, double maximum, const Box& box, std::uint64_t seed,
-          DensitySampling sampling, int threads, std::span<Scalar> coordinates) {
-  const Arena arena(threads);
+          DensitySampling sampling, int threads, std::span<Scalar> coordinates,
+          const std::function<bool()>& cancelled) try {
+  Stop stop(cancelled);
+  const Arena arena(threads, &stop);
   const CheckedDensity<Scalar> density(f, maximum, box);
   const auto dimension = static_cast<std::size_t>(box.dimension());
   const std::size_t count = coordinates.size() / dimension;
@@ -211,6 +214,8 @@ void fill(const DensityFunction& f, double maximum, const Box& box, std::uint64_
       out = drawn.accept(random, box.lower, extent, out);
     }
   });
+} catch (const Stopped&) {
+  throw Cancelled();
 }
 
 }  // namespace
@@ -219,14 +224,14 @@ namespace detail {
 
 void fill_function(const DensityFunction& density, double maximum, const Box& box,
                    std::uint64_t seed, DensitySampling sampling, int threads,
-                   std::span<float> coordinates) {
-  fill(density, maximum, box, seed, sampling, threads, coordinates);
+                   std::span<float> coordinates, const std::function<bool()>& cancelled) {
+  fill(density, maximum, box, seed, sampling, threads, coordinates, cancelled);
 }
 
 void fill_function(const DensityFunction& density, double maximum, const Box& box,
                    std::uint64_t seed, DensitySampling sampling, int threads,
-                   std::span<double> coordinates) {
-  fill(density, maximum, box, seed, sampling, threads, coordinates);
+                   std::span<double> coordinates, const std::function<bool()>& cancelled) {
+  fill(density, maximum, box, seed, sampling, threads, coordinates, cancelled);
 }
 
 }  // namespace detail

@@ -34,6 +34,10 @@ class SiteBins {
   template <std::size_t Dimension, class Visit>
   void for_each_offset(const double* centre, double reach, Visit visit) const;
 
+  [[nodiscard]] std::size_t dimension() const { return dimension_; }
+  [[nodiscard]] std::span<const Index> sites_in(std::size_t bin) const {
+    return std::span(site_).subspan(first_[bin], first_[bin + 1] - first_[bin]);
+  }
   [[nodiscard]] std::size_t site_count() const { return site_.size(); }
   [[nodiscard]] std::size_t bin_count() const { return first_.size() - 1; }
   [[nodiscard]] std::size_t bins(std::size_t d) const { return bins_[d]; }

@@ -67,9 +67,9 @@ Stippling<Scalar> stipple(const Image& image, Index sites, const StippleOptions&
   result.width = image.width;
   result.height = image.height;
   {
-    const Points<Scalar> sampled =
-        sample_density<Scalar>(density, points, options.tessellation.seed,
-                               DensitySampling::stratified, options.tessellation.threads);
+    const Points<Scalar> sampled = sample_density<Scalar>(
+        density, points, options.tessellation.seed, DensitySampling::stratified,
+        options.tessellation.threads, options.tessellation.cancelled);
     Problem<Scalar> problem(sampled, sites);
     problem.set_domain(Domain::euclidean(std::move(box)));
     Solver<Scalar> solver(std::move(problem), options.tessellation);

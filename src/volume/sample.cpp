@@ -54,8 +54,9 @@ VolumeSamples<Scalar> sample_volume(const DensityGrid& density, Index sites,
                                     const VolumeOptions& options) {
   options.validate();
   const Index count = checked_point_count(sites, options.points_per_site);
-  const Points<Scalar> points = sample_density<Scalar>(
-      density, count, options.tessellation.seed, options.sampling, options.tessellation.threads);
+  const Points<Scalar> points =
+      sample_density<Scalar>(density, count, options.tessellation.seed, options.sampling,
+                             options.tessellation.threads, options.tessellation.cancelled);
   Solver<Scalar> solver(Problem<Scalar>(points, sites), options.tessellation);
   solver.run();
   VolumeSamples<Scalar> samples;

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <thread>
+#include <utility>
+
+namespace ccvt {
+
+/// Thrown by Stop::check(), up to where it is known how a run ends that its caller has cancelled.
+struct Stopped {};
+
+/// Whether the caller of a long function wants it to end: the one way in which loops hear of it.
+/// An Arena carries it, and checks it before each range of items; loops that are not the arena's
+/// call check() themselves, often enough for tenths of a second.
+///
+/// The caller's callback is asked on the thread that called only, here at most every 20 ms; on
+/// other threads, and once it has said yes, check() looks at a flag.
+class Stop {
+ public:
+  Stop() = default;
+  /// An empty callback never says yes.
+  explicit Stop(std::function<bool()> cancelled)
+      : cancelled_(std::move(cancelled)), asking_(static_cast<bool>(cancelled_)) {}
+
+  /// Makes this thread the one that asks.
+  void enter() { caller_ = std::this_thread::get_id(); }
+
+  /// Asks at once.
+  bool requested() {
+    if (asking_ && !stop_ && cancelled_()) stop_ = true;
+    return stop_;
+  }
+
+  void check() {
+    if (stop_.load(std::memory_order_relaxed)) throw Stopped();
+    if ((!asking_ && !limited_) || std::this_thread::get_id() != caller_) return;
+    const auto now = Clock::now();
+    if (now < next_) return;
+    next_ = now + kInterval;
+    if (limited_ || requested()) {
+      stop_ = true;
+      throw Stopped();
+    }
+  }
+
+  /// Keeps check() from asking and throwing in what must not be left half done, and is short.
+  class Pause {
+   public:
+    explicit Pause(Stop& stop)
+        : stop_(stop),
+          asking_(std::exchange(stop.asking_, false)),
+          limited_(std::exchange(stop.limited_, false)) {}
+    ~Pause() {
+      stop_.asking_ = asking_;
+      stop_.limited_ = limited_;
+    }
+    Pause(const Pause&) = delete;
+    Pause& operator=(const Pause&) = delete;
+
+   private:
+    Stop& stop_;
+    bool asking_;
+    bool limited_;
+  };
+
+  /// The callback is not asked again, and check() throws no more.
+  void off() {
+    asking_ = limited_ = false;
+    stop_ = false;
+  }
+  /// The callback is not asked again; check() throws when so much time has passed from now on.
+  void allow(std::chrono::milliseconds time) {
+    off();
+    limited_ = true;
+    next_ = Clock::now() + time;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds kInterval{20};
+
+  std::function<bool()> cancelled_;
+  std::thread::id caller_ = std::this_thread::get_id();
+  std::atomic<bool> stop_{false};
+  // Of the caller's thread, or changed while no other works:
+  bool asking_ = false;
+  bool limited_ = false;
+  Clock::time_point next_ = Clock::now() + kInterval;
+};
+
+}  // namespace ccvt
