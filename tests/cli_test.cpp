@@ -4,14 +4,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "ccvt/capacity.h"
@@ -39,17 +36,6 @@ std::map<std::string, std::string> contents(const TemporaryDirectory& directory)
         entry.is_regular_file() ? get(entry.path()) : std::string();
   }
   return result;
-}
-
-/// Waits until `done` or a minute has passed.
-template <class Condition>
-bool wait_for(Condition&& done) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-  while (!done()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
 }
 
 }  // namespace
@@ -359,70 +345,6 @@ TEST_CASE("bad input: one line, status 2, nothing written") {
   const Ran odd = run(directory, {"tessellate", "new\nline.csv", "--sites", "1", "-o", "o.npy"});
   CHECK(odd.status == 2);
   CHECK(odd.errors.find('\n') == odd.errors.size() - 1);
-}
-
-TEST_CASE("Ctrl-C writes the tessellation reached so far") {
-  const TemporaryDirectory directory;
-  const std::string line =
-      "sample --dim 2 --sites 4000 --points-per-site 1024 --threads 1 -o s.npy --points-out p.npy "
-      "--owners-out o.npy --summary s.json";
-  const auto started = std::chrono::steady_clock::now();
-  REQUIRE(run(directory, line).status == 0);
-  const auto whole = std::chrono::steady_clock::now() - started;
-  // Later and later, until the tessellation has begun; then it must be in the middle.
-  for (int part = 3;; ++part) {
-    REQUIRE(part < 20);
-    for (const char* const name : {"s.npy", "p.npy", "o.npy", "s.json"}) {
-      fs::remove(directory / name);
-    }
-    Process process(CCVT_PROGRAM, words(line), directory.path());
-    std::this_thread::sleep_for(whole * part / 20);
-    process.send(SIGINT);
-    CHECK(process.wait() == 130);
-    if (directory.entries() == 0) {
-      CHECK(process.errors() == "ccvt: error: interrupted before there was anything to write\n");
-      continue;
-    }
-    CHECK(process.errors() == "");
-    CHECK(directory.entries() == 4);
-    CHECK(json_of(directory / "s.json")["termination"] == "cancelled");
-    const auto owners = read_indices(directory / "o.npy");
-    CHECK(owners.size() == 4000 * 1024);
-    CHECK(capacity_error(owners, 4000) == 0);
-    CHECK(read_points<float>(directory / "s.npy").cols() == 4000);
-    break;
-  }
-}
-
-TEST_CASE("a second Ctrl-C, or a termination, leaves no partial file") {
-  const TemporaryDirectory directory;
-  // Points as text take a while to write: long enough to be caught at it.
-  const std::string line =
-      "sample --dim 64 --sites 2 --points-per-site 160000 --max-iterations 0 -o s.npy "
-      "--points-out p.txt";
-  const fs::path target = directory / "p.txt";
-  for (const bool twice : {true, false}) {
-    for (int attempt = 0;; ++attempt) {
-      REQUIRE(attempt < 20);
-      for (const auto& entry : fs::directory_iterator(directory.path())) fs::remove(entry);
-      Process process(CCVT_PROGRAM, words(line), directory.path());
-      // The first file is whole, so the second one is being written, or soon will be.
-      REQUIRE(wait_for([&] { return fs::exists(directory / "s.npy") || !process.running(); }));
-      wait_for([&] { return directory.entries() > 1 || !process.running(); });
-      process.send(twice ? SIGINT : SIGTERM);
-      if (twice) {
-        // Signals less than 0.3 s apart count as one key press.
-        std::this_thread::sleep_for(std::chrono::milliseconds(350));
-        process.send(SIGINT);
-      }
-      const int status = process.wait();
-      if (fs::exists(target)) continue;  // it was complete before
-      CHECK(status == (twice ? 130 : 143));
-      CHECK(directory.entries() == 1);
-      CHECK(read_points<float>(directory / "s.npy").cols() == 2);
-      break;
-    }
-  }
 }
 
 TEST_SUITE_END();

@@ -368,19 +368,6 @@ TEST_CASE("failed writes leave nothing behind and the old file in place") {
   CHECK(directory.entries() == 2);
 }
 
-TEST_CASE("the temporary file is beside the target and never a link to elsewhere") {
-  const TemporaryDirectory directory;
-  const fs::path temporary = temporary_path(directory / "o.csv");
-  CHECK(temporary.parent_path() == directory.path());
-  CHECK(temporary_path("o.csv").parent_path().empty());
-  const fs::path victim = put(directory / "victim", "precious");
-  fs::create_symlink(victim, temporary);
-  write_owners(directory / "o.csv", std::vector<Index>{1, 2});
-  CHECK(get(victim) == "precious");
-  CHECK(get(directory / "o.csv") == "1\n2\n");
-  CHECK(!fs::exists(fs::symlink_status(temporary)));
-}
-
 TEST_SUITE_END();
 
 }  // namespace ccvt::test

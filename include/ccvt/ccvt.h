@@ -11,6 +11,7 @@
 #include "ccvt/options.h"       // IWYU pragma: export
 #include "ccvt/presets.h"       // IWYU pragma: export
 #include "ccvt/problem.h"       // IWYU pragma: export
+#include "ccvt/publication.h"   // IWYU pragma: export
 #include "ccvt/sampling.h"      // IWYU pragma: export
 #include "ccvt/solver.h"        // IWYU pragma: export
 #include "ccvt/stipple.h"       // IWYU pragma: export

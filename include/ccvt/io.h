@@ -37,9 +37,22 @@
 /// columns from 0, lines of text from 1), the value and the rule. They compare what a header
 /// promises with the size of the file before they allocate.
 ///
-/// Writers replace the file at once, when it is complete: until then it grows under
-/// temporary_path(). They throw InvalidInput for an unknown extension, IoError when the system
-/// refuses; either way a file of that name that was there before is still there.
+/// Writers replace a file as a whole: they write a new one beside it, flush that to its disk, and
+/// rename it. Whoever opens the file, and whenever the process or the machine stops, finds all of
+/// the old one or all of the new one; that a rename is on the disk is not waited for. Of several
+/// that write one file at a time, the last to end wins. The new file has the permissions of the old
+/// one (but not its owner, further links and attributes), else those that the umask leaves. A
+/// symbolic link stays one: what it leads to is replaced, or made. Directories, devices, pipes and
+/// files without permission to write are refused.
+///
+/// Until its renaming a file is called .ccvt-*.part, the star being 16 random hexadecimal digits,
+/// in the directory of the file to be replaced. A writer that fails removes it; after a signal see
+/// remove_unfinished_files() in publication.h. What SIGKILL or a power failure leaves of that name
+/// belongs to no one, and may be deleted when no process writes there.
+///
+/// Writers throw InvalidInput for an unknown extension, IoError when the system refuses; either way
+/// a file of that name that was there before is still there. To make several files appear together,
+/// see publication.h.
 namespace ccvt {
 
 /// Thrown when the operating system fails a read or a write. The message names the file.
@@ -166,8 +179,8 @@ CCVT_EXPORT void write_png(const std::filesystem::path& path, const ColourImage&
 /// Like read_image(), but keeps colours, in 8 bits; grey becomes colour of three equal values.
 CCVT_EXPORT ColourImage read_colour_image(const std::filesystem::path& path);
 
-/// The file beside `target` that writers of this process fill before they rename it to `target`;
-/// they remove it when they fail. A program that is killed by a signal may remove it likewise.
-CCVT_EXPORT std::filesystem::path temporary_path(const std::filesystem::path& target);
+/// The file that a writer given `path` makes or replaces: `path` itself, or what it leads to if it
+/// is a symbolic link. It need not exist. Throws IoError for links in a circle.
+CCVT_EXPORT std::filesystem::path output_target(const std::filesystem::path& path);
 
 }  // namespace ccvt

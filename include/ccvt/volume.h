@@ -89,6 +89,8 @@ struct CCVT_EXPORT VolumeHeader {
   /// A stored number s stands for the value slope * s + intercept.
   double slope = 1;
   double intercept = 0;
+  /// The file that holds the values: the volume's own, or the one that it names.
+  std::filesystem::path data_file = {};
 
   [[nodiscard]] std::uint64_t cells() const;
   [[nodiscard]] std::uint64_t bytes() const { return cells() * bytes_of(type); }

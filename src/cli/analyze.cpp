@@ -1,9 +1,8 @@
+#include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <fstream>
-#include <iostream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,14 +12,17 @@
 
 #include "ccvt/io.h"
 #include "ccvt/metrics.h"
+#include "ccvt/publication.h"
 #include "ccvt/version.h"
 #include "cli/analysis_files.h"
 #include "cli/arguments.h"
 #include "cli/chart.h"
 #include "cli/memory.h"
+#include "cli/outputs.h"
 #include "cli/report.h"
 #include "cli/run.h"
 #include "cli/signals.h"
+#include "cli/streams.h"
 #include "cli/values.h"
 
 namespace ccvt::cli {
@@ -29,19 +31,78 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Throws unless the directory is there and can be written, or can be made: which is tried.
-void check_directory(const fs::path& path) {
-  const auto fail = [&](const std::string& reason) {
-    throw IoError(path.string() + ": cannot be written: " + reason);
-  };
-  std::error_code error;
-  if (fs::exists(path, error)) {
-    if (!fs::is_directory(path, error)) fail("is no directory");
-    if (::access(path.c_str(), W_OK | X_OK) != 0) fail(std::generic_category().message(errno));
-    return;
+/// The directory of the report. Made if it is not there; then, unless it is kept, removed again.
+class Directory {
+ public:
+  explicit Directory(fs::path path) : path_(std::move(path)) { make(); }
+  Directory(const Directory&) = delete;
+  Directory& operator=(const Directory&) = delete;
+  ~Directory() {
+    remove_at_end("");
+    if (made_) ::rmdir(path_.c_str());
   }
-  if (!fs::create_directory(path, error)) fail(error.message());
-  fs::remove(path, error);
+
+  /// Another program may make or remove it at any time: what is there is used. Throws IoError.
+  void make() {
+    if (::mkdir(path_.c_str(), 0777) == 0) {
+      made_ = true;
+      remove_at_end(path_);
+      return;
+    }
+    const int why = errno;
+    std::error_code error;
+    if (fs::is_directory(path_, error)) return;
+    const std::string reason =
+        why == EEXIST ? "is no directory" : std::generic_category().message(why);
+    throw IoError(path_.string() + ": cannot be written: " + reason);
+  }
+  void keep() {
+    made_ = false;
+    remove_at_end("");
+  }
+  [[nodiscard]] fs::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  fs::path path_;
+  bool made_ = false;
+};
+
+/// What is written for the set of this number, from 0.
+fs::path file_of_set(const Directory& directory, const std::string& name,
+                     const std::string& extension, std::size_t set) {
+  return directory / (name + (set == 0 ? "" : "_" + std::to_string(set + 1)) + extension);
+}
+
+/// All that write_all() writes.
+std::vector<fs::path> files_of_report(const Directory& directory, std::size_t sets) {
+  std::vector<fs::path> files;
+  for (std::size_t s = 0; s < sets; ++s) {
+    files.push_back(file_of_set(directory, "spectrum", ".png", s));
+    files.push_back(file_of_set(directory, "points", ".svg", s));
+    files.push_back(file_of_set(directory, "radial", ".csv", s));
+  }
+  for (const char* const name :
+       {"radial.svg", "anisotropy.svg", "pair_correlation.svg", "metrics.json", "report.html"}) {
+    files.push_back(directory / name);
+  }
+  return files;
+}
+
+/// Throws when the report would replace what it is about, or cannot be written.
+void check_report(const AnalyzeArguments& arguments, const Directory& directory) {
+  Outputs outputs;
+  for (const fs::path& file : files_of_report(directory, arguments.sets.size())) {
+    outputs.add(file.filename().string(), file);
+    for (const PointFiles& given : arguments.sets) {
+      for (const fs::path& input : given.files) {
+        std::error_code error;
+        if (!fs::equivalent(input, file, error)) continue;
+        throw InvalidInput(input.string() + ": would be written over by the report in '" +
+                           arguments.output.string() + "'; choose another directory");
+      }
+    }
+  }
+  outputs.check();
 }
 
 /// Says what to do when points are outside the unit box, and nobody asked for it.
@@ -56,19 +117,6 @@ void check_unit_box(const fs::path& path, const Points<double>& points) {
   }
 }
 
-/// Of what can be read, the report only writes radial.csv, radial_2.csv and so on.
-void check_not_overwritten(const fs::path& input, const fs::path& directory) {
-  if (input.extension() != ".csv" || input.filename().string().rfind("radial", 0) != 0) return;
-  std::error_code error;
-  const fs::path parent = fs::absolute(input, error).parent_path();
-  if (fs::weakly_canonical(parent, error) !=
-      fs::weakly_canonical(fs::absolute(directory, error), error)) {
-    return;
-  }
-  throw InvalidInput(input.string() + ": would be written over by the report in '" +
-                     directory.string() + "'; choose another directory");
-}
-
 AnalyzedSet read_set(const AnalyzeArguments& arguments, const PointFiles& given, int dimension) {
   AnalyzedSet set;
   set.name = given.name;
@@ -77,8 +125,6 @@ AnalyzedSet read_set(const AnalyzeArguments& arguments, const PointFiles& given,
                                         : make_box(arguments.box, dimension,
                                                    arguments.sets.front().files.front().string());
   for (const fs::path& path : given.files) {
-    stop_if_interrupted();
-    check_not_overwritten(path, arguments.output);
     const PointsHeader header = inspect_and_tell(path, arguments.reading, arguments.quiet);
     check_memory(path.string(), header.count, static_cast<std::uint64_t>(header.dimension),
                  sizeof(double));
@@ -116,26 +162,6 @@ std::string metrics_json(const std::vector<AnalyzedSet>& sets) {
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-/// Writes one file after the other, each of which is removed when the program is stopped in it.
-class Directory {
- public:
-  explicit Directory(fs::path path) : path_(std::move(path)) {
-    std::error_code error;
-    fs::create_directory(path_, error);
-    if (error) throw IoError(path_.string() + ": cannot be made: " + error.message());
-  }
-
-  fs::path next(const std::string& name) {
-    stop_if_interrupted();
-    fs::path file = path_ / name;
-    protect_outputs({file});
-    return file;
-  }
-
- private:
-  fs::path path_;
-};
-
 std::string contents_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(file), {}};
@@ -143,22 +169,24 @@ std::string contents_of(const fs::path& path) {
   return bytes;
 }
 
-void write_all(const AnalyzeArguments& arguments, const std::vector<AnalyzedSet>& sets) {
-  Directory directory(arguments.output);
+/// All files of the report, the page that shows them last.
+void write_all(const AnalyzeArguments& arguments, const Directory& directory,
+               const std::vector<AnalyzedSet>& sets) {
+  Publication outputs;
   std::vector<std::string> spectra;
   for (std::size_t s = 0; s < sets.size(); ++s) {
-    const std::string suffix = s == 0 ? "" : "_" + std::to_string(s + 1);
-    const fs::path picture = directory.next("spectrum" + suffix + ".png");
+    const fs::path picture = file_of_set(directory, "spectrum", ".png", s);
     write_png(picture, spectrum_image(sets[s], arguments.threads));
-    spectra.push_back(contents_of(picture));
-    write_text(directory.next("points" + suffix + ".svg"), svg_file(points_svg(sets[s])));
-    write_text(directory.next("radial" + suffix + ".csv"), radial_csv(sets[s].analysis));
+    spectra.push_back(contents_of(outputs.unpublished(picture)));
+    write_text(file_of_set(directory, "points", ".svg", s), svg_file(points_svg(sets[s])));
+    write_text(file_of_set(directory, "radial", ".csv", s), radial_csv(sets[s].analysis));
   }
-  write_text(directory.next("radial.svg"), svg_file(radial_svg(sets)));
-  write_text(directory.next("anisotropy.svg"), svg_file(anisotropy_svg(sets)));
-  write_text(directory.next("pair_correlation.svg"), svg_file(pair_correlation_svg(sets)));
-  write_text(directory.next("report.html"), report_page(sets, spectra));
-  write_text(directory.next("metrics.json"), metrics_json(sets));
+  write_text(directory / "radial.svg", svg_file(radial_svg(sets)));
+  write_text(directory / "anisotropy.svg", svg_file(anisotropy_svg(sets)));
+  write_text(directory / "pair_correlation.svg", svg_file(pair_correlation_svg(sets)));
+  write_text(directory / "metrics.json", metrics_json(sets));
+  write_text(directory / "report.html", report_page(sets, spectra));
+  publish(outputs);
 }
 
 }  // namespace
@@ -167,7 +195,8 @@ int run_analyze(const AnalyzeArguments& arguments) {
   if (arguments.sets.empty()) {
     throw InvalidInput("analyze: needs POINTS or --compare; see ccvt analyze --help");
   }
-  check_directory(arguments.output);
+  Directory directory = check_before([&] { return Directory(arguments.output); });
+  check_report(arguments, directory);
   const int dimension =
       inspect_points(arguments.sets.front().files.front(), arguments.reading).dimension;
   std::vector<AnalyzedSet> sets;
@@ -178,17 +207,12 @@ int run_analyze(const AnalyzeArguments& arguments) {
   options.max_frequency = arguments.max_frequency;
   options.seed = arguments.seed;
   options.threads = arguments.threads;
-  options.cancelled = [] { return interrupted(); };
-  try {
-    for (AnalyzedSet& set : sets) set.analysis = analyze(set.runs, options);
-  } catch (const Cancelled&) {
-    throw Interrupted();
-  }
-  write_all(arguments, sets);
-  if (!arguments.quiet) {
-    std::cout << report_table(sets) << std::flush;
-    if (!std::cout) throw IoError("standard output: cannot be written");
-  }
+  // Nothing is written before the end, so Ctrl-C ends the program at once: `cancelled` has no use.
+  for (AnalyzedSet& set : sets) set.analysis = analyze(set.runs, options);
+  directory.make();
+  write_all(arguments, directory, sets);
+  directory.keep();
+  if (!arguments.quiet) print(report_table(sets));
   return 0;
 }
 

@@ -4,12 +4,14 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "ccvt/version.h"
 #include "cli/argument_kinds.h"
+#include "cli/streams.h"
 #include "cli/usage_error.h"
 #include "cli/volume_values.h"
 
@@ -25,8 +27,11 @@ constexpr const char* kExamples =
     "  ccvt tessellate points.csv --sites 100 -o sites.csv --owners-out owners.csv\n"
     "  ccvt analyze sites.npy --periodic -o report\n"
     "\n"
-    "Exit status: 0 done, 1 failure, 2 bad input or an output that cannot be written, 130 stopped\n"
-    "by Ctrl-C; the tessellation reached so far is then written. A second Ctrl-C quits at once.";
+    "Outputs appear together, complete, when all is done; until then the old files stay.\n"
+    "Exit status: 0 done, 1 failure, such as a full disk, 2 bad usage or input, or an output\n"
+    "that may not be written, 130 stopped by Ctrl-C. That ends reading, analyze and encode at\n"
+    "once, and nothing is written; else the tessellation or codebook reached so far is written,\n"
+    "unless a second Ctrl-C comes, which quits at once.";
 
 CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
   auto* const command =
@@ -308,7 +313,10 @@ int run_command_line(int argc, const char* const* argv) {
   try {
     app.parse(reversed_arguments(argc, argv));
   } catch (const CLI::Success& success) {  // help, version
-    return app.exit(success);
+    std::ostringstream text;
+    const int status = app.exit(success, text);
+    print(text.str());
+    return status;
   } catch (const CLI::ParseError& error) {
     throw InvalidInput(usage_error(app, error));
   }

@@ -1,17 +1,32 @@
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "ccvt/codebook.h"
 #include "ccvt/io.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
-#include "cli/signals.h"
+#include "cli/streams.h"
 
 namespace ccvt::cli {
 
 namespace {
+
+template <class Scalar>
+std::string describe(const Codebook& codebook, const Points<Scalar>& vectors,
+                     const std::vector<Index>& codes, double seconds) {
+  const CodeUsage usage = code_usage(codes, codebook.size());
+  std::array<char, 300> line{};
+  std::snprintf(line.data(), line.size(),
+                "%zu vectors, %d codewords, distortion %.6g, cells of %d to %d, imbalance %.4g, "
+                "entropy %.5g bits, %.3g s\n",
+                codes.size(), codebook.size(), codebook.distortion(vectors, codes), usage.smallest,
+                usage.largest, usage.imbalance, usage.entropy, seconds);
+  return line.data();
+}
 
 template <class Scalar>
 int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header) {
@@ -19,7 +34,6 @@ int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header)
                static_cast<std::uint64_t>(header.dimension), sizeof(Scalar));
   const Codebook codebook = Codebook::load(arguments.codebook, arguments.weights);
   const Points<Scalar> vectors = read_points<Scalar>(arguments.vectors, arguments.reading);
-  stop_if_interrupted();
   const auto start = std::chrono::steady_clock::now();
   const auto codes = blame(arguments.vectors, [&] {
     return codebook.encode(vectors, arguments.weights.empty() ? Coding::nearest : Coding::weighted,
@@ -27,17 +41,12 @@ int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header)
   });
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  stop_if_interrupted();
+  Publication outputs;
   write_owners(arguments.output, codes);
-  if (!arguments.quiet) {
-    const CodeUsage usage = code_usage(codes, codebook.size());
-    std::printf(
-        "%zu vectors, %d codewords, distortion %.6g, cells of %d to %d, imbalance %.4g, entropy "
-        "%.5g bits, %.3g s\n",
-        codes.size(), codebook.size(), codebook.distortion(vectors, codes), usage.smallest,
-        usage.largest, usage.imbalance, usage.entropy, seconds);
-    if (std::fflush(stdout) != 0) throw IoError("standard output: cannot be written");
-  }
+  const std::string line =
+      arguments.quiet ? std::string() : describe(codebook, vectors, codes, seconds);
+  publish(outputs);
+  print(line);
   return 0;
 }
 

@@ -3,11 +3,11 @@
 #include <new>
 #include <string>
 
-#include "ccvt/io.h"
 #include "ccvt/metrics.h"
 #include "cli/arguments.h"
 #include "cli/run.h"
 #include "cli/signals.h"
+#include "cli/streams.h"
 
 namespace {
 
@@ -20,15 +20,12 @@ int report(const std::string& message, int status) {
 
 int main(int argc, char** argv) {
   try {
+    ccvt::cli::fill_closed_streams();
     ccvt::cli::handle_signals();
     return ccvt::cli::run_command_line(argc, argv);
   } catch (const ccvt::InvalidInput& error) {
     return report(error.what(), 2);
-  } catch (const ccvt::IoError& error) {
-    return report(error.what(), 2);
   } catch (const ccvt::Cancelled&) {
-    return report("interrupted before there was anything to write", 130);
-  } catch (const ccvt::cli::Interrupted&) {
     return report("interrupted before there was anything to write", 130);
   } catch (const std::bad_alloc&) {
     return report("out of memory", 1);

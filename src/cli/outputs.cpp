@@ -1,13 +1,11 @@
 #include "cli/outputs.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <system_error>
 
-#include "ccvt/io.h"
 #include "cli/signals.h"
 
 namespace ccvt::cli {
@@ -23,27 +21,24 @@ void check_extension(const fs::path& path, io::Extensions allowed) {
                      io::list_of(allowed, " or "));
 }
 
-/// Creates and removes the temporary file: what else would tell for sure.
-void check_writable(const fs::path& path) {
-  const fs::path directory = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  const auto fail = [&](const std::string& reason) {
-    throw IoError(path.string() + ": cannot be written: " + reason);
-  };
+/// Where `path` leads, through links, whether it is there or not.
+fs::path destination(const fs::path& path) {
   std::error_code error;
-  if (!fs::is_directory(directory, error)) {
-    fail("there is no directory '" + directory.string() + "'");
+  const fs::path target = check_before([&] { return output_target(path); });
+  return fs::weakly_canonical(fs::absolute(target, error), error);
+}
+
+/// Throws when shells have been told to write there what the program prints.
+void check_no_stream(const std::string& option, const fs::path& path) {
+  struct stat file = {};
+  if (::stat(path.c_str(), &file) != 0 || !S_ISREG(file.st_mode)) return;
+  for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
+    struct stat other = {};
+    if (::fstat(stream, &other) != 0) continue;
+    if (other.st_dev != file.st_dev || other.st_ino != file.st_ino) continue;
+    throw InvalidInput(path.string() + ": " + option + " names the file that standard " +
+                       (stream == STDOUT_FILENO ? "output" : "error") + " goes to");
   }
-  if (fs::is_directory(path, error)) fail("is a directory");
-  if (fs::exists(path, error) && !fs::is_regular_file(path, error)) fail("is not a regular file");
-  if (fs::exists(path, error) && ::access(path.c_str(), W_OK) != 0) {
-    fail(std::generic_category().message(errno));
-  }
-  const fs::path temporary = temporary_path(path);
-  fs::remove(temporary, error);
-  std::FILE* const file = std::fopen(temporary.c_str(), "wbx");
-  if (file == nullptr) fail(std::generic_category().message(errno));
-  std::fclose(file);
-  fs::remove(temporary, error);
 }
 
 }  // namespace
@@ -67,7 +62,6 @@ Outputs& Outputs::add_input(const std::string& option, const fs::path& path) {
 }
 
 void Outputs::check() const {
-  std::vector<fs::path> outputs;
   for (const File& file : files_) {
     if (file.input) continue;
     if (file.path == "-")
@@ -77,16 +71,23 @@ void Outputs::check() const {
       if (&other == &file) continue;
       std::error_code error;
       if (fs::equivalent(file.path, other.path, error) ||
-          fs::weakly_canonical(fs::absolute(file.path, error), error) ==
-              fs::weakly_canonical(fs::absolute(other.path, error), error)) {
+          (!other.input && destination(file.path) == destination(other.path))) {
         throw InvalidInput(file.path.string() + ": " + file.option + " and " + other.option +
                            " name the same file; they must differ");
       }
     }
-    outputs.push_back(file.path);
+    check_no_stream(file.option, file.path);
   }
-  protect_outputs(outputs);
-  for (const auto& output : outputs) check_writable(output);
+  // Written, but never published: what else would tell for sure.
+  const Publication probe;
+  for (const File& file : files_) {
+    if (!file.input) check_before([&] { write_text(file.path, ""); });
+  }
+}
+
+void publish(Publication& outputs) {
+  const EndsHeldBack until_done;
+  outputs.publish();
 }
 
 }  // namespace ccvt::cli

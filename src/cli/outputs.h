@@ -2,8 +2,11 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "ccvt/io.h"
+#include "ccvt/publication.h"
 #include "io/formats.h"
 
 namespace ccvt::cli {
@@ -18,8 +21,8 @@ class Outputs {
   /// A file that is read, and must not be written.
   Outputs& add_input(const std::string& option, const std::filesystem::path& path);
 
-  /// Throws InvalidInput or IoError unless all extensions are allowed, all files are different, and
-  /// all can be written. Then hands them to protect_outputs().
+  /// Throws InvalidInput unless all extensions are allowed, all files are different, whatever links
+  /// lead to them, and all outputs can be written.
   void check() const;
 
  private:
@@ -34,5 +37,18 @@ class Outputs {
 
 /// The extension in lower case.
 std::string lower_extension(const std::filesystem::path& path);
+
+/// Calls `check`, before the run: an IoError is the user's mistake then, and becomes InvalidInput.
+template <class Check>
+decltype(auto) check_before(Check&& check) {
+  try {
+    return std::forward<Check>(check)();
+  } catch (const IoError& error) {
+    throw InvalidInput(error.what());
+  }
+}
+
+/// Publishes all outputs of a run. A signal that ends the program waits until that is done.
+void publish(Publication& outputs);
 
 }  // namespace ccvt::cli

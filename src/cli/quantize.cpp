@@ -1,9 +1,11 @@
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "ccvt/codebook.h"
 #include "ccvt/io.h"
@@ -14,10 +16,15 @@
 #include "cli/outputs.h"
 #include "cli/run.h"
 #include "cli/signals.h"
+#include "cli/streams.h"
 
 namespace ccvt::cli {
 
 namespace {
+
+bool seeds_from_file(const QuantizeArguments& arguments) {
+  return arguments.seeding != "kmeans++" && arguments.seeding != "random";
+}
 
 CodebookOptions make_codebook_options(const QuantizeArguments& arguments, Progress& progress) {
   CodebookOptions options;
@@ -30,9 +37,9 @@ CodebookOptions make_codebook_options(const QuantizeArguments& arguments, Progre
   options.tolerance = arguments.energy_tolerance;
   options.on_iteration = [&progress, sites = arguments.codewords](const IterationRecord& record) {
     progress.show(record, sites);
-    return !interrupted();
+    return true;
   };
-  options.cancelled = [] { return interrupted(); };
+  options.cancelled = watch_interrupts();
   return options;
 }
 
@@ -66,38 +73,46 @@ void write_summary(const QuantizeArguments& arguments, const CodebookSummary& su
 template <class Scalar>
 Training train(const QuantizeArguments& arguments, const std::string& source,
                const Points<Scalar>& vectors) {
-  Progress progress(arguments.quiet);
-  CodebookOptions options = make_codebook_options(arguments, progress);
+  std::vector<Index> capacities;
   if (!arguments.capacities.empty()) {
-    options.capacities = read_indices(arguments.capacities);
-    blame(arguments.capacities, [&] {
-      Problem<Scalar>(vectors, arguments.codewords).set_capacities(options.capacities);
-    });
+    capacities = read_indices(arguments.capacities);
+    blame(arguments.capacities,
+          [&] { Problem<Scalar>(vectors, arguments.codewords).set_capacities(capacities); });
   }
-  if (arguments.seeding != "kmeans++" && arguments.seeding != "random") {
-    const auto codewords = read_points<double>(arguments.seeding);
+  Points<double> codewords;
+  if (seeds_from_file(arguments)) {
+    codewords = read_points<double>(arguments.seeding);
     if (codewords.cols() != arguments.codewords) {
       throw InvalidInput(arguments.seeding + ": has " + std::to_string(codewords.cols()) +
                          " codewords, but --codewords is " + std::to_string(arguments.codewords));
     }
+  }
+  Progress progress(arguments.quiet);
+  CodebookOptions options = make_codebook_options(arguments, progress);
+  options.capacities = std::move(capacities);
+  if (seeds_from_file(arguments)) {
     return blame(arguments.seeding,
                  [&] { return train_codebook_from(vectors, codewords, options); });
   }
   return blame(source, [&] { return train_codebook(vectors, arguments.codewords, options); });
 }
 
-int finish_training(const QuantizeArguments& arguments, const Training& training,
-                    std::optional<double> psnr) {
-  training.codebook.save(arguments.output, arguments.weights_out);
+/// Writes all but the decoded picture, publishes, and prints the closing line.
+int finish_training(const QuantizeArguments& arguments, Publication& outputs,
+                    const Training& training, std::optional<double> psnr) {
   if (!arguments.codes_out.empty()) write_owners(arguments.codes_out, training.codes);
   write_summary(arguments, training.summary, psnr);
-  if (!arguments.quiet) {
-    std::printf("%s", training.summary.brief().c_str());
-    if (psnr && std::isfinite(*psnr)) std::printf(", PSNR %.2f dB", *psnr);
-    if (psnr && !std::isfinite(*psnr)) std::printf(", PSNR n/a (no pixel differs)");
-    std::printf("\n");
-    if (std::fflush(stdout) != 0) throw IoError("standard output: cannot be written");
+  training.codebook.save(arguments.output, arguments.weights_out);
+  publish(outputs);
+  std::string quality;
+  if (psnr && std::isfinite(*psnr)) {
+    std::array<char, 40> number{};
+    std::snprintf(number.data(), number.size(), ", PSNR %.2f dB", *psnr);
+    quality = number.data();
+  } else if (psnr) {
+    quality = ", PSNR n/a (no pixel differs)";
   }
+  if (!arguments.quiet) print(training.summary.brief() + quality + "\n");
   return interrupted() ? 130 : 0;
 }
 
@@ -106,26 +121,26 @@ int quantize_vectors(const QuantizeArguments& arguments, const PointsHeader& hea
   check_memory(arguments.vectors.string(), header.count,
                static_cast<std::uint64_t>(header.dimension), sizeof(Scalar));
   const Points<Scalar> vectors = read_points<Scalar>(arguments.vectors, arguments.reading);
-  stop_if_interrupted();
-  return finish_training(arguments, train(arguments, arguments.vectors.string(), vectors), {});
+  const Training training = train(arguments, arguments.vectors.string(), vectors);
+  Publication outputs;
+  return finish_training(arguments, outputs, training, {});
 }
 
 int quantize_picture(const QuantizeArguments& arguments) {
   const ColourImage image = read_colour_image(arguments.vectors);
   const Points<float> blocks =
       blame(arguments.vectors, [&] { return blocks_of(image, arguments.image_blocks); });
-  stop_if_interrupted();
   const Training training = train(arguments, arguments.vectors.string(), blocks);
   const ColourImage decoded = picture_of(training.codebook.decode(training.codes), image.width,
                                          image.height, arguments.image_blocks);
+  Publication outputs;
   if (!arguments.image_out.empty()) write_png(arguments.image_out, decoded);
-  return finish_training(arguments, training, peak_signal_to_noise(image, decoded));
+  return finish_training(arguments, outputs, training, peak_signal_to_noise(image, decoded));
 }
 
 }  // namespace
 
 int run_quantize(const QuantizeArguments& arguments) {
-  const bool file = arguments.seeding != "kmeans++" && arguments.seeding != "random";
   if (!arguments.image_out.empty() && arguments.image_blocks == 0) {
     throw InvalidInput("--image-out: needs --image-blocks; see ccvt quantize --help");
   }
@@ -150,7 +165,7 @@ int run_quantize(const QuantizeArguments& arguments) {
       .add("--summary", arguments.summary)
       .add_input("VECTORS", arguments.vectors)
       .add_input("--capacities", arguments.capacities)
-      .add_input("--seeding", file ? arguments.seeding : "")
+      .add_input("--seeding", seeds_from_file(arguments) ? arguments.seeding : "")
       .check();
   if (picture) return quantize_picture(arguments);
   return header.scalar == ScalarType::float32 ? quantize_vectors<float>(arguments, header)

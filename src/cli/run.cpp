@@ -7,7 +7,9 @@
 #include "ccvt/presets.h"
 #include "ccvt/version.h"
 #include "cli/memory.h"
+#include "cli/outputs.h"
 #include "cli/signals.h"
+#include "cli/streams.h"
 
 namespace ccvt::cli {
 
@@ -66,7 +68,7 @@ Options make_options(const CommonArguments& common, Index sites, Progress& progr
     progress.show(record, sites);
     return true;
   };
-  options.cancelled = [] { return interrupted(); };
+  options.cancelled = watch_interrupts();
   return options;
 }
 
@@ -104,16 +106,13 @@ std::string one_line(std::string message) {
   return message + "\n";
 }
 
-void stop_if_interrupted() {
-  if (interrupted()) throw Interrupted();
+void write_summary(const CommonArguments& common, const Summary& summary) {
+  if (!common.summary.empty()) write_text(common.summary, summary_json(common.command, summary));
 }
 
-int finish(const CommonArguments& common, const Summary& summary) {
-  if (!common.summary.empty()) write_text(common.summary, summary_json(common.command, summary));
-  if (!common.quiet) {
-    std::cout << summary.brief() << std::endl;
-    if (!std::cout) throw IoError("standard output: cannot be written");
-  }
+int finish(const CommonArguments& common, Publication& outputs, const Summary& summary) {
+  publish(outputs);
+  if (!common.quiet) print(summary.brief() + "\n");
   return interrupted() ? 130 : 0;
 }
 

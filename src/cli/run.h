@@ -8,6 +8,7 @@
 #include "ccvt/domain.h"
 #include "ccvt/io.h"
 #include "ccvt/options.h"
+#include "ccvt/publication.h"
 #include "ccvt/summary.h"
 #include "ccvt/types.h"
 #include "cli/arguments.h"
@@ -31,13 +32,11 @@ PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptio
 /// `message` with what is no letter replaced, and a line end: one line, whatever names it holds.
 std::string one_line(std::string message);
 
-/// Throws Interrupted when there was a Ctrl-C. For use before there is anything to write.
-void stop_if_interrupted();
-struct Interrupted {};
+/// Writes the summary file, if there is to be one.
+void write_summary(const CommonArguments& common, const Summary& summary);
 
-/// Writes the summary file, prints the closing line and gives the exit status. To be called when
-/// all else is written.
-int finish(const CommonArguments& common, const Summary& summary);
+/// Publishes the outputs, prints the closing line and gives the exit status.
+int finish(const CommonArguments& common, Publication& outputs, const Summary& summary);
 
 /// Calls `work`; an InvalidInput that it throws gets the name of the file that is to blame.
 template <class Work>

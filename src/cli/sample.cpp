@@ -21,7 +21,6 @@ int sample(const SampleArguments& arguments) {
   const Box box = Box::unit(arguments.dimension);
   const Points<Scalar> points = sample_uniform<Scalar>(box, static_cast<Index>(count),
                                                        arguments.seed, arguments.distribution);
-  stop_if_interrupted();
 
   Problem<Scalar> problem(points, arguments.sites);
   problem.set_domain(arguments.periodic ? Domain::periodic(box) : Domain::euclidean(box));
@@ -30,10 +29,12 @@ int sample(const SampleArguments& arguments) {
     return tessellate(problem, make_options(arguments, arguments.sites, progress));
   }();
 
-  write_points(arguments.output, result.sites);
+  Publication outputs;
   if (!arguments.points_out.empty()) write_points(arguments.points_out, points);
   if (!arguments.owners_out.empty()) write_owners(arguments.owners_out, result.owners);
-  return finish(arguments, result.summary);
+  write_summary(arguments, result.summary);
+  write_points(arguments.output, result.sites);
+  return finish(arguments, outputs, result.summary);
 }
 
 }  // namespace

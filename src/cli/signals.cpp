@@ -3,60 +3,74 @@
 #include <time.h>  // NOLINT(modernize-deprecated-headers): <ctime> lacks POSIX's clock_gettime()
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <csignal>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <string>
+#include <string_view>
 
-#include "ccvt/io.h"
+#include "ccvt/publication.h"
 
 namespace ccvt::cli {
 
 namespace {
 
-constexpr std::size_t kMostOutputs = 5;
-constexpr std::size_t kLongestPath = 4096;
+// Read and written by handlers, on any thread.
+std::atomic<bool> watched = false;
+std::atomic<bool> somebody_reads = false;      // standard error is a terminal
+std::atomic<std::int64_t> interrupted_at = 0;  // nanoseconds; 0: not interrupted
+std::atomic<bool> held_back = false;
+std::atomic<int> held_signal = 0;
+std::array<char, 4096> directory_to_remove = {};
+std::atomic<bool> has_directory = false;
+static_assert(std::atomic<std::int64_t>::is_always_lock_free);
 
-// Read by the handler, which may call but few functions and allocate nothing. The temporary names
-// are known before the files exist; unlinking one that does not exist is harmless.
-char temporary_names[kMostOutputs][kLongestPath];
-volatile std::sig_atomic_t temporary_count = 0;
-volatile std::sig_atomic_t interrupt_count = 0;
-volatile std::sig_atomic_t somebody_reads = 0;  // standard error is a terminal
-double interrupted_at = 0;                      // read and written by the handler alone
-
-void remove_temporary_files() {
-  for (int i = 0; i < temporary_count; ++i) ::unlink(temporary_names[i]);
+std::int64_t now() {
+  timespec time = {};
+  ::clock_gettime(CLOCK_MONOTONIC, &time);
+  return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
 }
 
-double seconds_now() {
-  timespec now = {};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+void say(std::string_view text) {
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
 }
 
-extern "C" void on_interrupt(int) {
-  // One Ctrl-C may arrive twice: a parent that passes it on signals the process and its group.
-  constexpr double kSameKey = 0.3;
-  const double now = seconds_now();
-  if (interrupt_count == 0) {
-    interrupt_count = 1;
-    interrupted_at = now;
-    constexpr char message[] =
-        "\nccvt: stopping, and writing what has been reached; Ctrl-C again discards it\n";
-    if (somebody_reads != 0) {
-      [[maybe_unused]] const auto written = ::write(STDERR_FILENO, message, sizeof message - 1);
-    }
-    return;
-  }
-  if (now - interrupted_at < kSameKey) return;
-  remove_temporary_files();
-  ::_exit(130);
+[[noreturn]] void leave(int signal) {
+  remove_unfinished_files();
+  if (has_directory) ::rmdir(directory_to_remove.data());
+  ::_exit(128 + signal);
 }
 
 extern "C" void on_termination(int signal) {
-  remove_temporary_files();
-  ::_exit(128 + signal);
+  if (held_back) {
+    held_signal = signal;
+    return;
+  }
+  leave(signal);
+}
+
+extern "C" void on_interrupt(int signal) {
+  // One Ctrl-C may arrive twice: a parent that passes it on signals the process and its group.
+  constexpr std::int64_t same_key = 300'000'000;
+  const std::string_view line = somebody_reads ? "\n" : "";  // behind what shows the progress
+  const std::int64_t time = now();
+  std::int64_t before = 0;
+  if (watched && interrupted_at.compare_exchange_strong(before, time)) {
+    if (somebody_reads) {
+      say("\nccvt: stopping, and writing what has been reached; Ctrl-C again discards it\n");
+    }
+    return;
+  }
+  if (watched && time - before < same_key) return;
+  if (!held_back) {
+    say(line);
+    say(watched ? "ccvt: error: interrupted again: what had been reached is discarded\n"
+                : "ccvt: error: interrupted before there was anything to write\n");
+  }
+  on_termination(signal);
 }
 
 void handle(int signal, void (*handler)(int)) {
@@ -75,23 +89,34 @@ bool is_ignored(int signal) {
 }  // namespace
 
 void handle_signals() {
-  somebody_reads = ::isatty(STDERR_FILENO) != 0 ? 1 : 0;
+  somebody_reads = ::isatty(STDERR_FILENO) != 0;
   handle(SIGINT, on_interrupt);
   handle(SIGTERM, on_termination);
   if (!is_ignored(SIGHUP)) handle(SIGHUP, on_termination);  // as nohup asks
+  handle(SIGXFSZ, SIG_IGN);
+  handle(SIGPIPE, SIG_IGN);
 }
 
-bool interrupted() { return interrupt_count != 0; }
+std::function<bool()> watch_interrupts() {
+  watched = true;
+  return [] { return interrupted(); };
+}
 
-void protect_outputs(const std::vector<std::filesystem::path>& outputs) {
-  temporary_count = 0;  // a name that is being written is not read
-  int count = 0;
-  for (const auto& output : outputs) {
-    const std::string name = temporary_path(output).string();
-    if (count == static_cast<int>(kMostOutputs) || name.size() >= kLongestPath) continue;
-    std::memcpy(temporary_names[count], name.c_str(), name.size() + 1);
-    temporary_count = ++count;
-  }
+bool interrupted() { return interrupted_at != 0; }
+
+EndsHeldBack::EndsHeldBack() { held_back = true; }
+
+EndsHeldBack::~EndsHeldBack() {
+  held_back = false;
+  if (held_signal != 0) leave(held_signal);
+}
+
+void remove_at_end(const std::filesystem::path& directory) {
+  has_directory = false;  // a name that is being written is not read
+  const std::string name = directory.string();
+  if (name.empty() || name.size() >= directory_to_remove.size()) return;
+  std::memcpy(directory_to_remove.data(), name.c_str(), name.size() + 1);
+  has_directory = true;
 }
 
 }  // namespace ccvt::cli

@@ -1,19 +1,34 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
+#include <functional>
 
 namespace ccvt::cli {
 
-/// From now on the first Ctrl-C (SIGINT) makes interrupted() true; the second one removes
-/// unfinished outputs and ends the program with status 130. SIGTERM and SIGHUP end it at once,
-/// without leaving unfinished outputs either; a SIGHUP that is ignored stays so. SIGINT is handled
-/// even where it was ignored, as shells have it for the background jobs of scripts.
+/// From now on Ctrl-C (SIGINT) ends the program at once, with status 130, until it is watched; so
+/// do SIGTERM and SIGHUP at any time, with 128 and their number. Unfinished outputs are removed. A
+/// SIGHUP that is ignored stays so; SIGINT is handled even where it was ignored, as shells have it
+/// for the background jobs of scripts. Writes beyond a limit of size, and to a pipe that nobody
+/// reads, fail instead of ending the program.
 void handle_signals();
 
+/// To be handed to the library as `cancelled`, right before the call that asks it and has something
+/// to return then: from now on the first Ctrl-C makes it true, and the second one ends the program.
+std::function<bool()> watch_interrupts();
+
+/// Whether there was a Ctrl-C since they are watched.
 [[nodiscard]] bool interrupted();
 
-/// Names the outputs whose temporary files are to be removed on a sudden end. At most 5.
-void protect_outputs(const std::vector<std::filesystem::path>& outputs);
+/// While one lives, signals that would end the program wait for its end.
+class EndsHeldBack {
+ public:
+  EndsHeldBack();
+  EndsHeldBack(const EndsHeldBack&) = delete;
+  EndsHeldBack& operator=(const EndsHeldBack&) = delete;
+  ~EndsHeldBack();
+};
+
+/// A directory that a signal which ends the program removes, if it is empty; "": none any more.
+void remove_at_end(const std::filesystem::path& directory);
 
 }  // namespace ccvt::cli

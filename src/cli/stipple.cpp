@@ -17,7 +17,6 @@ int stipple_file(const StippleArguments& arguments) {
                               static_cast<std::uint64_t>(arguments.points_per_site);
   check_memory("--sites " + std::to_string(arguments.sites), count, 2, sizeof(Scalar));
   const Image image = read_image(arguments.image);
-  stop_if_interrupted();
 
   StippleOptions options;
   options.points_per_site = arguments.points_per_site;
@@ -30,6 +29,8 @@ int stipple_file(const StippleArguments& arguments) {
     return stipple<Scalar>(image, arguments.sites, options);
   });
 
+  Publication outputs;
+  write_summary(arguments, stippling.summary);
   const std::string extension = lower_extension(arguments.output);
   if (extension == ".svg") {
     write_svg(arguments.output, stippling);
@@ -38,7 +39,7 @@ int stipple_file(const StippleArguments& arguments) {
   } else {
     write_points(arguments.output, stippling.dots);
   }
-  return finish(arguments, stippling.summary);
+  return finish(arguments, outputs, stippling.summary);
 }
 
 }  // namespace

@@ -35,7 +35,6 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
     sites = static_cast<Index>(initial_sites.cols());
   }
   const Points<Scalar> points = read_points<Scalar>(arguments.points, arguments.reading);
-  stop_if_interrupted();
 
   Problem<Scalar> problem = blame(arguments.points, [&] { return Problem<Scalar>(points, sites); });
   blame(arguments.points, [&] { problem.set_domain(std::move(domain)); });
@@ -51,9 +50,11 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
     return tessellate(problem, make_options(arguments, sites, progress));
   }();
 
-  write_points(arguments.output, result.sites);
+  Publication outputs;
   if (!arguments.owners_out.empty()) write_owners(arguments.owners_out, result.owners);
-  return finish(arguments, result.summary);
+  write_summary(arguments, result.summary);
+  write_points(arguments.output, result.sites);
+  return finish(arguments, outputs, result.summary);
 }
 
 }  // namespace

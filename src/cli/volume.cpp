@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <iostream>
+#include <optional>
 #include <variant>
 #include <vector>
 
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
+#include "cli/streams.h"
 
 namespace ccvt::cli {
 
@@ -40,9 +41,8 @@ void check_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
   }
 }
 
-std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const VolumeHeader& volume) {
+std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments) {
   if (arguments.mask.empty()) return {};
-  check_mask(arguments, volume, inspect_volume(arguments.mask, arguments.layout));
   const Volume file = read_volume(arguments.mask, arguments.layout);
   std::vector<std::uint8_t> mask(file.cells());
   std::visit(
@@ -56,24 +56,19 @@ std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const Volu
 }
 
 template <class Scalar>
-int sample(const VolumeArguments& arguments) {
+int sample(const VolumeArguments& arguments, const VolumeHeader& header,
+           const std::optional<VolumeHeader>& mask_header) {
   const std::uint64_t count = static_cast<std::uint64_t>(arguments.sites) *
                               static_cast<std::uint64_t>(arguments.points_per_site);
-  const VolumeHeader header = inspect_volume(arguments.volume, arguments.layout);
-  const std::uint64_t mask_bytes =
-      arguments.mask.empty()
-          ? 0
-          : header.cells() + inspect_volume(arguments.mask, arguments.layout).bytes();
+  const std::uint64_t mask_bytes = mask_header ? header.cells() + mask_header->bytes() : 0;
   const std::string needed = check_memory("--sites " + std::to_string(arguments.sites), count, 3,
                                           sizeof(Scalar), header.bytes() + mask_bytes);
-  if (!arguments.quiet) std::cout << "needs about " << needed << " of memory" << std::endl;
+  if (!arguments.quiet) print("needs about " + needed + " of memory\n");
 
   const Volume volume = read_volume(arguments.volume, arguments.layout);
-  stop_if_interrupted();
-  const std::vector<std::uint8_t> mask = read_mask(arguments, volume);
+  const std::vector<std::uint8_t> mask = read_mask(arguments);
   const DensityGrid density =
       blame(arguments.volume, [&] { return volume.density(arguments.map, mask); });
-  stop_if_interrupted();
 
   VolumeOptions options;
   options.points_per_site = arguments.points_per_site;
@@ -82,23 +77,33 @@ int sample(const VolumeArguments& arguments) {
     options.tessellation = make_options(arguments, arguments.sites, progress);
     return sample_volume<Scalar>(density, arguments.sites, options);
   });
-  write_samples(arguments.output, samples);
+  Publication outputs;
   if (!arguments.preview.empty()) write_png(arguments.preview, preview(density, samples.sites));
-  return finish(arguments, samples.summary);
+  write_summary(arguments, samples.summary);
+  write_samples(arguments.output, samples);
+  return finish(arguments, outputs, samples.summary);
 }
 
 }  // namespace
 
 int run_volume(const VolumeArguments& arguments) {
+  const VolumeHeader header = inspect_volume(arguments.volume, arguments.layout);
+  std::optional<VolumeHeader> mask;
+  if (!arguments.mask.empty()) {
+    mask = inspect_volume(arguments.mask, arguments.layout);
+    check_mask(arguments, header, *mask);
+  }
   Outputs()
       .add("--output", arguments.output, io::kSampleFiles)
       .add("--preview", arguments.preview, io::kPictureFiles)
       .add("--summary", arguments.summary)
       .add_input("FILE", arguments.volume)
+      .add_input("the data file of FILE", header.data_file)
       .add_input("--mask", arguments.mask)
+      .add_input("the data file of --mask", mask ? mask->data_file : "")
       .check();
-  return arguments.scalar == ScalarType::float64 ? sample<double>(arguments)
-                                                 : sample<float>(arguments);
+  return arguments.scalar == ScalarType::float64 ? sample<double>(arguments, header, mask)
+                                                 : sample<float>(arguments, header, mask);
 }
 
 }  // namespace ccvt::cli

@@ -7,6 +7,7 @@
 
 #include "ccvt/io.h"
 #include "ccvt/metrics.h"
+#include "ccvt/publication.h"
 #include "codebook/encode.h"
 #include "format.h"
 #include "geometry/squares.h"
@@ -187,10 +188,12 @@ double Codebook::distortion(PointsView<Scalar> vectors, std::span<const Index> c
 
 void Codebook::save(const std::filesystem::path& codewords,
                     const std::filesystem::path& weights) const {
-  write_points(codewords, codewords_);
+  Publication together;
   if (!weights.empty()) {
     write_points(weights, PointsView<double>{weights_.data(), 1, size(), 1});
   }
+  write_points(codewords, codewords_);
+  together.publish();
 }
 
 Codebook Codebook::load(const std::filesystem::path& codewords,

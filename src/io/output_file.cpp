@@ -2,67 +2,56 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
-#include <string>
-#include <system_error>
 #include <utility>
 
-#include "ccvt/io.h"
+#include "io/publication.h"
 
-namespace ccvt {
+namespace ccvt::io {
 
-std::filesystem::path temporary_path(const std::filesystem::path& target) {
-  std::string name = ".";
-  name += target.filename().string();
-  name += ".ccvt-" + std::to_string(::getpid()) + ".part";
-  return target.parent_path() / name;
-}
+namespace {
 
-namespace io {
+/// So much is on its way to the disk at most: nobody can stop a process that waits for it.
+constexpr std::size_t kMostUnsynchronized = std::size_t{1} << 24;
 
-OutputFile::OutputFile(std::filesystem::path target)
-    : target_(std::move(target)), temporary_(temporary_path(target_)) {
-  std::error_code error;
-  if (std::filesystem::is_directory(target_, error)) fail(EISDIR);
-  if (std::filesystem::exists(target_, error) &&
-      !std::filesystem::is_regular_file(target_, error)) {
-    throw IoError(target_.string() + ": cannot be written: is not a regular file");
+}  // namespace
+
+OutputFile::OutputFile(std::filesystem::path target) : unfinished_(std::move(target)) {
+  const int descriptor = unfinished_.take_descriptor();
+  file_.reset(::fdopen(descriptor, "wb"));
+  if (!file_) {
+    const int error = errno;
+    ::close(descriptor);
+    unfinished_.fail(error);
   }
-  // Renaming would replace a file that its owner made read-only.
-  if (std::filesystem::exists(target_, error) && ::access(target_.c_str(), W_OK) != 0) fail(errno);
-  // Exclusive: neither a link planted under that name nor another writer's file is written to.
-  file_ = std::fopen(temporary_.c_str(), "wbx");
-  if (file_ == nullptr && errno == EEXIST) {
-    std::filesystem::remove(temporary_, error);
-    file_ = std::fopen(temporary_.c_str(), "wbx");
-  }
-  if (file_ == nullptr) fail(errno);
-}
-
-OutputFile::~OutputFile() {
-  if (file_ == nullptr && temporary_.empty()) return;
-  if (file_ != nullptr) std::fclose(file_);
-  std::error_code ignored;
-  std::filesystem::remove(temporary_, ignored);
 }
 
 void OutputFile::write(const void* data, std::size_t count) {
-  if (std::fwrite(data, 1, count, file_) < count) fail(errno);
+  const char* bytes = static_cast<const char*>(data);
+  while (count > 0) {
+    const std::size_t part = std::min(count, kMostUnsynchronized - unsynchronized_);
+    if (std::fwrite(bytes, 1, part, file_.get()) < part) unfinished_.fail(errno);
+    bytes += part;
+    count -= part;
+    unsynchronized_ += part;
+    if (unsynchronized_ == kMostUnsynchronized) synchronize();
+  }
+}
+
+void OutputFile::synchronize() {
+  if (std::fflush(file_.get()) != 0) unfinished_.fail(errno);
+  // Some file systems have nothing to synchronize with.
+  if (::fsync(::fileno(file_.get())) != 0 && errno != EINVAL && errno != ENOSYS) {
+    unfinished_.fail(errno);
+  }
+  unsynchronized_ = 0;
 }
 
 void OutputFile::commit() {
-  const int closed = std::fclose(std::exchange(file_, nullptr));
-  if (closed != 0) fail(errno);
-  std::error_code error;
-  std::filesystem::rename(temporary_, target_, error);
-  if (error) fail(error.value());
-  temporary_.clear();
+  synchronize();
+  if (std::fclose(file_.release()) != 0) unfinished_.fail(errno);
+  publish(std::move(unfinished_));
 }
 
-void OutputFile::fail(int error) const {
-  throw IoError(target_.string() +
-                ": cannot be written: " + std::generic_category().message(error));
-}
-
-}  // namespace io
-}  // namespace ccvt
+}  // namespace ccvt::io

@@ -3,32 +3,36 @@
 #include <cstddef>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <string_view>
+
+#include "io/unfinished_file.h"
 
 namespace ccvt::io {
 
-/// A file that appears under its name only when it is complete: written under
-/// temporary_path(target), then renamed. Unless committed, the destructor removes it.
+/// A file that appears under its name only when it is complete and on its disk: written under
+/// another name, then renamed. Unless committed, the destructor removes it.
 class OutputFile {
  public:
   /// Throws IoError when the file cannot be created.
   explicit OutputFile(std::filesystem::path target);
-  OutputFile(const OutputFile&) = delete;
-  OutputFile& operator=(const OutputFile&) = delete;
-  ~OutputFile();
 
   /// Throws IoError.
   void write(const void* data, std::size_t count);
   void write(std::string_view text) { write(text.data(), text.size()); }
-  /// Flushes, closes and renames. Throws IoError.
+  /// Completes the file, and renames it, unless a Publication of this thread is to do that. Throws
+  /// IoError.
   void commit();
 
  private:
-  [[noreturn]] void fail(int error) const;
+  void synchronize();
 
-  std::filesystem::path target_;
-  std::filesystem::path temporary_;
-  std::FILE* file_ = nullptr;
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  UnfinishedFile unfinished_;
+  std::unique_ptr<std::FILE, Close> file_;
+  std::size_t unsynchronized_ = 0;
 };
 
 }  // namespace ccvt::io

@@ -138,15 +138,8 @@ VolumeFile open_raw(const std::filesystem::path& path, const VolumeLayout& layou
   return result;
 }
 
-VolumeFile open_volume(const std::filesystem::path& path, const VolumeLayout& layout) {
-  const Format format = format_of(path);
-  if (format != Format::raw && (!layout.shape.empty() || layout.type || layout.big_endian)) {
-    throw InvalidInput(path.string() + ": says its shape and type itself; do not give them");
-  }
-  const bool placed = format == Format::nifti || format == Format::nrrd;
-  if (placed && (!layout.spacing.empty() || !layout.origin.empty())) {
-    throw InvalidInput(path.string() + ": says its spacing and origin itself; do not give them");
-  }
+VolumeFile open_format(Format format, const std::filesystem::path& path,
+                       const VolumeLayout& layout) {
   switch (format) {
     case Format::nifti:
       return io::open_nifti(path);
@@ -158,6 +151,20 @@ VolumeFile open_volume(const std::filesystem::path& path, const VolumeLayout& la
       break;
   }
   return open_raw(path, layout);
+}
+
+VolumeFile open_volume(const std::filesystem::path& path, const VolumeLayout& layout) {
+  const Format format = format_of(path);
+  if (format != Format::raw && (!layout.shape.empty() || layout.type || layout.big_endian)) {
+    throw InvalidInput(path.string() + ": says its shape and type itself; do not give them");
+  }
+  const bool placed = format == Format::nifti || format == Format::nrrd;
+  if (placed && (!layout.spacing.empty() || !layout.origin.empty())) {
+    throw InvalidInput(path.string() + ": says its spacing and origin itself; do not give them");
+  }
+  VolumeFile result = open_format(format, path, layout);
+  result.header.data_file = result.data;
+  return result;
 }
 
 /// Writes the float32 of each float16 in `halves`, which may be the last half of `floats`.

@@ -24,7 +24,7 @@ std::filesystem::path temporary_file() {
 }  // namespace
 
 Process::Process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                 const std::filesystem::path& directory)
+                 const std::filesystem::path& directory, const std::function<void()>& before)
     : output_(temporary_file()), errors_(temporary_file()) {
   std::vector<std::string> words = {program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -37,6 +37,7 @@ Process::Process(const std::filesystem::path& program, const std::vector<std::st
   const int errors = ::open(errors_.c_str(), O_WRONLY);
   if (::dup2(output, STDOUT_FILENO) < 0 || ::dup2(errors, STDERR_FILENO) < 0) ::_exit(126);
   if (::chdir(directory.c_str()) != 0) ::_exit(126);
+  if (before) before();
   ::execv(pointers[0], pointers.data());
   ::_exit(127);
 }
@@ -74,14 +75,16 @@ std::vector<std::string> words(const std::string& line) {
   return {std::istream_iterator<std::string>(stream), {}};
 }
 
-Ran run(const TemporaryDirectory& directory, const std::vector<std::string>& arguments) {
-  Process process(CCVT_PROGRAM, arguments, directory.path());
+Ran run(const TemporaryDirectory& directory, const std::vector<std::string>& arguments,
+        const std::function<void()>& before) {
+  Process process(CCVT_PROGRAM, arguments, directory.path(), before);
   const int status = process.wait();
   return {status, process.output(), process.errors()};
 }
 
-Ran run(const TemporaryDirectory& directory, const std::string& line) {
-  return run(directory, words(line));
+Ran run(const TemporaryDirectory& directory, const std::string& line,
+        const std::function<void()>& before) {
+  return run(directory, words(line), before);
 }
 #endif
 

@@ -3,6 +3,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,9 @@ namespace ccvt::test {
 /// A program that runs in `directory`, with what it prints.
 class Process {
  public:
+  /// `before` is called in the new process, right before it becomes the program.
   Process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-          const std::filesystem::path& directory);
+          const std::filesystem::path& directory, const std::function<void()>& before = {});
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
   ~Process();
@@ -46,8 +48,10 @@ struct Ran {
 };
 
 /// Runs the program in `directory` to its end.
-Ran run(const TemporaryDirectory& directory, const std::vector<std::string>& arguments);
-Ran run(const TemporaryDirectory& directory, const std::string& line);
+Ran run(const TemporaryDirectory& directory, const std::vector<std::string>& arguments,
+        const std::function<void()>& before = {});
+Ran run(const TemporaryDirectory& directory, const std::string& line,
+        const std::function<void()>& before = {});
 #endif
 
 }  // namespace ccvt::test

@@ -1,0 +1,78 @@
+#include "io/publication.h"
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ccvt/io.h"
+#include "ccvt/publication.h"
+
+namespace ccvt {
+
+struct Publication::Implementation {
+  std::vector<io::UnfinishedFile> files;
+  Implementation* outer = nullptr;
+};
+
+namespace {
+
+// A scope and not an argument of all writers: so it holds for writers that call writers, too.
+thread_local Publication::Implementation* innermost = nullptr;
+
+/// ", "-separated names of files[first..last).
+std::string names(const std::vector<io::UnfinishedFile>& files, std::size_t first,
+                  std::size_t last) {
+  std::string text;
+  for (std::size_t i = first; i < last; ++i) {
+    text += (i > first ? ", " : "") + files[i].target().string();
+  }
+  return text.empty() ? "nothing" : text;
+}
+
+}  // namespace
+
+Publication::Publication() : implementation_(std::make_unique<Implementation>()) {
+  implementation_->outer = std::exchange(innermost, implementation_.get());
+}
+
+Publication::~Publication() { innermost = implementation_->outer; }
+
+void Publication::publish() {
+  std::vector<io::UnfinishedFile> files = std::move(implementation_->files);
+  implementation_->files.clear();
+  if (implementation_->outer != nullptr) {
+    for (io::UnfinishedFile& file : files) implementation_->outer->files.push_back(std::move(file));
+    return;
+  }
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    try {
+      files[i].publish();
+    } catch (const IoError& error) {
+      if (files.size() == 1) throw;
+      throw IoError(error.what() + ("; written before it: " + names(files, 0, i)) +
+                    "; not written either: " + names(files, i + 1, files.size()));
+    }
+  }
+}
+
+std::filesystem::path Publication::unpublished(const std::filesystem::path& target) const {
+  const auto& files = implementation_->files;
+  for (auto file = files.rbegin(); file != files.rend(); ++file) {
+    if (file->target() == target) return file->path();
+  }
+  throw InvalidInput(target.string() + ": is not among the files to be published");
+}
+
+namespace io {
+
+void publish(UnfinishedFile file) {
+  if (innermost == nullptr) {
+    file.publish();
+  } else {
+    innermost->files.push_back(std::move(file));
+  }
+}
+
+}  // namespace io
+}  // namespace ccvt

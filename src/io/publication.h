@@ -1,0 +1,11 @@
+#pragma once
+
+#include "io/unfinished_file.h"
+
+namespace ccvt::io {
+
+/// Hands a complete file to the innermost Publication of this thread, or publishes it when there is
+/// none. Throws IoError.
+void publish(UnfinishedFile file);
+
+}  // namespace ccvt::io

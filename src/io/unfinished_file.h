@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace ccvt::io {
+
+class LiveFile;
+
+/// A new, empty file beside the one that it is to become, under a random name that no other file
+/// has, `.ccvt-*.part`. Links are followed as output_target() says. It has the permissions of the
+/// file that it is to replace, else those that the umask leaves. Unless published it is removed by
+/// the destructor, and by remove_unfinished_files().
+class UnfinishedFile {
+ public:
+  /// Throws IoError when `target` is there and no regular file, or may not be written, or the file
+  /// cannot be made.
+  explicit UnfinishedFile(std::filesystem::path target);
+  UnfinishedFile(UnfinishedFile&& other) noexcept;
+  UnfinishedFile& operator=(UnfinishedFile&&) = delete;
+  UnfinishedFile(const UnfinishedFile&) = delete;
+  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
+  ~UnfinishedFile();
+
+  /// As it was given.
+  [[nodiscard]] const std::filesystem::path& target() const { return target_; }
+  /// Where the file is until it is published.
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// The file, open for writing. The caller closes it; to be called once.
+  [[nodiscard]] int take_descriptor();
+  /// Renames. Throws IoError.
+  void publish();
+
+  /// Throws IoError: target cannot be written, for the reason that errno gives.
+  [[noreturn]] void fail(int error) const;
+
+ private:
+  /// The permissions of the target, or -1 when there is none. Throws IoError.
+  [[nodiscard]] int check_target() const;
+  void create(const std::filesystem::path& directory, int permissions);
+  void drop() noexcept;
+
+  std::filesystem::path target_;
+  std::filesystem::path final_;
+  std::filesystem::path path_;
+  LiveFile* live_ = nullptr;
+  int descriptor_ = -1;
+};
+
+}  // namespace ccvt::io

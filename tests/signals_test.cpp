@@ -1,0 +1,171 @@
+// How the program ends when it is told to.
+#ifdef CCVT_PROGRAM
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ccvt/capacity.h"
+#include "ccvt/io.h"
+#include "ccvt/sampling.h"
+#include "support/files.h"
+#include "support/process.h"
+
+namespace ccvt::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* kNothingYet = "ccvt: error: interrupted before there was anything to write\n";
+
+/// Waits until `done` or a minute has passed.
+template <class Condition>
+bool wait_for(Condition&& done) {
+  const auto end = Clock::now() + std::chrono::minutes(1);
+  while (!done()) {
+    if (Clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return true;
+}
+
+/// Interrupts runs at half of the time that a whole one takes, sooner if that is too late, until
+/// one is caught.
+Ran interrupted_half_way(const TemporaryDirectory& directory, const std::string& line,
+                         int status_of_whole) {
+  const auto start = Clock::now();
+  const Ran whole = run(directory, line);
+  CAPTURE(whole.errors);
+  REQUIRE(whole.status == status_of_whole);
+  const auto time = Clock::now() - start;
+  Ran ran{};
+  for (int part = 2; part < 8; ++part) {
+    Process process(CCVT_PROGRAM, words(line), directory.path());
+    std::this_thread::sleep_for(time / part);
+    process.send(SIGINT);
+    ran = {process.wait(), process.output(), process.errors()};
+    if (ran.status != status_of_whole) break;
+  }
+  return ran;
+}
+
+/// Whether a file is being written, and has begun to grow.
+bool is_writing(const TemporaryDirectory& directory) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(directory.path())) {
+    if (entry.path().filename().string().rfind(".ccvt-", 0) != 0) continue;
+    if (fs::file_size(entry.path(), error) > 0 && !error) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("cli");
+
+TEST_CASE("Ctrl-C writes the tessellation reached so far") {
+  const TemporaryDirectory directory;
+  const std::string line =
+      "sample --dim 2 --sites 4000 --points-per-site 1024 --threads 1 -o s.npy --points-out p.npy "
+      "--owners-out o.npy --summary s.json";
+  const auto started = Clock::now();
+  REQUIRE(run(directory, line).status == 0);
+  const auto whole = Clock::now() - started;
+  // Later and later, until the tessellation has begun; then it must be in the middle.
+  for (int part = 3;; ++part) {
+    REQUIRE(part < 20);
+    for (const char* const name : {"s.npy", "p.npy", "o.npy", "s.json"}) {
+      fs::remove(directory / name);
+    }
+    Process process(CCVT_PROGRAM, words(line), directory.path());
+    std::this_thread::sleep_for(whole * part / 20);
+    process.send(SIGINT);
+    CHECK(process.wait() == 130);
+    if (directory.entries() == 0) {
+      CHECK(process.errors() == kNothingYet);
+      continue;
+    }
+    CHECK(process.errors() == "");
+    CHECK(directory.entries() == 4);
+    CHECK(nlohmann::json::parse(get(directory / "s.json"))["termination"] == "cancelled");
+    const auto owners = read_indices(directory / "o.npy");
+    CHECK(owners.size() == 4000 * 1024);
+    CHECK(capacity_error(owners, 4000) == 0);
+    CHECK(read_points<float>(directory / "s.npy").cols() == 4000);
+    break;
+  }
+}
+
+TEST_CASE("Ctrl-C while a file is read ends the program at once") {
+  const TemporaryDirectory directory;
+  // Who reads on finds the mistake at the end.
+  std::string text;
+  for (int i = 0; i < 1'500'000; ++i) text += "0.123456789,0.987654321\n";
+  put(directory / "p.csv", text + "x,1\n");
+  for (const char* const line :
+       {"tessellate p.csv --sites 4 -o s.csv", "encode p.csv --codebook p.csv -o s.csv",
+        "quantize p.csv --codewords 4 -o s.csv", "analyze p.csv -o out"}) {
+    CAPTURE(line);
+    const Ran ran = interrupted_half_way(directory, line, 2);
+    CHECK(ran.status == 130);
+    CHECK(ran.errors == kNothingYet);
+    CHECK(directory.entries() == 1);
+  }
+}
+
+TEST_CASE("Ctrl-C while analyze draws its pictures ends it at once, and leaves nothing") {
+  const TemporaryDirectory directory;
+  // In four dimensions the picture of the spectrum takes longest.
+  write_points(directory / "p.npy", sample_uniform<double>(Box::unit(4), 3000, 1));
+  Process process(CCVT_PROGRAM, words("analyze p.npy -q --threads 1 -o out"), directory.path());
+  REQUIRE(wait_for([&] { return fs::exists(directory / "out") || !process.running(); }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  process.send(SIGINT);
+  CHECK(process.wait() == 130);
+  CHECK(process.errors() == kNothingYet);
+  CHECK(directory.entries() == 1);
+}
+
+TEST_CASE("a second Ctrl-C, or a termination, leaves no partial file") {
+  const TemporaryDirectory directory;
+  // Points as text take a while to write: long enough to be caught at it.
+  const std::string line =
+      "sample --dim 64 --sites 2 --points-per-site 60000 --max-iterations 0 -o s.npy "
+      "--points-out p.txt";
+  for (const bool twice : {true, false}) {
+    for (int attempt = 0;; ++attempt) {
+      REQUIRE(attempt < 20);
+      Process process(CCVT_PROGRAM, words(line), directory.path());
+      REQUIRE(wait_for([&] { return is_writing(directory) || !process.running(); }));
+      process.send(twice ? SIGINT : SIGTERM);
+      if (twice) {
+        // Signals less than 0.3 s apart count as one key press.
+        std::this_thread::sleep_for(std::chrono::milliseconds(350));
+        process.send(SIGINT);
+      }
+      const int status = process.wait();
+      if (fs::exists(directory / "p.txt")) {  // it was complete before
+        for (const auto& entry : fs::directory_iterator(directory.path())) fs::remove(entry);
+        continue;
+      }
+      CHECK(status == (twice ? 130 : 143));
+      CHECK(process.errors() ==
+            (twice ? "ccvt: error: interrupted again: what had been reached is discarded\n" : ""));
+      CHECK(directory.entries() == 0);
+      break;
+    }
+  }
+}
+
+TEST_SUITE_END();
+
+}  // namespace ccvt::test
+
+#endif  // CCVT_PROGRAM
