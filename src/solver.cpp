@@ -5,11 +5,13 @@
 #include <cmath>
 #include <numeric>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "normalize.h"
 #include "parallel/arena.h"
 #include "relax/deal.h"
+#include "precision.h"
 #include "relax/initial_sites.h"
 #include "relax/initialize.h"
 #include "relax/levels.h"
@@ -273,6 +275,11 @@ void Solver<Scalar>::Implementation::finish(Termination termination) {
     capacity_error_sum += std::pow(c / mean - 1, 2);
   }
   summary.capacity_error = capacity_error_sum / n;
+  const double spacing =
+      std::min(spacing_in_box(box, summary.points),
+               spacing_in_cells(summary.energy, summary.points, summary.sites, summary.dimension));
+  const std::string warning = coarse_coordinates<Scalar>("points", problem.points(), spacing);
+  if (!warning.empty()) summary.warnings.push_back(warning);
 }
 
 template <class Scalar>

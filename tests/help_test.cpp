@@ -78,7 +78,10 @@ TEST_CASE("help lists the extensions that readers and writers take, and no other
     write_owners(path, std::vector<Index>{1});
   };
   const auto write_as_samples = [](const fs::path& path) {
-    const VolumeSamples<float> samples{Points<float>::Zero(3, 1), {1}, {1}, {1}, {}};
+    VolumeSamples samples;
+    samples.sites = Points<double>::Zero(3, 1);
+    samples.capacities = {1};
+    samples.weights = samples.radii = {1.0};
     write_samples(path, samples);
   };
   const auto write_as_picture = [](const fs::path& path) { write_png(path, Image{1, 1, {0.5F}}); };

@@ -4,12 +4,14 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "ccvt/io.h"
+#include "ccvt/sampling.h"
 #include "support/files.h"
 #include "support/process.h"
 #include "support/volumes.h"
@@ -22,6 +24,22 @@ std::string half_bright() {
   std::vector<std::int16_t> values;
   for (int cell = 0; cell < 16 * 16 * 8; ++cell) {
     values.push_back(static_cast<std::int16_t>(cell % 16 < 8 ? -100 : 300));
+  }
+  return nifti1({16, 16, 8}, 4, 16) + bytes_of_values(values);
+}
+
+// The same cells: 1, but NaN in the sixth.
+std::string with_nan() {
+  std::vector<float> values(16 * 16 * 8, 1.0F);
+  values[5] = NAN;
+  return nifti1({16, 16, 8}, 16, 32) + bytes_of_values(values);
+}
+
+// The same cells: the layer that they are in.
+std::string labels() {
+  std::vector<std::int16_t> values;
+  for (int cell = 0; cell < 16 * 16 * 8; ++cell) {
+    values.push_back(static_cast<std::int16_t>(cell / 256 % 4));
   }
   return nifti1({16, 16, 8}, 4, 16) + bytes_of_values(values);
 }
@@ -83,6 +101,86 @@ TEST_CASE("volume: masks, inversion, raw and .npy files") {
   CHECK(sites.row(2).maxCoeff() < 102.6F);
 }
 
+TEST_CASE("volume: labels of a mask, a mask with NaN, constant cells") {
+  const TemporaryDirectory directory;
+  put(directory / "v.nii", half_bright());
+  put(directory / "l.nii", labels());
+  put(directory / "nan.nii", with_nan());
+  const std::string line = "volume v.nii --map window:-200,300 --sites 60 -q -o s.npy ";
+  const auto layers = [&](const std::string& arguments) {
+    std::vector<int> counts(8);
+    CHECK(run(directory, line + arguments).status == 0);
+    const auto sites = read_points<double>(directory / "s.npy");
+    for (Eigen::Index s = 0; s < 60; ++s) {
+      ++counts.at(static_cast<std::size_t>(sites(2, s) / 3 + 0.5));
+    }
+    return counts;
+  };
+  const auto several = layers("--mask l.nii --label 1,3 --summary s.json");
+  for (const std::size_t layer : {0U, 2U, 4U, 6U}) CHECK(several[layer] == 0);
+  for (const std::size_t layer : {1U, 3U, 5U, 7U}) CHECK(several[layer] > 5);
+  const auto json = nlohmann::json::parse(get(directory / "s.json"));
+  CHECK(json["put_back"]["sites"].is_number_integer());
+  CHECK(json["put_back"]["farthest"].is_number());
+  CHECK(json["warnings"].empty());
+  const auto others = layers("--mask l.nii");
+  CHECK(others[0] + others[4] == 0);
+  CHECK(others[2] > 2);
+  CHECK(run(directory, "volume nan.nii --mask nan.nii --sites 20 -q -o t.npy").status == 0);
+
+  // Constant cells keep what is dim as dim as it is up to the border between columns 7 and 8.
+  const auto in_column = [&](const std::string& interpolation) {
+    CHECK(run(directory,
+              "volume v.nii --map window:-101,300 --sites 2000 --points-per-site 1 -q "
+              "-o s.npy --interpolation " +
+                  interpolation)
+              .status == 0);
+    const auto sites = read_points<double>(directory / "s.npy");
+    return (sites.row(0).array() > 7.05 && sites.row(0).array() < 7.45).count();
+  };
+  CHECK(in_column("constant") < 5);
+  CHECK(in_column("linear") > 10);  // 25 expected
+}
+
+TEST_CASE("volume: far from the origin, as near it") {
+  const TemporaryDirectory directory;
+  put(directory / "v.raw", std::string(16 * 16 * 16, '\1'));
+  const std::string line =
+      "volume v.raw --shape 16,16,16 --type uint8 --spacing .1,.1,.1 --points-per-site 16 "
+      "--sites 500 -q ";
+  CHECK(run(directory, line + "-o near.ply").status == 0);
+  CHECK(run(directory, line + "--origin 500000,5400000,1000 -o far.ply").status == 0);
+  const auto near = read_points<double>(directory / "near.ply");
+  const auto far = read_points<double>(directory / "far.ply");
+  const Eigen::Vector3d origin(500000, 5400000, 1000);
+  CHECK(((far.topRows(3).colwise() - origin) - near.topRows(3)).cwiseAbs().maxCoeff() < 1e-4);
+}
+
+TEST_CASE("tessellate warns of float points that are too coarse where they are") {
+  const TemporaryDirectory directory;
+  const Points<float> near = sample_uniform<float>(Box::unit(2), 3200, 3);
+  write_points(directory / "near.npy", near);
+  write_points(directory / "far.npy", Points<float>(near.array() + 5e5F));
+  write_points(directory / "wide.npy", Points<double>(near.cast<double>().array() + 5e5));
+  const auto errors = [&](const std::string& arguments) {
+    const Ran ran = run(directory, arguments);
+    CHECK(ran.status == 0);
+    return ran.errors;
+  };
+  CHECK(errors("tessellate near.npy --sites 50 -o s.npy") == "");
+  CHECK(errors("tessellate wide.npy --sites 50 -o s.npy") == "");
+  CHECK(errors("tessellate far.npy --sites 50 -q -o s.npy") == "");
+  const std::string start = "ccvt: warning: points: coordinate ";
+  const std::string told = errors("tessellate far.npy --sites 50 -o s.npy");
+  CHECK(told.substr(0, start.size()) == start);
+  CHECK(std::count(told.begin(), told.end(), '\n') == 1);
+  CHECK(errors("quantize far.npy --codewords 50 -o s.npy").find("ccvt: warning: vectors: ") == 0);
+  CHECK(errors("quantize wide.npy --codewords 50 -o s.npy") == "");
+  const std::string box = " --box 500000 500000 500001 500001 -o report";
+  CHECK(errors("analyze wide.npy" + box) == "");
+  CHECK(errors("analyze far.npy" + box).find("ccvt: warning: far.npy: points: coordinate") == 0);
+}
+
 TEST_CASE("volume: mistakes get one line, status 2 and no file") {
   const TemporaryDirectory directory;
   put(directory / "v.nii", half_bright());
@@ -91,6 +189,9 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
   put_at(moved, 80, 1.5F);
   put(directory / "moved.nii", moved);
   put(directory / "v.raw", "12345678");
+  put(directory / "nan.nii", with_nan());
+  put(directory / "l.nii", labels());
+  put(directory / "zero.nii", nifti1({16, 16, 8}, 2, 8) + std::string(16 * 16 * 8, '\0'));
   const std::size_t before = directory.entries();
   const auto check = [&](const std::string& arguments, const std::string& part) {
     const Ran ran = run(directory, "volume --sites 5 -q -o s.ply " + arguments);
@@ -100,7 +201,16 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
     CHECK(ran.errors.find(part) != std::string::npos);
   };
   check("v.nii",
-        "v.nii: grid: values[0], cell (0, 0, 0) (fastest axis first), is -100, but must be finite");
+        "v.nii: has values from -100 to 300, but a density is not negative; choose which "
+        "values matter with --map window:LO,HI");
+  check("v.nii --map gamma:2", "--map window:LO,HI");
+  check("nan.nii", "nan.nii: value 5 is nan; leave such cells out with --mask FILE");
+  check("nan.nii --map gamma:2", "nan.nii: value 5 is nan; leave such cells out with --mask FILE");
+  check("v.nii --mask l.nii --label 5,6", "l.nii: no cell has one of the labels 5, 6");
+  check("v.nii --mask l.nii --label 5,", "'5,' has an empty entry");
+  check("v.nii --mask zero.nii", "zero.nii: no cell is anything but 0");
+  check("v.nii --label 5", "--label: needs --mask");
+  check("v.nii --interpolation cubic", "'cubic' is not one of constant, linear");
   check("none.nii", "there is no such file");
   check("v.nii --map window:5,5", "LO less than HI");
   check("v.nii --map window:5", "needs 2, with commas");

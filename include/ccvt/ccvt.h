@@ -5,6 +5,7 @@
 #include "ccvt/codebook.h"      // IWYU pragma: export
 #include "ccvt/density.h"       // IWYU pragma: export
 #include "ccvt/domain.h"        // IWYU pragma: export
+#include "ccvt/grid_values.h"   // IWYU pragma: export
 #include "ccvt/io.h"            // IWYU pragma: export
 #include "ccvt/lloyd.h"         // IWYU pragma: export
 #include "ccvt/metrics.h"       // IWYU pragma: export

@@ -100,6 +100,7 @@ struct CCVT_EXPORT CodebookSummary {
   CodeUsage usage;
   double seconds_seeding = 0;
   double seconds_total = 0;
+  std::vector<std::string> warnings;  ///< see Summary::warnings
 
   [[nodiscard]] std::string brief() const;
 };

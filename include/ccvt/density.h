@@ -5,32 +5,24 @@
 #include <functional>
 #include <optional>
 #include <span>
-#include <variant>
 #include <vector>
 
 #include "ccvt/columns.h"
 #include "ccvt/domain.h"
 #include "ccvt/export.h"
+#include "ccvt/grid_values.h"
 #include "ccvt/sampling.h"
 #include "ccvt/types.h"
 
 namespace ccvt {
-
-/// The values of a grid where they lie, in any of the usual types: a contiguous range of one of
-/// them converts to this.
-using GridValues = std::variant<std::span<const float>, std::span<const double>,
-                                std::span<const std::int8_t>, std::span<const std::uint8_t>,
-                                std::span<const std::int16_t>, std::span<const std::uint16_t>,
-                                std::span<const std::int32_t>, std::span<const std::uint32_t>,
-                                std::span<const std::int64_t>, std::span<const std::uint64_t>>;
 
 /// What the density is between the centres of the cells.
 enum class Interpolation {
   /// Every cell has the density of its value throughout.
   constant,
   /// Multilinear between the 2^D nearest centres: linear along each axis. Beyond the outermost
-  /// centres the density goes on as it is there. The mass of the grid is the same as with
-  /// `constant`, but next to a cell with a value, one of value 0 is not empty.
+  /// centres, and next to a cell of density 0, which stays empty, the density goes on as it is at
+  /// the centre. The mass of the grid is the same as with `constant`.
   linear,
 };
 
@@ -56,7 +48,7 @@ struct DensityGrid {
   /// from several threads, twice a cell; for values of 8 or 16 bits a table takes its place.
   std::function<double(double)> map = {};
   /// Cells whose entry is 0 have the density 0. Empty, or one entry per cell.
-  std::span<const std::uint8_t> mask = {};
+  MaskView mask = {};
   /// Takes points drawn in the box to where they are wanted, such as from cells to millimetres.
   std::optional<Affine> to_world = {};
 };
@@ -104,8 +96,12 @@ CCVT_EXPORT void fill_function(const DensityFunction& density, double maximum, c
 ///
 /// A multilinear density is a sum of tents: the value of a cell times a product of triangles, two
 /// cells wide, around its centre. So a point is dealt to a cell as in a piecewise constant density,
-/// and placed under its tent; what falls out of the box is mirrored at its faces. That is exact, in
-/// any number of dimensions, and costs no look at the neighbours.
+/// and placed under its tent; what falls out of the box is mirrored at its faces, and what falls
+/// into a cell of density 0 at the faces of its own cell. That is exact, in any number of
+/// dimensions, and looks at no more than one neighbour.
+///
+/// No point lies in a cell of density 0, such as one outside the mask, unless Scalar is so coarse
+/// there that it cannot tell the cells apart.
 ///
 /// `cancelled`, when given, is asked a few times a second, from the thread that called; true makes
 /// this throw Cancelled (metrics.h). So does sample_function().
@@ -113,8 +109,8 @@ CCVT_EXPORT void fill_function(const DensityFunction& density, double maximum, c
 /// `threads` 0: one per processor; any number gives identical bits. O(#cells + #dimensions *
 /// count) time: about 1 ns a cell to add up the values, and 10 to 30 ns a cell along the curve;
 /// no copy of the grid, and less than 1 byte for a hundred cells, and 4 for 16 white points, beyond
-/// the result. Rounding to Scalar may move a point across the border of its cell, but not out of
-/// the box. Throws InvalidInput as sample_uniform() does, and when the shape does not match the
+/// the result. Points keep off the borders of the cells by as much as rounding to Scalar may move
+/// them. Throws InvalidInput as sample_uniform() does, and when the shape does not match the
 /// box, the values or the mask, or a density (named by its index) is negative, NaN or infinite, or
 /// all are zero, or their sum overflows, or to_world is singular or of another size.
 template <class Scalar = double, int Dimension = Eigen::Dynamic>

@@ -70,6 +70,9 @@ struct CCVT_EXPORT Summary {
   double seconds_initialization = 0;
   double seconds_relaxation = 0;
   std::vector<IterationRecord> iterations_log;
+  /// What makes the result worse than it need be, a sentence each; known when the run has ended.
+  /// So far: coordinates so large that their type cannot tell neighbouring points apart.
+  std::vector<std::string> warnings;
 
   /// False when normalized_energy is 0 for want of a volume.
   [[nodiscard]] bool has_normalized_energy() const;

@@ -101,14 +101,16 @@ struct CCVT_EXPORT VolumeHeader {
 struct CCVT_EXPORT Volume : VolumeHeader {
   std::vector<std::byte> data;  ///< bytes() of them
 
-  /// The stored numbers.
-  [[nodiscard]] GridValues stored() const;
+  /// The stored numbers: a view.
+  [[nodiscard]] GridValues stored() const&;
+  [[nodiscard]] GridValues stored() const&& = delete;
   /// The greatest value where the mask, if there is one, is not 0. Throws InvalidInput when a value
   /// there is NaN or infinite, naming it by its index. O(#cells).
   [[nodiscard]] double greatest(std::span<const std::uint8_t> mask = {}) const;
-  /// The density that `map` makes of the values, multilinear, masked: a view.
-  [[nodiscard]] DensityGrid density(const ValueMap& map = {},
-                                    std::span<const std::uint8_t> mask = {}) const;
+  /// The density that `map` makes of the values, multilinear, masked: a view, and so not to be had
+  /// of a temporary.
+  [[nodiscard]] DensityGrid density(const ValueMap& map = {}, MaskView mask = {}) const&;
+  [[nodiscard]] DensityGrid density(const ValueMap& map = {}, MaskView mask = {}) const&& = delete;
 };
 
 /// What a file does not say itself.
@@ -150,6 +152,8 @@ struct CCVT_EXPORT VolumeOptions {
   /// Points drawn from the density for each site. At least 1.
   Index points_per_site = 256;
   DensitySampling sampling = DensitySampling::stratified;
+  /// Whether VolumeSamples hold the points that were drawn, and their owners.
+  bool keep_points = false;
   /// Its seed also fixes the points that are drawn, and its threads draw them.
   Options tessellation = {};
 
@@ -158,10 +162,9 @@ struct CCVT_EXPORT VolumeOptions {
 };
 
 /// Samples that spread evenly through a density.
-template <class Scalar>
 struct VolumeSamples {
-  /// D by #sites, in the world.
-  Columns<Scalar> sites;
+  /// D by #sites, in the world. None lies in a cell of density 0, such as one outside the mask.
+  Columns<double> sites;
   /// How many points each site owns.
   std::vector<Index> capacities;
   /// The mass of each cell: its share of the points times the integral of the density over the
@@ -170,16 +173,29 @@ struct VolumeSamples {
   /// The local spacing, sqrt((D + 2) / D * mean |p - s|^2) over the points p of site s: of a ball
   /// with uniform points it is the radius.
   std::vector<double> radii;
+  /// Centroids of bent cells may lie where the density is 0. So many were, once all else was done,
+  /// put on the nearest point of their own cell, and that far at most. Summary, weights and radii
+  /// describe the centroids.
+  Index put_back = 0;
+  double farthest_put_back = 0;
+  /// With VolumeOptions::keep_points only: D by #points, in the world, and the site that owns each
+  /// (-1: none, of a run that was cancelled early). 8 D + 4 bytes a point.
+  Columns<double> points;
+  std::vector<Index> owners;
+  /// What was computed in.
+  ScalarType scalar = ScalarType::float32;
   Summary summary;
 };
 
 /// Draws sites * points_per_site points from a density and tessellates them in Euclidean space, in
-/// world units: voxels need not be cubes. Memory, beside the grid: about 4 times the coordinates of
-/// the points. Throws InvalidInput for what sample_density() refuses, when `sites` is less than 1,
-/// and for bad options; Cancelled when the run is cancelled before all points are drawn.
+/// world units: voxels need not be cubes. Computes in Scalar, relative to the middle of the grid:
+/// how far that is from the origin of the world does not matter. Memory, beside the grid: about 4
+/// times the coordinates of the points. Throws InvalidInput for what sample_density() refuses, when
+/// `sites` is less than 1, and for bad options; Cancelled when the run is cancelled before all
+/// points are drawn.
 template <class Scalar = float>
-CCVT_EXPORT VolumeSamples<Scalar> sample_volume(const DensityGrid& density, Index sites,
-                                                const VolumeOptions& options = {});
+CCVT_EXPORT VolumeSamples sample_volume(const DensityGrid& density, Index sites,
+                                        const VolumeOptions& options = {});
 
 /// Writes samples in two or three dimensions by extension:
 ///
@@ -187,17 +203,18 @@ CCVT_EXPORT VolumeSamples<Scalar> sample_volume(const DensityGrid& density, Inde
 ///   .vtp        VTK XML poly data, binary: points with the arrays radius, capacity, weight
 ///   .vtk        the same in the legacy format
 ///   .csv, .txt  a header line, then x, y, z, radius, capacity, weight; in D dimensions x0, x1, …
-///   .npy        the sites alone, (#sites, D)
+///   .npy        the sites alone, (#sites, D), float64
 ///
-/// Errors are those of the other writers, see io.h.
-template <class Scalar>
-CCVT_EXPORT void write_samples(const std::filesystem::path& path,
-                               const VolumeSamples<Scalar>& samples);
+/// Numbers are float64 when the samples were computed in that, or when float32 would move a site
+/// by more than a thousandth of the mean radius; else float32, in text with as many digits as that
+/// takes. Errors are those of the other writers, see io.h.
+CCVT_EXPORT void write_samples(const std::filesystem::path& path, const VolumeSamples& samples);
 
 /// Three pictures side by side: the density of a 3D grid summed along its third, second and first
-/// axis, in grey, with the samples over it in orange. Pixels are square in the world. `size`: of
-/// the longest side of a picture, in pixels, from 16 to 4096. Throws InvalidInput for other sizes
-/// and dimensions.
+/// axis, in grey, with the samples over it in orange. Where these would cover each other, a picture
+/// shows a slab around the middle of the samples, so thin that they stay apart. Pixels are square
+/// in the world. `size`: of the longest side of a picture, in pixels, from 16 to 4096. Throws
+/// InvalidInput for other sizes and dimensions.
 template <class Scalar>
 CCVT_EXPORT ColourImage preview(const DensityGrid& density, PointsView<Scalar> sites,
                                 int size = 480);

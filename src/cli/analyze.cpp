@@ -24,6 +24,7 @@
 #include "cli/signals.h"
 #include "cli/streams.h"
 #include "cli/values.h"
+#include "precision.h"
 
 namespace ccvt::cli {
 
@@ -141,6 +142,11 @@ AnalyzedSet read_set(const AnalyzeArguments& arguments, const PointFiles& given,
                          "; files that are averaged must agree");
     }
     if (arguments.box.empty()) check_unit_box(path, points);
+    if (header.scalar == ScalarType::float32) {
+      const std::string warning = coarse_coordinates<float>(
+          "points", view_points(points), spacing_in_box(box, static_cast<Index>(points.cols())));
+      if (!warning.empty()) warn(arguments.quiet, {path.string() + ": " + warning});
+    }
     set.files.push_back(path.string());
     blame(path, [&] {
       set.runs.emplace_back(std::move(points),

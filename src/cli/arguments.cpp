@@ -182,8 +182,16 @@ CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
              "How values become densities: linear, window:LO,HI, threshold:T, gamma:G [linear]",
              "MAP");
   add_flag(*command, "--invert", arguments.map.invert, "Dense where values are low");
-  add_file(*command, "--mask", arguments.mask, "A volume that is not 0 where samples may be",
+  add_parsed(*command, "--interpolation", arguments.interpolation, parse_interpolation,
+             "Of the density between the centres of cells: constant, linear [linear]", "NAME");
+  add_file(*command, "--mask", arguments.mask, "A volume that is 0 or NaN where samples may not be",
            io::kVolumeFiles);
+  add_parsed(
+      *command, "--label", arguments.labels,
+      [](const std::string& text, std::vector<std::int64_t>& values) {
+        return parse_list(text, 0, Range<std::int64_t>{}, values);
+      },
+      "Values of --mask where samples may be [all but 0]", "L,L..");
   const auto three = [](const Range<double>& range) {
     return [range](const std::string& text, std::vector<double>& values) {
       return parse_list(text, 3, range, values);

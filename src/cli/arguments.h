@@ -81,8 +81,10 @@ struct VolumeArguments : CommonArguments {
   Index sites = 0;
   Index points_per_site = 256;
   ValueMap map;
-  std::filesystem::path mask;     ///< empty: none
-  std::filesystem::path preview;  ///< empty: none
+  Interpolation interpolation = Interpolation::linear;
+  std::filesystem::path mask;        ///< empty: none
+  std::vector<std::int64_t> labels;  ///< of the mask; empty: all but 0
+  std::filesystem::path preview;     ///< empty: none
   VolumeLayout layout;
 };
 

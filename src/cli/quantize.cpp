@@ -67,6 +67,7 @@ void write_summary(const QuantizeArguments& arguments, const CodebookSummary& su
   if (psnr) json["psnr_db"] = *psnr;
   json["seconds"] = {{"total", summary.seconds_total}, {"seeding", summary.seconds_seeding}};
   json["peak_memory_bytes"] = peak_memory_bytes();
+  json["warnings"] = summary.warnings;
   write_text(arguments.summary, json.dump(2) + "\n");
 }
 
@@ -104,6 +105,7 @@ int finish_training(const QuantizeArguments& arguments, Publication& outputs,
   write_summary(arguments, training.summary, psnr);
   training.codebook.save(arguments.output, arguments.weights_out);
   publish(outputs);
+  warn(arguments.quiet, training.summary.warnings);
   std::string quality;
   if (psnr && std::isfinite(*psnr)) {
     std::array<char, 40> number{};

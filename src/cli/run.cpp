@@ -10,12 +10,14 @@
 #include "cli/outputs.h"
 #include "cli/signals.h"
 #include "cli/streams.h"
+#include "format.h"
 
 namespace ccvt::cli {
 
 namespace {
 
-std::string summary_json(const std::string& command, const Summary& summary) {
+std::string summary_json(const std::string& command, const Summary& summary,
+                         const std::optional<PutBack>& put_back) {
   nlohmann::ordered_json json;
   json["version"] = CCVT_VERSION;
   json["command"] = command;
@@ -41,6 +43,10 @@ std::string summary_json(const std::string& command, const Summary& summary) {
                      {"initialization", summary.seconds_initialization},
                      {"relaxation", summary.seconds_relaxation}};
   json["peak_memory_bytes"] = peak_memory_bytes();
+  if (put_back) {
+    json["put_back"] = {{"sites", put_back->sites}, {"farthest", put_back->farthest}};
+  }
+  json["warnings"] = summary.warnings;
   // JSON has no infinity and no NaN; the library writes null for them.
   return json.dump(2) + "\n";
 }
@@ -106,12 +112,28 @@ std::string one_line(std::string message) {
   return message + "\n";
 }
 
-void write_summary(const CommonArguments& common, const Summary& summary) {
-  if (!common.summary.empty()) write_text(common.summary, summary_json(common.command, summary));
+void write_summary(const CommonArguments& common, const Summary& summary,
+                   const std::optional<PutBack>& put_back) {
+  if (!common.summary.empty()) {
+    write_text(common.summary, summary_json(common.command, summary, put_back));
+  }
 }
 
-int finish(const CommonArguments& common, Publication& outputs, const Summary& summary) {
+void warn(bool quiet, const std::vector<std::string>& warnings) {
+  if (quiet) return;
+  for (const std::string& warning : warnings) std::cerr << one_line("ccvt: warning: " + warning);
+}
+
+int finish(const CommonArguments& common, Publication& outputs, const Summary& summary,
+           const std::optional<PutBack>& put_back) {
   publish(outputs);
+  warn(common.quiet, summary.warnings);
+  if (!common.quiet && put_back && put_back->sites > 0) {
+    print("put back: " + std::to_string(put_back->sites) +
+          " sites lay where the density is 0, and are now on the nearest point of their cells, up "
+          "to " +
+          text(put_back->farthest, 3) + " away\n");
+  }
   if (!common.quiet) print(summary.brief() + "\n");
   return interrupted() ? 130 : 0;
 }

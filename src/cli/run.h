@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,11 +33,22 @@ PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptio
 /// `message` with what is no letter replaced, and a line end: one line, whatever names it holds.
 std::string one_line(std::string message);
 
-/// Writes the summary file, if there is to be one.
-void write_summary(const CommonArguments& common, const Summary& summary);
+/// Sites that were moved after the end of a run.
+struct PutBack {
+  Index sites = 0;
+  double farthest = 0;
+};
 
-/// Publishes the outputs, prints the closing line and gives the exit status.
-int finish(const CommonArguments& common, Publication& outputs, const Summary& summary);
+/// Writes the summary file, if there is to be one.
+void write_summary(const CommonArguments& common, const Summary& summary,
+                   const std::optional<PutBack>& put_back = {});
+
+/// Prints warnings on the standard error output, a line each, unless `quiet`.
+void warn(bool quiet, const std::vector<std::string>& warnings);
+
+/// Publishes the outputs, prints warnings and the closing line and gives the exit status.
+int finish(const CommonArguments& common, Publication& outputs, const Summary& summary,
+           const std::optional<PutBack>& put_back = {});
 
 /// Calls `work`; an InvalidInput that it throws gets the name of the file that is to blame.
 template <class Work>

@@ -1,59 +1,18 @@
 #include "ccvt/volume.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <optional>
-#include <variant>
 #include <vector>
 
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
 #include "cli/streams.h"
+#include "cli/volume_input.h"
 
 namespace ccvt::cli {
 
 namespace {
-
-/// Throws unless the mask has the cells of the volume, at the same places.
-void check_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
-                const VolumeHeader& mask) {
-  const auto shape = [](const VolumeHeader& header) {
-    std::string result;
-    for (const auto n : header.grid.shape) {
-      result += (result.empty() ? "" : " x ") + std::to_string(n);
-    }
-    return result;
-  };
-  if (volume.grid.shape != mask.grid.shape) {
-    throw InvalidInput(arguments.mask.string() + ": has " + shape(mask) + " cells, but " +
-                       arguments.volume.string() + " has " + shape(volume));
-  }
-  const double cell = volume.grid.spacing().minCoeff();
-  const Eigen::Vector3d last(static_cast<double>(mask.grid.shape[0]),
-                             static_cast<double>(mask.grid.shape[1]),
-                             static_cast<double>(mask.grid.shape[2]));
-  const Eigen::Vector3d near = volume.grid.origin.eigen() - mask.grid.origin.eigen();
-  const Eigen::Vector3d far = near + (volume.grid.axes.eigen() - mask.grid.axes.eigen()) * last;
-  if (near.norm() > 0.1 * cell || far.norm() > 0.1 * cell) {
-    throw InvalidInput(arguments.mask.string() + ": its cells are not where those of " +
-                       arguments.volume.string() + " are; resample it first");
-  }
-}
-
-std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments) {
-  if (arguments.mask.empty()) return {};
-  const Volume file = read_volume(arguments.mask, arguments.layout);
-  std::vector<std::uint8_t> mask(file.cells());
-  std::visit(
-      [&](const auto& values) {
-        std::transform(values.begin(), values.end(), mask.begin(), [](auto value) {
-          return value != decltype(value){0} ? std::uint8_t{1} : std::uint8_t{0};
-        });
-      },
-      file.stored());
-  return mask;
-}
 
 template <class Scalar>
 int sample(const VolumeArguments& arguments, const VolumeHeader& header,
@@ -66,32 +25,37 @@ int sample(const VolumeArguments& arguments, const VolumeHeader& header,
   if (!arguments.quiet) print("needs about " + needed + " of memory\n");
 
   const Volume volume = read_volume(arguments.volume, arguments.layout);
-  const std::vector<std::uint8_t> mask = read_mask(arguments);
-  const DensityGrid density =
+  const std::vector<std::uint8_t> mask = read_mask(arguments, volume);
+  check_values(arguments, volume, mask);
+  DensityGrid density =
       blame(arguments.volume, [&] { return volume.density(arguments.map, mask); });
+  density.interpolation = arguments.interpolation;
 
   VolumeOptions options;
   options.points_per_site = arguments.points_per_site;
-  const VolumeSamples<Scalar> samples = blame(arguments.volume, [&] {
+  const VolumeSamples samples = blame(arguments.volume, [&] {
     Progress progress(arguments.quiet);
     options.tessellation = make_options(arguments, arguments.sites, progress);
     return sample_volume<Scalar>(density, arguments.sites, options);
   });
   Publication outputs;
   if (!arguments.preview.empty()) write_png(arguments.preview, preview(density, samples.sites));
-  write_summary(arguments, samples.summary);
+  const PutBack put_back{samples.put_back, samples.farthest_put_back};
+  write_summary(arguments, samples.summary, put_back);
   write_samples(arguments.output, samples);
-  return finish(arguments, outputs, samples.summary);
+  return finish(arguments, outputs, samples.summary, put_back);
 }
 
 }  // namespace
 
 int run_volume(const VolumeArguments& arguments) {
+  if (!arguments.labels.empty() && arguments.mask.empty()) {
+    throw InvalidInput("--label: needs --mask, the volume of labels; see ccvt volume --help");
+  }
   const VolumeHeader header = inspect_volume(arguments.volume, arguments.layout);
   std::optional<VolumeHeader> mask;
   if (!arguments.mask.empty()) {
     mask = inspect_volume(arguments.mask, arguments.layout);
-    check_mask(arguments, header, *mask);
   }
   Outputs()
       .add("--output", arguments.output, io::kSampleFiles)

@@ -44,6 +44,14 @@ std::string parse_map(const std::string& text, ValueMap& map) {
   return "'" + text + "' is not one of linear, window:LO,HI, threshold:T, gamma:G";
 }
 
+std::string parse_interpolation(const std::string& text, Interpolation& interpolation) {
+  if (text != "constant" && text != "linear") {
+    return "'" + text + "' is not one of constant, linear";
+  }
+  interpolation = text == "linear" ? Interpolation::linear : Interpolation::constant;
+  return {};
+}
+
 std::string parse_voxel_type(const std::string& text, VolumeLayout& layout) {
   const bool big = text.size() > 2 && text.substr(text.size() - 2) == "be";
   const std::string name = big ? text.substr(0, text.size() - 2) : text;

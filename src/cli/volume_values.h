@@ -18,7 +18,10 @@ std::string parse_map(const std::string& text, ValueMap& map);
 /// "uint16", or "uint16be" when the most significant byte comes first.
 std::string parse_voxel_type(const std::string& text, VolumeLayout& layout);
 
-/// `count` numbers with commas between them.
+/// "constant" or "linear".
+std::string parse_interpolation(const std::string& text, Interpolation& interpolation);
+
+/// `count` numbers with commas between them; 0: as many as there are.
 template <class Number>
 std::string parse_list(const std::string& text, std::size_t count, const Range<Number>& range,
                        std::vector<Number>& values) {
@@ -31,7 +34,7 @@ std::string parse_list(const std::string& text, std::size_t count, const Range<N
     if (!wrong.empty()) return wrong;
     begin = end + 1;
   }
-  if (values.size() == count) return {};
+  if (count == 0 || values.size() == count) return {};
   return "'" + text + "' has " + std::to_string(values.size()) + " numbers; needs " +
          std::to_string(count) + ", with commas between them";
 }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "ccvt/codebook.h"
@@ -12,6 +13,7 @@
 #include "codebook/lloyd.h"
 #include "codebook/seeding.h"
 #include "exact/assignment.h"
+#include "precision.h"
 
 namespace ccvt {
 namespace {
@@ -337,6 +339,10 @@ Training Trainer<Scalar>::run(const Columns<double>* codewords) {
   summary_.usage = code_usage(owners_, n);
   summary_.distortion = codebook.distortion(vectors_, owners_);
   summary_.energy = summary_.distortion * vectors_.count;
+  const std::string warning = coarse_coordinates<Scalar>(
+      "vectors", vectors_,
+      spacing_in_cells(summary_.energy, vectors_.count, n, vectors_.dimension));
+  if (!warning.empty()) summary_.warnings.push_back(warning);
   summary_.seconds_total = seconds_since(start_);
   return {std::move(codebook), std::move(owners_), summary_};
 }

@@ -5,17 +5,16 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <optional>
 
 #include "ccvt/metrics.h"
 #include "parallel/arena.h"
 #include "random.h"
 #include "sampling/cell_densities.h"
+#include "sampling/cell_fill.h"
 #include "sampling/density_mass.h"
+#include "sampling/grid_world.h"
 #include "sampling/hilbert.h"
 #include "sampling/mass.h"
-#include "sampling/scalar_box.h"
-#include "sampling/strata.h"
 #include "sampling/streams.h"
 #include "sampling/text.h"
 
@@ -49,17 +48,6 @@ void check_shape(const DensityGrid& grid) {
   }
 }
 
-// What holds all points: the box, or a box around what becomes of it.
-Box world_box(const DensityGrid& grid) {
-  if (!grid.to_world) return grid.box;
-  const Affine& map = *grid.to_world;
-  const Eigen::VectorXd centre =
-      map.matrix.eigen() * (0.5 * (grid.box.lower.eigen() + grid.box.upper.eigen())) +
-      map.offset.eigen();
-  const Eigen::VectorXd reach = map.matrix.eigen().cwiseAbs() * (0.5 * grid.box.extent());
-  return {centre - reach, centre + reach};
-}
-
 void check_affine(const DensityGrid& grid) {
   if (!grid.to_world) return;
   const Affine& map = *grid.to_world;
@@ -74,15 +62,6 @@ void check_affine(const DensityGrid& grid) {
   if (!map.offset.eigen().allFinite() || !std::isfinite(volume) || volume == 0) {
     throw InvalidInput(
         concat("grid: to_world must be finite and not singular; its determinant is ", volume));
-  }
-}
-
-// Index of a cell along each dimension.
-void cell_position(std::int64_t cell, std::span<const std::int64_t> shape,
-                   std::span<std::int64_t> position) {
-  for (std::size_t d = 0; d < shape.size(); ++d) {
-    position[d] = cell % shape[d];
-    cell /= shape[d];
   }
 }
 
@@ -156,101 +135,10 @@ std::vector<double> masses_of(const DensityGrid& grid, const CellDensities& dens
   return masses;
 }
 
-// Puts points into cells of a grid.
 template <class Scalar>
-class CellFill {
- public:
-  CellFill(const DensityGrid& grid, bool jittered)
-      : grid_(grid),
-        bounds_(world_box(grid)),
-        jittered_(jittered),
-        cell_(grid.box.extent()),
-        edges_(grid.box.extent()),
-        position_(grid.shape.size()),
-        place_(grid.box.lower) {
-    for (Eigen::Index d = 0; d < cell_.size(); ++d) {
-      cell_[d] /= static_cast<double>(grid.shape[static_cast<std::size_t>(d)]);
-      edges_[d] = cell_[d];
-      if (grid.to_world) edges_[d] *= grid.to_world->matrix.col(d).norm();
-    }
-  }
-
-  // Points of the density of one cell, one behind the other in memory; returns where they end.
-  Scalar* operator()(std::int64_t cell, Index hits, Random& random, Scalar* out) {
-    cell_position(cell, grid_.shape, position_);
-    const auto dimension = static_cast<std::size_t>(cell_.size());
-    if (hits == 1 || !jittered_) {
-      for (Index k = 0; k < hits; ++k) {
-        for (std::size_t d = 0; d < dimension; ++d) put(d, random.uniform());
-        out = store(out);
-      }
-      return out;
-    }
-    strata(hits).visit(
-        Eigen::VectorXd::Zero(cell_.size()), 0, hits,
-        [&](Index, std::span<const double> corner, std::span<const double> size) {
-          for (std::size_t d = 0; d < dimension; ++d) {
-            const double edge = edges_[static_cast<Eigen::Index>(d)];
-            put(d, std::min((corner[d] + random.uniform() * size[d]) / edge, below_one));
-          }
-          out = store(out);
-        });
-    return out;
-  }
-
- private:
-  static constexpr double below_one = 1 - 0x1p-53;
-
-  // The coordinate that has a share u of the density of the cell below it.
-  void put(std::size_t d, double u) {
-    const auto e = static_cast<Eigen::Index>(d);
-    const auto cells = static_cast<double>(grid_.shape[d]);
-    auto x = static_cast<double>(position_[d]);
-    if (grid_.interpolation == Interpolation::constant) {
-      x += u;
-    } else {
-      // Under a tent from -1 to 1 around the centre.
-      x += 0.5 + (u < 0.5 ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 * (1 - u)));
-      if (x < 0) x = -x;
-      if (x > cells) x = 2 * cells - x;
-    }
-    place_[e] = grid_.box.lower[e] + x * cell_[e];
-  }
-
-  Scalar* store(Scalar* out) {
-    for (Eigen::Index d = 0; d < place_.size(); ++d) {
-      double x = place_[d];
-      if (grid_.to_world) {
-        x = grid_.to_world->offset[d];
-        for (Eigen::Index e = 0; e < place_.size(); ++e) {
-          x += grid_.to_world->matrix(d, e) * place_[e];
-        }
-      }
-      *out++ = bounds_.round(static_cast<std::size_t>(d), x);
-    }
-    return out;
-  }
-
-  // All cells have the same shape, and adjacent ones similar numbers of points.
-  const Strata& strata(Index hits) {
-    auto& strata = strata_[static_cast<std::size_t>(hits) % strata_.size()];
-    if (!strata || strata->count() != hits) strata.emplace(edges_, hits);
-    return *strata;
-  }
-
-  const DensityGrid& grid_;
-  ScalarBox<Scalar> bounds_;
-  bool jittered_;
-  Eigen::VectorXd cell_;   // sides in the box
-  Eigen::VectorXd edges_;  // and in the world
-  std::vector<std::int64_t> position_;
-  Eigen::VectorXd place_;
-  std::vector<std::optional<Strata>> strata_ = std::vector<std::optional<Strata>>(64);
-};
-
-template <class Scalar>
-void fill(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling, int threads,
-          std::span<Scalar> coordinates, const std::function<bool()>& cancelled) try {
+void fill(const DensityGrid& grid, const Eigen::VectorXd& origin, std::uint64_t seed,
+          DensitySampling sampling, int threads, std::span<Scalar> coordinates,
+          const std::function<bool()>& cancelled) try {
   Stop stop(cancelled);
   const Arena arena(threads, &stop);
   const CellDensities densities(grid);
@@ -260,7 +148,8 @@ void fill(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
   const bool stratified = sampling == DensitySampling::stratified;
   const auto count = static_cast<Index>(coordinates.size() / grid.shape.size());
   const auto workers = static_cast<std::size_t>(arena.threads());
-  std::vector<CellFill<Scalar>> fills(workers, CellFill<Scalar>(grid, stratified));
+  std::vector<CellFill<Scalar>> fills(workers,
+                                      CellFill<Scalar>(grid, densities, origin, stratified));
   std::vector<HilbertCurve> curves(workers, parts.curve);
   const auto place = [&](std::size_t part, int worker, Index first,
                          std::span<const double> targets) {
@@ -296,6 +185,22 @@ double density_mass(const DensityGrid& grid, const Arena& arena) {
   return sum.value() * (grid.box.volume() / static_cast<double>(cells) * stretch);
 }
 
+template <class Scalar>
+Points<Scalar> sample_local_density(const LocalDensity& local, Index count, std::uint64_t seed,
+                                    DensitySampling sampling, int threads,
+                                    const std::function<bool()>& cancelled) {
+  detail::check_density(local.grid, count, Eigen::Dynamic, sizeof(Scalar));
+  Points<Scalar> points(local.grid.box.dimension(), count);
+  fill(local.grid, local.origin, seed, sampling, threads,
+       std::span<Scalar>(points.data(), static_cast<std::size_t>(points.size())), cancelled);
+  return points;
+}
+
+template Points<float> sample_local_density(const LocalDensity&, Index, std::uint64_t,
+                                            DensitySampling, int, const std::function<bool()>&);
+template Points<double> sample_local_density(const LocalDensity&, Index, std::uint64_t,
+                                             DensitySampling, int, const std::function<bool()>&);
+
 namespace detail {
 
 void check_density(const DensityGrid& grid, Index count, int fixed_dimension,
@@ -309,13 +214,15 @@ void check_density(const DensityGrid& grid, Index count, int fixed_dimension,
 void fill_density(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
                   int threads, std::span<float> coordinates,
                   const std::function<bool()>& cancelled) {
-  fill(grid, seed, sampling, threads, coordinates, cancelled);
+  fill(grid, Eigen::VectorXd::Zero(grid.box.dimension()), seed, sampling, threads, coordinates,
+       cancelled);
 }
 
 void fill_density(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
                   int threads, std::span<double> coordinates,
                   const std::function<bool()>& cancelled) {
-  fill(grid, seed, sampling, threads, coordinates, cancelled);
+  fill(grid, Eigen::VectorXd::Zero(grid.box.dimension()), seed, sampling, threads, coordinates,
+       cancelled);
 }
 
 }  // namespace detail

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -16,46 +17,85 @@ namespace {
 
 constexpr int kGap = 8;  // pixels between the pictures
 constexpr std::array<double, 3> kDot = {255, 140, 0};
-constexpr double kOpacity = 0.75;
-/// Of a picture: what dots may cover. Few samples get larger dots, up to 5 pixels wide.
-constexpr double kCovered = 0.1;
-constexpr int kMostHalfWidth = 2;
+constexpr double kOpacity = 0.85;
 constexpr double kBrightest = 150;  // of the field, so that dots stand out
+/// Of a picture: what dots may cover. Few samples get larger dots; many a slab, see choose_dots().
+constexpr double kCovered = 0.08;
+constexpr double kLeastRadius = 1.5;
+constexpr double kMostRadius = 2.5;
+/// Samples in a slab that is as thick as they are apart, over #samples^(2/3).
+constexpr double kLayer = 1.5;
+
+/// The samples that a picture shows: where they are along its third axis, as shares of the box.
+struct Dots {
+  double low = 0;
+  double high = 1;
+  double radius = kMostRadius;  // in pixels
+};
+
+/// All samples, as large as kCovered allows; or, where that is too small, those of a slab around
+/// their middle that is about as thick as they are apart.
+Dots choose_dots(const Eigen::Matrix3Xd& places, Eigen::Index along, double pixels) {
+  const auto count = static_cast<double>(places.cols());
+  const auto radius_of = [&](double shown) {
+    return std::min(std::sqrt(kCovered * pixels / (std::numbers::pi * shown)), kMostRadius);
+  };
+  if (places.cols() == 0 || radius_of(count) >= kLeastRadius) return {0, 1, radius_of(count)};
+  const double shown =
+      std::min(kLayer * std::pow(count, 2.0 / 3),
+               kCovered * pixels / (std::numbers::pi * kLeastRadius * kLeastRadius));
+  const double middle = places.row(along).mean();
+  std::vector<double> away(static_cast<std::size_t>(places.cols()));
+  for (Eigen::Index s = 0; s < places.cols(); ++s) {
+    away[static_cast<std::size_t>(s)] = std::abs(places(along, s) - middle);
+  }
+  const auto last = away.begin() + static_cast<std::ptrdiff_t>(std::clamp(shown, 0.0, count - 1));
+  std::nth_element(away.begin(), last, away.end());
+  return {middle - *last, middle + *last, radius_of(shown)};
+}
 
 /// A projection along one axis: `across` runs to the right, `up` upwards.
 struct Projection {
   std::size_t across;
   std::size_t up;
+  std::size_t along;
+  Dots dots;
   std::vector<double> sums;  // `across` varies fastest
+
+  /// Whether the cells of a layer along the third axis are shown.
+  [[nodiscard]] bool shows(std::size_t layer, std::size_t layers) const {
+    const auto first = static_cast<double>(layer) / static_cast<double>(layers);
+    const auto end = static_cast<double>(layer + 1) / static_cast<double>(layers);
+    return first <= dots.high && end > dots.low;
+  }
 };
 
-/// The densities summed along each axis, in one sweep.
-std::array<Projection, 3> project(const DensityGrid& grid) {
+/// The densities of the cells that are shown, summed along each axis, in one sweep.
+void project(const DensityGrid& grid, std::array<Projection, 3>& result) {
   const auto x = static_cast<std::size_t>(grid.shape[0]);
   const auto y = static_cast<std::size_t>(grid.shape[1]);
   const auto z = static_cast<std::size_t>(grid.shape[2]);
-  std::array<Projection, 3> result{{{0, 1, std::vector<double>(x * y)},
-                                    {0, 2, std::vector<double>(x * z)},
-                                    {1, 2, std::vector<double>(y * z)}}};
+  result[0].sums.resize(x * y);
+  result[1].sums.resize(x * z);
+  result[2].sums.resize(y * z);
   const CellDensities densities(grid);
   std::vector<double> row(x);
   for (std::size_t k = 0; k < z; ++k) {
+    const bool shows_layer = result[0].shows(k, z);
     for (std::size_t j = 0; j < y; ++j) {
+      const bool shows_row = result[1].shows(j, y);
       const std::size_t first = (k * y + j) * x;
-      double sum = 0;
       densities.visit_row(static_cast<std::int64_t>(first), grid.shape[0],
                           [&](std::int64_t cell, double density) {
                             row[static_cast<std::size_t>(cell) - first] = density;
-                            sum += density;
                           });
       for (std::size_t i = 0; i < x; ++i) {
-        result[0].sums[j * x + i] += row[i];
-        result[1].sums[k * x + i] += row[i];
+        if (shows_layer) result[0].sums[j * x + i] += row[i];
+        if (shows_row) result[1].sums[k * x + i] += row[i];
+        if (result[2].shows(i, x)) result[2].sums[k * y + j] += row[i];
       }
-      result[2].sums[k * y + j] += sum;
     }
   }
-  return result;
 }
 
 /// Where the cells of an axis lie on the pixels of a picture.
@@ -104,10 +144,37 @@ void draw_field(const Projection& projection, const Line& across, const Line& up
   }
 }
 
-/// Pixels on each side of a dot's middle.
-int half_width_of_dots(Index samples, int width, int height) {
-  const double each = kCovered * width * height / static_cast<double>(std::max<Index>(1, samples));
-  return std::clamp(static_cast<int>(std::sqrt(each) / 2), 0, kMostHalfWidth);
+/// A disc; pixels on its edge are covered in part.
+void draw_dot(double x, double y, double radius, int width, int height, int left,
+              ColourImage& image) {
+  const double reach = radius + 0.5;
+  const int last_row = std::min(height - 1, static_cast<int>(std::floor(y + reach)));
+  const int last_column = std::min(width - 1, static_cast<int>(std::floor(x + reach)));
+  for (int row = std::max(0, static_cast<int>(y - reach)); row <= last_row; ++row) {
+    for (int column = std::max(0, static_cast<int>(x - reach)); column <= last_column; ++column) {
+      const double distance = std::hypot(column + 0.5 - x, row + 0.5 - y);
+      const double opacity = kOpacity * std::clamp(reach - distance, 0.0, 1.0);
+      const std::size_t pixel = address(image, left, height, column, row);
+      for (std::size_t c = 0; c < 3; ++c) {
+        image.rgb[pixel + c] = static_cast<std::uint8_t>(
+            std::lround((1 - opacity) * image.rgb[pixel + c] + opacity * kDot[c]));
+      }
+    }
+  }
+}
+
+/// The samples that a projection shows, over it.
+void draw_dots(const Projection& projection, const Eigen::Matrix3Xd& places, int width, int height,
+               int left, ColourImage& image) {
+  const Dots& dots = projection.dots;
+  for (Eigen::Index s = 0; s < places.cols(); ++s) {
+    const double deep = places(static_cast<Eigen::Index>(projection.along), s);
+    const double x = places(static_cast<Eigen::Index>(projection.across), s);
+    const double y = 1 - places(static_cast<Eigen::Index>(projection.up), s);
+    const auto inside = [](double share) { return share >= 0 && share <= 1; };
+    if (!inside(x) || !inside(y) || deep < dots.low || deep > dots.high) continue;
+    draw_dot(x * width, y * height, dots.radius, width, height, left, image);
+  }
 }
 
 }  // namespace
@@ -139,43 +206,28 @@ ColourImage preview(const DensityGrid& density, PointsView<Scalar> sites, int si
                 std::max(1, static_cast<int>(std::lround(share * size)))};
   }
 
-  const auto place_of = [&](Index s) {
-    return Eigen::Vector3d(sites[s][0], sites[s][1], sites[s][2]);
-  };
-  const std::array<Projection, 3> projections = project(density);
+  Eigen::Matrix3Xd places(3, sites.count);
+  for (Index s = 0; s < sites.count; ++s) {
+    const Eigen::Vector3d site(sites[s][0], sites[s][1], sites[s][2]);
+    places.col(s) = (to_box * (site - offset) - density.box.lower.eigen()).cwiseQuotient(extent);
+  }
+  std::array<Projection, 3> projections{{{0, 1, 2, {}, {}}, {0, 2, 1, {}, {}}, {1, 2, 0, {}, {}}}};
   ColourImage image;
   image.width = 2 * kGap;
-  for (const Projection& p : projections) {
+  for (Projection& p : projections) {
+    const double pixels = static_cast<double>(lines[p.across].pixels) * lines[p.up].pixels;
+    p.dots = choose_dots(places, static_cast<Eigen::Index>(p.along), pixels);
     image.width += lines[p.across].pixels;
     image.height = std::max(image.height, lines[p.up].pixels);
   }
+  project(density, projections);
   image.rgb.assign(
       3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height), 0);
   int left = 0;
   for (const Projection& p : projections) {
-    const Line& across = lines[p.across];
-    const Line& up = lines[p.up];
-    draw_field(p, across, up, left, image);
-    const int half = half_width_of_dots(sites.count, across.pixels, up.pixels);
-    for (Index s = 0; s < sites.count; ++s) {
-      const Eigen::Vector3d place =
-          (to_box * (place_of(s) - offset) - density.box.lower.eigen()).cwiseQuotient(extent);
-      const auto column =
-          static_cast<int>(place[static_cast<Eigen::Index>(p.across)] * across.pixels);
-      const auto row = static_cast<int>((1 - place[static_cast<Eigen::Index>(p.up)]) * up.pixels);
-      if (column < 0 || column >= across.pixels || row < 0 || row >= up.pixels) continue;
-      for (int y = std::max(0, row - half); y <= std::min(up.pixels - 1, row + half); ++y) {
-        for (int x = std::max(0, column - half); x <= std::min(across.pixels - 1, column + half);
-             ++x) {
-          const std::size_t pixel = address(image, left, up.pixels, x, y);
-          for (std::size_t c = 0; c < 3; ++c) {
-            image.rgb[pixel + c] = static_cast<std::uint8_t>((1 - kOpacity) * image.rgb[pixel + c] +
-                                                             kOpacity * kDot[c]);
-          }
-        }
-      }
-    }
-    left += across.pixels + kGap;
+    draw_field(p, lines[p.across], lines[p.up], left, image);
+    draw_dots(p, places, lines[p.across].pixels, lines[p.up].pixels, left, image);
+    left += lines[p.across].pixels + kGap;
   }
   return image;
 }

@@ -39,12 +39,20 @@ void append_big(std::string& bytes, Value value) {
 
 /// A coordinate; 0 beyond the dimensions that the sites have.
 template <class Scalar>
-Scalar coordinate(const VolumeSamples<Scalar>& samples, Eigen::Index site, Eigen::Index d) {
-  return d < samples.sites.rows() ? samples.sites(d, site) : Scalar{0};
+Scalar coordinate(const VolumeSamples& samples, Eigen::Index site, Eigen::Index d) {
+  return d < samples.sites.rows() ? static_cast<Scalar>(samples.sites(d, site)) : Scalar{0};
+}
+
+/// Whether float32 moves a site by more than a thousandth of the mean radius.
+bool needs_double(const VolumeSamples& samples) {
+  const auto sites = samples.sites.eigen();
+  double radius = 0;
+  for (const double r : samples.radii) radius += r / static_cast<double>(samples.radii.size());
+  return ((sites - sites.cast<float>().cast<double>()).array().abs() > 1e-3 * radius).any();
 }
 
 template <class Scalar>
-void write_ply(const std::filesystem::path& path, const VolumeSamples<Scalar>& samples) {
+void write_ply(const std::filesystem::path& path, const VolumeSamples& samples) {
   const std::string real = sizeof(Scalar) == 4 ? "property float " : "property double ";
   const Eigen::Index sites = samples.sites.cols();
   std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " +
@@ -53,7 +61,7 @@ void write_ply(const std::filesystem::path& path, const VolumeSamples<Scalar>& s
   io::OutputFile file(path);
   for (Eigen::Index s = 0; s < sites; ++s) {
     const auto i = static_cast<std::size_t>(s);
-    for (Eigen::Index d = 0; d < 3; ++d) append_little(bytes, coordinate(samples, s, d));
+    for (Eigen::Index d = 0; d < 3; ++d) append_little(bytes, coordinate<Scalar>(samples, s, d));
     append_little(bytes, static_cast<Scalar>(samples.radii[i]));
     append_little(bytes, samples.capacities[i]);
     append_little(bytes, static_cast<Scalar>(samples.weights[i]));
@@ -103,7 +111,7 @@ void write_array(io::OutputFile& file, const char* name, int components, Eigen::
 }
 
 template <class Scalar>
-void write_vtp(const std::filesystem::path& path, const VolumeSamples<Scalar>& samples) {
+void write_vtp(const std::filesystem::path& path, const VolumeSamples& samples) {
   const Eigen::Index sites = samples.sites.cols();
   const std::string count = std::to_string(sites);
   const auto at = [](const auto& values, Eigen::Index i) {
@@ -124,7 +132,7 @@ void write_vtp(const std::filesystem::path& path, const VolumeSamples<Scalar>& s
               [&](Eigen::Index i) { return static_cast<Scalar>(at(samples.weights, i)); });
   file.write("</PointData>\n<Points>\n");
   write_array(file, "Points", 3, 3 * sites,
-              [&](Eigen::Index i) { return coordinate(samples, i / 3, i % 3); });
+              [&](Eigen::Index i) { return coordinate<Scalar>(samples, i / 3, i % 3); });
   file.write("</Points>\n<Verts>\n");
   write_array(file, "connectivity", 1, sites, [](Eigen::Index i) { return std::int64_t{i}; });
   write_array(file, "offsets", 1, sites, [](Eigen::Index i) { return std::int64_t{i} + 1; });
@@ -134,7 +142,7 @@ void write_vtp(const std::filesystem::path& path, const VolumeSamples<Scalar>& s
 
 /// The legacy format: numbers are big endian.
 template <class Scalar>
-void write_vtk(const std::filesystem::path& path, const VolumeSamples<Scalar>& samples) {
+void write_vtk(const std::filesystem::path& path, const VolumeSamples& samples) {
   const Eigen::Index sites = samples.sites.cols();
   const std::string count = std::to_string(sites);
   const std::string real = sizeof(Scalar) == 4 ? "float" : "double";
@@ -142,7 +150,7 @@ void write_vtk(const std::filesystem::path& path, const VolumeSamples<Scalar>& s
       "# vtk DataFile Version 3.0\nccvt samples\nBINARY\nDATASET POLYDATA\nPOINTS " + count + " " +
       real + "\n";
   for (Eigen::Index s = 0; s < sites; ++s) {
-    for (Eigen::Index d = 0; d < 3; ++d) append_big(bytes, coordinate(samples, s, d));
+    for (Eigen::Index d = 0; d < 3; ++d) append_big(bytes, coordinate<Scalar>(samples, s, d));
   }
   bytes += "\nVERTICES " + count + " " + std::to_string(2 * sites) + "\n";
   for (Eigen::Index s = 0; s < sites; ++s) {
@@ -166,7 +174,7 @@ void write_vtk(const std::filesystem::path& path, const VolumeSamples<Scalar>& s
 
 template <class Scalar>
 void write_text_samples(const std::filesystem::path& path, char separator,
-                        const VolumeSamples<Scalar>& samples) {
+                        const VolumeSamples& samples) {
   const Eigen::Index dimension = samples.sites.rows();
   std::string text;
   for (Eigen::Index d = 0; d < dimension; ++d) {
@@ -178,7 +186,7 @@ void write_text_samples(const std::filesystem::path& path, char separator,
   for (Eigen::Index s = 0; s < samples.sites.cols(); ++s) {
     const auto i = static_cast<std::size_t>(s);
     for (Eigen::Index d = 0; d < dimension; ++d) {
-      io::append(text, samples.sites(d, s));
+      io::append(text, static_cast<Scalar>(samples.sites(d, s)));
       text += separator;
     }
     io::append(text, static_cast<Scalar>(samples.radii[i]));
@@ -196,10 +204,21 @@ void write_text_samples(const std::filesystem::path& path, char separator,
   file.commit();
 }
 
+template <class Scalar>
+void write_as(const std::filesystem::path& path, const VolumeSamples& samples) {
+  const std::string extension = io::extension_of(path);
+  if (extension == ".csv") return write_text_samples<Scalar>(path, ',', samples);
+  if (extension == ".txt") return write_text_samples<Scalar>(path, ' ', samples);
+  if (extension == ".ply") return write_ply<Scalar>(path, samples);
+  if (extension == ".vtp") return write_vtp<Scalar>(path, samples);
+  if (extension == ".vtk") return write_vtk<Scalar>(path, samples);
+  throw InvalidInput(path.string() + ": unknown extension " + io::quoted(extension) +
+                     "; samples go into " + io::list_of(io::kSampleFiles, " or "));
+}
+
 }  // namespace
 
-template <class Scalar>
-void write_samples(const std::filesystem::path& path, const VolumeSamples<Scalar>& samples) {
+void write_samples(const std::filesystem::path& path, const VolumeSamples& samples) {
   const std::string extension = io::extension_of(path);
   const auto sites = static_cast<std::size_t>(samples.sites.cols());
   if (samples.radii.size() != sites || samples.capacities.size() != sites ||
@@ -209,23 +228,14 @@ void write_samples(const std::filesystem::path& path, const VolumeSamples<Scalar
                        std::to_string(samples.capacities.size()) + " capacities and " +
                        std::to_string(samples.weights.size()) + " weights; needs one of each");
   }
+  if (extension == ".npy") return write_points(path, samples.sites);
   const bool text = extension == ".csv" || extension == ".txt";
-  if (!text && extension != ".npy" && samples.sites.rows() > 3) {
+  if (!text && samples.sites.rows() > 3) {
     throw InvalidInput(path.string() + ": samples of " + std::to_string(samples.sites.rows()) +
                        " dimensions go into .csv, .txt or .npy");
   }
-  if (text) return write_text_samples(path, extension == ".csv" ? ',' : ' ', samples);
-  if (extension == ".npy") return write_points(path, samples.sites);
-  if (extension == ".ply") return write_ply(path, samples);
-  if (extension == ".vtp") return write_vtp(path, samples);
-  if (extension == ".vtk") return write_vtk(path, samples);
-  throw InvalidInput(path.string() + ": unknown extension " + io::quoted(extension) +
-                     "; samples go into " + io::list_of(io::kSampleFiles, " or "));
+  const bool wide = samples.scalar == ScalarType::float64 || needs_double(samples);
+  wide ? write_as<double>(path, samples) : write_as<float>(path, samples);
 }
-
-template CCVT_EXPORT void write_samples<float>(const std::filesystem::path&,
-                                               const VolumeSamples<float>&);
-template CCVT_EXPORT void write_samples<double>(const std::filesystem::path&,
-                                                const VolumeSamples<double>&);
 
 }  // namespace ccvt

@@ -125,7 +125,7 @@ std::uint64_t VolumeHeader::cells() const {
       std::accumulate(grid.shape.begin(), grid.shape.end(), std::int64_t{1}, std::multiplies<>()));
 }
 
-GridValues Volume::stored() const {
+GridValues Volume::stored() const& {
   switch (type) {
     case VoxelType::int8:
       return view_as<std::int8_t>(data);
@@ -171,7 +171,7 @@ double Volume::greatest(std::span<const std::uint8_t> mask) const {
   return std::max(slope * least + intercept, slope * most + intercept);
 }
 
-DensityGrid Volume::density(const ValueMap& map, std::span<const std::uint8_t> mask) const {
+DensityGrid Volume::density(const ValueMap& map, MaskView mask) const& {
   map.validate();
   if (!mask.empty() && mask.size() != cells()) {
     throw InvalidInput("mask: has " + std::to_string(mask.size()) + " entries for " +

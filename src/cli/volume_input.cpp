@@ -1,0 +1,117 @@
+#include "cli/volume_input.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <variant>
+
+#include "cli/values.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+/// Throws unless the mask has the cells of the volume, at the same places.
+void check_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
+                const VolumeHeader& mask) {
+  const auto shape = [](const VolumeHeader& header) {
+    std::string result;
+    for (const auto n : header.grid.shape) {
+      result += (result.empty() ? "" : " x ") + std::to_string(n);
+    }
+    return result;
+  };
+  if (volume.grid.shape != mask.grid.shape) {
+    throw InvalidInput(arguments.mask.string() + ": has " + shape(mask) + " cells, but " +
+                       arguments.volume.string() + " has " + shape(volume));
+  }
+  const double cell = volume.grid.spacing().minCoeff();
+  const Eigen::Vector3d last(static_cast<double>(mask.grid.shape[0]),
+                             static_cast<double>(mask.grid.shape[1]),
+                             static_cast<double>(mask.grid.shape[2]));
+  const Eigen::Vector3d near = volume.grid.origin.eigen() - mask.grid.origin.eigen();
+  const Eigen::Vector3d far = near + (volume.grid.axes.eigen() - mask.grid.axes.eigen()) * last;
+  if (near.norm() > 0.1 * cell || far.norm() > 0.1 * cell) {
+    throw InvalidInput(arguments.mask.string() + ": its cells are not where those of " +
+                       arguments.volume.string() + " are; resample it first");
+  }
+}
+
+/// Calls visit(i, value) for each cell, until it returns false.
+template <class Visit>
+void visit_values(const Volume& volume, const Visit& visit) {
+  std::visit(
+      [&](const auto& numbers) {
+        for (std::size_t i = 0; i < numbers.size(); ++i) {
+          const double value = volume.slope * static_cast<double>(numbers[i]) + volume.intercept;
+          if (!visit(i, value)) return;
+        }
+      },
+      volume.stored());
+}
+
+[[noreturn]] void refuse_value(const VolumeArguments& arguments, std::size_t cell, double value) {
+  const std::string file = arguments.volume.string();
+  throw InvalidInput(
+      file + ": value " + std::to_string(cell) + " is " + to_text(value) +
+      (std::isnan(value)
+           ? "; leave such cells out with --mask FILE, a volume that is 0 or NaN there: " + file +
+                 " itself would do"
+           : "; choose which values matter with --map window:LO,HI or --map threshold:T"));
+}
+
+std::string words_of(const std::vector<std::int64_t>& labels) {
+  std::string words = labels.size() == 1 ? "the label " : "one of the labels ";
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    words += (i > 0 ? ", " : "") + std::to_string(labels[i]);
+  }
+  return words;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const VolumeHeader& volume) {
+  if (arguments.mask.empty()) return {};
+  check_mask(arguments, volume, inspect_volume(arguments.mask, arguments.layout));
+  const Volume file = read_volume(arguments.mask, arguments.layout);
+  std::vector<std::uint8_t> mask(file.cells());
+  const auto counts = [&](double value) {
+    if (arguments.labels.empty()) return value != 0 && !std::isnan(value);
+    return std::any_of(arguments.labels.begin(), arguments.labels.end(),
+                       [&](std::int64_t label) { return value == static_cast<double>(label); });
+  };
+  bool any = false;
+  visit_values(file, [&](std::size_t i, double value) {
+    mask[i] = counts(value) ? 1 : 0;
+    any = any || mask[i] != 0;
+    return true;
+  });
+  if (any) return mask;
+  throw InvalidInput(
+      arguments.mask.string() + ": no cell " +
+      (arguments.labels.empty() ? "is anything but 0" : "has " + words_of(arguments.labels)));
+}
+
+void check_values(const VolumeArguments& arguments, const Volume& volume,
+                  const std::vector<std::uint8_t>& mask) {
+  const ValueMap& map = arguments.map;
+  const bool limits = map.kind == ValueMap::Kind::window || map.kind == ValueMap::Kind::threshold;
+  double least = std::numeric_limits<double>::infinity();
+  double most = -least;
+  visit_values(volume, [&](std::size_t i, double value) {
+    if (!mask.empty() && mask[i] == 0) return true;
+    if (std::isnan(value) || (!limits && std::isinf(value))) refuse_value(arguments, i, value);
+    least = std::min(least, value);
+    most = std::max(most, value);
+    return true;
+  });
+  if (limits || map.invert || !(least < 0)) return;
+  throw InvalidInput(arguments.volume.string() + ": has values from " + to_text(least) + " to " +
+                     to_text(most) +
+                     ", but a density is not negative; choose which values matter with --map "
+                     "window:LO,HI (0 up to LO, full from HI) or --map threshold:T");
+}
+
+}  // namespace ccvt::cli

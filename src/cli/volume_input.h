@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cli/arguments.h"
+
+namespace ccvt::cli {
+
+/// One byte for each cell of `volume`: not 0 where --mask, and --label, let samples be; empty
+/// without --mask. Throws InvalidInput unless the mask has the cells of the volume, at the same
+/// places, and some of them count.
+std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const VolumeHeader& volume);
+
+/// Throws InvalidInput, naming the option that helps, for values that --map makes no density of.
+void check_values(const VolumeArguments& arguments, const Volume& volume,
+                  const std::vector<std::uint8_t>& mask);
+
+}  // namespace ccvt::cli

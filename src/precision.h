@@ -1,0 +1,66 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "ccvt/domain.h"
+#include "ccvt/types.h"
+#include "format.h"
+
+namespace ccvt {
+
+/// How far apart neighbouring points are, from what their tessellation costs; infinite where that
+/// says nothing, as when each point has a site of its own.
+inline double spacing_in_cells(double energy, Index points, Index sites, int dimension) {
+  if (!(energy > 0)) return std::numeric_limits<double>::infinity();
+  // A cube of side a has a mean square of a^2 / 12 along each axis.
+  const double side = std::sqrt(12 * energy / points / dimension);
+  return side / std::pow(static_cast<double>(points) / sites, 1.0 / dimension);
+}
+
+/// The most that they can be apart when they fill a box.
+inline double spacing_in_box(const Box& box, Index points) {
+  return box.extent().maxCoeff() / std::pow(points, 1.0 / box.dimension());
+}
+
+/// What is wrong with points that are `spacing` apart when most are so far from the origin that
+/// `Stored`, the type that they were given in, has steps of more than half of that; or nothing.
+template <class Stored, class Scalar>
+std::string coarse_coordinates(const char* what, PointsView<Scalar> points, double spacing) {
+  constexpr Index kLooked = 1001;  // enough for a median
+  const Index looked = std::min(points.count, kLooked);
+  double worst = 0;
+  double where = 0;
+  int axis = 0;
+  std::vector<double> sizes(static_cast<std::size_t>(looked));
+  for (int d = 0; d < points.dimension; ++d) {
+    for (Index k = 0; k < looked; ++k) {
+      const auto p = static_cast<Index>(static_cast<double>(k) * points.count / looked);
+      sizes[static_cast<std::size_t>(k)] = std::abs(static_cast<double>(points[p][d]));
+    }
+    const auto middle = sizes.begin() + looked / 2;
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    const auto size = static_cast<Stored>(*middle);
+    const auto step =
+        static_cast<double>(std::nextafter(size, std::numeric_limits<Stored>::infinity()) - size);
+    if (step <= worst) continue;
+    worst = step;
+    where = *middle;
+    axis = d;
+  }
+  if (points.count < 2 || !(2 * worst > spacing)) return {};
+  const std::string type = sizeof(Stored) == sizeof(float) ? "float32" : "float64";
+  if (spacing == 0) {
+    return std::string(what) + ": all are in one place, as far as " + type + " can tell";
+  }
+  return std::string(what) + ": coordinate " + std::to_string(axis) + " is about " +
+         text(where, 3) + ", where " + type + " has steps of " + text(worst, 2) +
+         ", but they are about " + text(spacing, 2) + " apart: give them " +
+         (type == "float32" ? "as float64, or " : "") + "relative to a place among them";
+}
+
+}  // namespace ccvt
