@@ -9,6 +9,7 @@
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
+#include "cli/signals.h"
 #include "cli/streams.h"
 
 namespace ccvt::cli {
