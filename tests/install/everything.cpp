@@ -12,6 +12,7 @@
 #include <ccvt/options.h>
 #include <ccvt/presets.h>
 #include <ccvt/problem.h>
+#include <ccvt/publication.h>
 #include <ccvt/sampling.h>
 #include <ccvt/solver.h>
 #include <ccvt/stipple.h>
@@ -160,7 +161,12 @@ void files(const std::filesystem::path& directory) {
   }
   ccvt::Image image{32, 32, std::vector<float>(1024, 0.25F)};
   image.values[5] = 1;
-  ccvt::write_png(directory / "i.png", image);
+  {
+    ccvt::Publication together;
+    ccvt::write_png(directory / "i.png", image);
+    bits << together.unpublished(directory / "i.png").extension().string();
+    together.publish();
+  }
   bits << ccvt::read_image(directory / "i.png").values;
   const auto dots = ccvt::stipple(image, 30);
   ccvt::write_svg(directory / "i.svg", dots);
