@@ -10,8 +10,8 @@
 
 #include "normalize.h"
 #include "parallel/arena.h"
-#include "relax/deal.h"
 #include "precision.h"
+#include "relax/deal.h"
 #include "relax/initial_sites.h"
 #include "relax/initialize.h"
 #include "relax/levels.h"

@@ -87,7 +87,7 @@ class Stop {
   // Of the caller's thread, or changed while no other works:
   bool asking_ = false;
   bool limited_ = false;
-  Clock::time_point next_ = Clock::now() + kInterval;
+  Clock::time_point next_ = {};  // the first check asks
 };
 
 }  // namespace ccvt

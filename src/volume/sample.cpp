@@ -106,9 +106,9 @@ VolumeSamples sample_volume(const DensityGrid& density, Index sites, const Volum
   const Index count = checked_point_count(sites, options.points_per_site);
   detail::check_density(density, count, Eigen::Dynamic, sizeof(double));
   const LocalDensity local = around_middle(density);
-  const auto points = sample_local_density<Scalar>(
-      local, count, options.tessellation.seed, options.sampling, options.tessellation.threads,
-      options.tessellation.cancelled);
+  const auto points =
+      sample_local_density<Scalar>(local, count, options.tessellation.seed, options.sampling,
+                                   options.tessellation.threads, options.tessellation.cancelled);
   Solver<Scalar> solver(Problem<Scalar>(points, sites), options.tessellation);
   solver.run();
   const Points<Scalar> centroids = solver.sites();
