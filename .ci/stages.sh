@@ -51,6 +51,12 @@ quick_benchmarks() {
   build/release/bin/ccvt-bench all --quick -o build/release/quick-benchmarks >/dev/null
 }
 
+# No Eigen type in what the library compiles.
+border() {
+  python3 tests/install/border.py clang++-14 -Iinclude -Ibuild/release/include \
+    -isystem /usr/include/eigen3
+}
+
 # A user's program under all kinds of flags, with the libraries that the tests installed.
 consumers() {
   local work=build/release/tests/install

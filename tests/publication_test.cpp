@@ -48,7 +48,7 @@ std::size_t unfinished_in(const fs::path& directory) {
 
 }  // namespace
 
-TEST_SUITE_BEGIN("io");
+TEST_SUITE_BEGIN("publication");
 
 TEST_CASE("two threads that write one file: each file that appears is whole, none is lost") {
   const TemporaryDirectory directory;

@@ -125,14 +125,18 @@ class CCVT_EXPORT Codebook {
 
   [[nodiscard]] int dimension() const { return static_cast<int>(codewords_.rows()); }
   [[nodiscard]] Index size() const { return static_cast<Index>(codewords_.cols()); }
-  [[nodiscard]] Eigen::Map<const Eigen::MatrixXd> codewords() const { return codewords_.eigen(); }
-  [[nodiscard]] Eigen::Map<const Eigen::VectorXd> weights() const { return weights_.eigen(); }
+  [[nodiscard]] Eigen::Map<const Eigen::MatrixXd> codewords() const& {
+    return codewords_.eigen();
+  }
+  [[nodiscard]] Eigen::MatrixXd codewords() && { return codewords_.eigen(); }
+  [[nodiscard]] Eigen::Map<const Eigen::VectorXd> weights() const& { return weights_.eigen(); }
+  [[nodiscard]] Eigen::VectorXd weights() && { return weights_; }
 
   /// The code of each vector (#dimensions by #vectors, finite), in 0..n-1; of several cheapest any,
   /// but always the same one. By a k-d tree one dimension up in few dimensions [site (s,
   /// sqrt(W - w)), query (p, 0)], by blocked products else; exact. O(#vectors n #dimensions) at
   /// worst. Throws InvalidInput for vectors of another dimension, or not finite; Cancelled
-  /// (metrics.h) when `cancelled`, asked several times a second from the thread that called, says
+  /// (types.h) when `cancelled`, asked several times a second from the thread that called, says
   /// so.
   template <class Derived>
   [[nodiscard]] std::vector<Index> encode(const Eigen::DenseBase<Derived>& vectors,

@@ -23,7 +23,7 @@ class Coordinates {
   explicit Coordinates(std::vector<double> values) : values_(std::move(values)) {}
   template <class Derived>
   Coordinates(const Eigen::MatrixBase<Derived>& values) {  // NOLINT: as an Eigen vector would
-    static_assert(Derived::IsVectorAtCompileTime || Derived::MaxRowsAtCompileTime == Eigen::Dynamic,
+    static_assert(Derived::IsVectorAtCompileTime,
                   "ccvt: coordinates are a vector: one number for each dimension");
     resize(values.size());
     eigen() = values.derived().template cast<double>().reshaped();
@@ -45,10 +45,13 @@ class Coordinates {
   [[nodiscard]] const double* begin() const { return data(); }
   [[nodiscard]] const double* end() const { return data() + size(); }
 
-  /// A view, valid while this object lives and keeps its size.
-  [[nodiscard]] Eigen::Map<const Eigen::VectorXd> eigen() const { return {data(), size()}; }
-  [[nodiscard]] Eigen::Map<Eigen::VectorXd> eigen() { return {data(), size()}; }
-  operator Eigen::VectorXd() const { return eigen(); }  // NOLINT: a copy is harmless
+  /// A view, valid while this object lives and keeps its size; of a temporary, a copy.
+  [[nodiscard]] Eigen::Map<const Eigen::VectorXd> eigen() const& { return {data(), size()}; }
+  [[nodiscard]] Eigen::Map<Eigen::VectorXd> eigen() & { return {data(), size()}; }
+  [[nodiscard]] Eigen::VectorXd eigen() && { return *this; }
+  operator Eigen::VectorXd() const {  // NOLINT: a copy is harmless
+    return Eigen::Map<const Eigen::VectorXd>(data(), size());
+  }
 
   friend bool operator==(const Coordinates&, const Coordinates&) = default;
 
@@ -63,11 +66,12 @@ template <class Scalar>
 class Columns {
  public:
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  using Column = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
 
   Columns() = default;
   /// Zeros.
   Columns(std::ptrdiff_t rows, std::ptrdiff_t cols)
-      : rows_(rows), cols_(cols), values_(static_cast<std::size_t>(rows * cols)) {}
+      : rows_(rows), values_(static_cast<std::size_t>(rows * cols)) {}
   template <class Derived>
   Columns(const Eigen::DenseBase<Derived>& values)  // NOLINT: as an Eigen matrix would
       : Columns(values.rows(), values.cols()) {
@@ -75,8 +79,8 @@ class Columns {
   }
 
   [[nodiscard]] std::ptrdiff_t rows() const { return rows_; }
-  [[nodiscard]] std::ptrdiff_t cols() const { return cols_; }
-  [[nodiscard]] std::ptrdiff_t size() const { return rows_ * cols_; }
+  [[nodiscard]] std::ptrdiff_t cols() const { return rows_ == 0 ? 0 : size() / rows_; }
+  [[nodiscard]] std::ptrdiff_t size() const { return static_cast<std::ptrdiff_t>(values_.size()); }
   [[nodiscard]] Scalar operator()(std::ptrdiff_t row, std::ptrdiff_t column) const {
     return values_[static_cast<std::size_t>(row + column * rows_)];
   }
@@ -86,12 +90,15 @@ class Columns {
   [[nodiscard]] const Scalar* data() const { return values_.data(); }
   [[nodiscard]] Scalar* data() { return values_.data(); }
 
-  /// Views, valid while this object lives and keeps its size.
-  [[nodiscard]] Eigen::Map<const Matrix> eigen() const { return {data(), rows_, cols_}; }
-  [[nodiscard]] Eigen::Map<Matrix> eigen() { return {data(), rows_, cols_}; }
-  [[nodiscard]] auto col(std::ptrdiff_t column) const {
-    return Eigen::Map<const Eigen::Matrix<Scalar, Eigen::Dynamic, 1>>(data() + column * rows_,
-                                                                      rows_);
+  /// Views, valid while this object lives and keeps its size; of a temporary, copies.
+  [[nodiscard]] Eigen::Map<const Matrix> eigen() const& { return {data(), rows_, cols()}; }
+  [[nodiscard]] Eigen::Map<Matrix> eigen() & { return {data(), rows_, cols()}; }
+  [[nodiscard]] Matrix eigen() && { return Eigen::Map<const Matrix>(data(), rows_, cols()); }
+  [[nodiscard]] Eigen::Map<const Column> col(std::ptrdiff_t column) const& {
+    return {data() + column * rows_, rows_};
+  }
+  [[nodiscard]] Column col(std::ptrdiff_t column) && {
+    return Eigen::Map<const Column>(data() + column * rows_, rows_);
   }
   /// A copy: `Eigen::Matrix3Xf sites = samples.sites;`
   template <int Rows, int Cols>
@@ -108,7 +115,6 @@ class Columns {
 
  private:
   std::ptrdiff_t rows_ = 0;
-  std::ptrdiff_t cols_ = 0;
   std::vector<Scalar> values_;
 };
 

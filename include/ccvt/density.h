@@ -104,7 +104,7 @@ CCVT_EXPORT void fill_function(const DensityFunction& density, double maximum, c
 /// there that it cannot tell the cells apart.
 ///
 /// `cancelled`, when given, is asked a few times a second, from the thread that called; true makes
-/// this throw Cancelled (metrics.h). So does sample_function().
+/// this throw Cancelled (types.h). So does sample_function().
 ///
 /// `threads` 0: one per processor; any number gives identical bits. O(#cells + #dimensions *
 /// count) time: about 1 ns a cell to add up the values, and 10 to 30 ns a cell along the curve;

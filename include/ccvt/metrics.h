@@ -59,7 +59,8 @@ class CCVT_EXPORT PointSet {
 
   [[nodiscard]] int dimension() const { return static_cast<int>(points_.rows()); }
   [[nodiscard]] Index count() const { return static_cast<Index>(points_.cols()); }
-  [[nodiscard]] Eigen::Map<const Points<double>> points() const { return points_.eigen(); }
+  [[nodiscard]] Eigen::Map<const Points<double>> points() const& { return points_.eigen(); }
+  [[nodiscard]] Points<double> points() && { return points_.eigen(); }
   [[nodiscard]] const Domain& domain() const { return domain_; }
   /// (|box| / n)^(1/D).
   [[nodiscard]] double mean_spacing() const { return mean_spacing_; }
@@ -131,10 +132,6 @@ struct SpectrumOptions {
   /// analyze() throw Cancelled.
   std::function<bool()> cancelled = {};
 };
-
-/// What SpectrumOptions::cancelled leads to, and where there is nothing to return yet: see
-/// sample_density(), sample_volume() and stipple().
-struct Cancelled {};
 
 /// A ring (in 3D a shell) of frequencies.
 struct SpectrumRing {

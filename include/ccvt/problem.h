@@ -1,5 +1,6 @@
 #pragma once
 
+#include <type_traits>
 #include <vector>
 
 #include "ccvt/capacity.h"
@@ -44,6 +45,8 @@ class CCVT_EXPORT Problem {
   /// is given the one that its hint leads to.
   template <class Derived>
   Problem& set_initial_sites(const Eigen::DenseBase<Derived>& sites) {
+    static_assert(!std::is_integral_v<typename Derived::Scalar>,
+                  "ccvt: sites must be float or double: convert them by sites.cast<float>()");
     return set_initial_sites(Columns<Scalar>(sites));
   }
   Problem& set_initial_sites(Columns<Scalar> sites);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 
@@ -15,12 +16,14 @@ namespace ccvt {
 ///   together.publish();
 ///
 /// It holds for all writers of the library that are called in its thread while it lives, and is to
-/// be destroyed in that thread. Scopes may be nested: then the outermost publishes all.
+/// be destroyed in that thread, which is why it is a local variable only. Scopes may be nested: then
+/// the outermost publishes all.
 class CCVT_EXPORT Publication {
  public:
   Publication();
   Publication(const Publication&) = delete;
   Publication& operator=(const Publication&) = delete;
+  static void* operator new(std::size_t) = delete;
   /// Removes what has not been published.
   ~Publication();
 

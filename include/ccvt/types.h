@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <exception>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -23,6 +24,12 @@ using Points = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 class InvalidInput : public std::invalid_argument {
  public:
   explicit InvalidInput(const std::string& message) : std::invalid_argument(message) {}
+};
+
+/// Thrown by functions that have nothing to give when a callback of the caller's cancels them.
+class Cancelled : public std::exception {
+ public:
+  [[nodiscard]] const char* what() const noexcept override { return "cancelled by the caller"; }
 };
 
 /// A read-only view of a point set owned by somebody else: column p is at data + p * stride.

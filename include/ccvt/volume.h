@@ -178,8 +178,8 @@ struct VolumeSamples {
   /// describe the centroids.
   Index put_back = 0;
   double farthest_put_back = 0;
-  /// With VolumeOptions::keep_points only: D by #points, in the world, and the site that owns each
-  /// (-1: none, of a run that was cancelled early). 8 D + 4 bytes a point.
+  /// With VolumeOptions::keep_points only: D by #points, in the world, and the site that owns
+  /// each. 8 D + 4 bytes a point.
   Columns<double> points;
   std::vector<Index> owners;
   /// What was computed in.

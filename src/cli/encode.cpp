@@ -9,7 +9,6 @@
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
-#include "cli/signals.h"
 #include "cli/streams.h"
 
 namespace ccvt::cli {
@@ -38,7 +37,7 @@ int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header)
   const auto start = std::chrono::steady_clock::now();
   const auto codes = blame(arguments.vectors, [&] {
     return codebook.encode(vectors, arguments.weights.empty() ? Coding::nearest : Coding::weighted,
-                           arguments.threads, [] { return interrupted(); });
+                           arguments.threads);
   });
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstddef>
 #include <cstdint>
@@ -53,6 +54,7 @@ extern "C" void on_termination(int signal) {
 }
 
 extern "C" void on_interrupt(int signal) {
+  const int error = errno;  // of what was interrupted
   // One Ctrl-C may arrive twice: a parent that passes it on signals the process and its group.
   constexpr std::int64_t same_key = 300'000'000;
   const std::string_view line = somebody_reads ? "\n" : "";  // behind what shows the progress
@@ -62,6 +64,7 @@ extern "C" void on_interrupt(int signal) {
     if (somebody_reads) {
       say("\nccvt: stopping, and writing what has been reached; Ctrl-C again discards it\n");
     }
+    errno = error;
     return;
   }
   if (watched && time - before < same_key) return;

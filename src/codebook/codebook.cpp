@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "ccvt/io.h"
-#include "ccvt/metrics.h"
 #include "ccvt/publication.h"
 #include "codebook/encode.h"
 #include "format.h"

@@ -251,6 +251,7 @@ void Trainer<Scalar>::exact() {
     }
     exact_level(view_points(sample), share_capacities(capacities, m, count), false);
   }
+  if (summary_.termination == Termination::cancelled) throw Stopped();
   exact_level(vectors_, capacities, true);
   if (summary_.termination == Termination::cancelled) throw Stopped();
   prove();

@@ -104,9 +104,9 @@ std::vector<std::size_t> all_of(std::size_t count) {
 
 }  // namespace
 
-Columns choose_columns(const InputFile& file, const std::vector<std::string>& wanted,
+TableColumns choose_columns(const InputFile& file, const std::vector<std::string>& wanted,
                        const std::vector<std::string>& names, std::size_t count) {
-  Columns columns;
+  TableColumns columns;
   columns.at =
       wanted.empty() ? coordinates_among(file, names) : find_wanted(file, wanted, names, count);
   if (columns.at.empty()) columns.at = all_of(count);

@@ -246,7 +246,7 @@ void PlyFile::choose_axes(Element& element) const {
     wanted = {"x", "y", "z"};
     wanted.resize(given[2] == 1 ? 3 : 2);
   }
-  const Columns columns = choose_columns(file_, wanted, names, names.size());
+  const TableColumns columns = choose_columns(file_, wanted, names, names.size());
   for (std::size_t axis = 0; axis < columns.at.size(); ++axis) {
     properties[columns.at[axis]]->axis = static_cast<int>(axis);
   }

@@ -66,7 +66,7 @@ void check_finite(const InputFile& file, const PointsMap<Scalar>& points) {
 }
 
 /// Which columns of the row that `rows` is at are coordinates.
-io::Columns text_columns(const TextRows& rows, const ReadOptions& options) {
+io::TableColumns text_columns(const TextRows& rows, const ReadOptions& options) {
   const std::size_t count = rows.fields().size();
   if (count > kMostDimensions) {
     rows.fail("has " + std::to_string(count) + " coordinates; at most 16777216 are supported");
@@ -163,7 +163,7 @@ PointsHeader inspect_points(const std::filesystem::path& path, const ReadOptions
   }
   TextRows rows(path);
   if (!rows.next()) rows.fail_file("has no points");
-  io::Columns columns = text_columns(rows, options);
+  io::TableColumns columns = text_columns(rows, options);
   return {ScalarType::float64, static_cast<int>(columns.at.size()), 1 + rows.count_lines(),
           std::move(columns.names), std::move(columns.left_out)};
 }

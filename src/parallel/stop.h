@@ -51,8 +51,10 @@ class Stop {
     explicit Pause(Stop& stop)
         : stop_(stop),
           asking_(std::exchange(stop.asking_, false)),
-          limited_(std::exchange(stop.limited_, false)) {}
+          limited_(std::exchange(stop.limited_, false)),
+          stopped_(stop.stop_.exchange(false)) {}
     ~Pause() {
+      stop_.stop_ = stopped_;
       stop_.asking_ = asking_;
       stop_.limited_ = limited_;
     }
@@ -63,6 +65,7 @@ class Stop {
     Stop& stop_;
     bool asking_;
     bool limited_;
+    bool stopped_;
   };
 
   /// The callback is not asked again, and check() throws no more.

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <limits>
 
-#include "ccvt/metrics.h"
 #include "parallel/arena.h"
 #include "random.h"
 #include "sampling/cell_densities.h"

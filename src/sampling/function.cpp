@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "ccvt/density.h"
-#include "ccvt/metrics.h"
 #include "parallel/arena.h"
 #include "random.h"
 #include "sampling/hilbert.h"

@@ -19,8 +19,7 @@ namespace ccvt {
 
 namespace {
 
-/// Capacities and radii, from the points of each cell. A run that was cancelled on a coarse level
-/// has points without an owner, -1; they count for nothing.
+/// Capacities and radii, from the points of each cell.
 template <class Scalar>
 void measure_cells(const Points<Scalar>& points, const Points<Scalar>& sites,
                    const std::vector<Index>& owners, VolumeSamples& samples) {
@@ -29,7 +28,6 @@ void measure_cells(const Points<Scalar>& points, const Points<Scalar>& sites,
   samples.capacities.assign(count, 0);
   for (Eigen::Index p = 0; p < points.cols(); ++p) {
     const Index site = owners[static_cast<std::size_t>(p)];
-    if (site < 0) continue;
     ++samples.capacities[static_cast<std::size_t>(site)];
     for (Eigen::Index d = 0; d < points.rows(); ++d) {
       const double difference =
@@ -75,7 +73,7 @@ void put_back(const DensityGrid& density, const Points<Scalar>& points,
   std::vector<Eigen::Index> nearest(count);
   for (Eigen::Index p = 0; p < points.cols(); ++p) {
     const Index owner = owners[static_cast<std::size_t>(p)];
-    if (owner < 0 || least[static_cast<std::size_t>(owner)] < 0) continue;
+    if (least[static_cast<std::size_t>(owner)] < 0) continue;
     const double squared =
         (points.col(p).template cast<double>() + origin - samples.sites.col(owner)).squaredNorm();
     if (!(squared < least[static_cast<std::size_t>(owner)])) continue;

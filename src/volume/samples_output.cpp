@@ -43,12 +43,15 @@ Scalar coordinate(const VolumeSamples& samples, Eigen::Index site, Eigen::Index 
   return d < samples.sites.rows() ? static_cast<Scalar>(samples.sites(d, site)) : Scalar{0};
 }
 
-/// Whether float32 moves a site by more than a thousandth of the mean radius.
+/// Whether float32 moves a site by more than a thousandth of the mean radius, or of the extent of
+/// all by what could take it across a face between a cell of density 0 and its own.
 bool needs_double(const VolumeSamples& samples) {
   const auto sites = samples.sites.eigen();
   double radius = 0;
   for (const double r : samples.radii) radius += r / static_cast<double>(samples.radii.size());
-  return ((sites - sites.cast<float>().cast<double>()).array().abs() > 1e-3 * radius).any();
+  const double extent = (sites.rowwise().maxCoeff() - sites.rowwise().minCoeff()).maxCoeff();
+  const double most = std::min(1e-3 * radius, 0x1p-22 * extent);
+  return ((sites - sites.cast<float>().cast<double>()).array().abs() > most).any();
 }
 
 template <class Scalar>
