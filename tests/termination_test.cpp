@@ -176,7 +176,11 @@ TEST_CASE("Options::cancelled ends a run between batches") {
         if (asked < stop && stop > total / 2) continue;
         CHECK(asked == stop);  // never asked again
         CHECK(result.summary.termination == Termination::cancelled);
-        CHECK(faults(problem, result) == "");
+        if (stop == 1) {  // in the start, where sites stay as they are
+          CHECK(ccvt::capacity_error(result.owners, 40) == 0);
+        } else {
+          CHECK(faults(problem, result) == "");
+        }
       }
     }
   }

@@ -125,9 +125,7 @@ class CCVT_EXPORT Codebook {
 
   [[nodiscard]] int dimension() const { return static_cast<int>(codewords_.rows()); }
   [[nodiscard]] Index size() const { return static_cast<Index>(codewords_.cols()); }
-  [[nodiscard]] Eigen::Map<const Eigen::MatrixXd> codewords() const& {
-    return codewords_.eigen();
-  }
+  [[nodiscard]] Eigen::Map<const Eigen::MatrixXd> codewords() const& { return codewords_.eigen(); }
   [[nodiscard]] Eigen::MatrixXd codewords() && { return codewords_.eigen(); }
   [[nodiscard]] Eigen::Map<const Eigen::VectorXd> weights() const& { return weights_.eigen(); }
   [[nodiscard]] Eigen::VectorXd weights() && { return weights_; }

@@ -16,8 +16,8 @@ namespace ccvt {
 ///   together.publish();
 ///
 /// It holds for all writers of the library that are called in its thread while it lives, and is to
-/// be destroyed in that thread, which is why it is a local variable only. Scopes may be nested: then
-/// the outermost publishes all.
+/// be destroyed in that thread, which is why it is a local variable only. Scopes may be nested:
+/// then the outermost publishes all.
 class CCVT_EXPORT Publication {
  public:
   Publication();

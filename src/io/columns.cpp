@@ -105,7 +105,7 @@ std::vector<std::size_t> all_of(std::size_t count) {
 }  // namespace
 
 TableColumns choose_columns(const InputFile& file, const std::vector<std::string>& wanted,
-                       const std::vector<std::string>& names, std::size_t count) {
+                            const std::vector<std::string>& names, std::size_t count) {
   TableColumns columns;
   columns.at =
       wanted.empty() ? coordinates_among(file, names) : find_wanted(file, wanted, names, count);

@@ -20,6 +20,6 @@ struct TableColumns {
 /// or x0. `names`: one for each of `count` columns, or none. Throws InvalidInput for what is not
 /// there, is there twice, or is wanted twice, with a list of what is there.
 TableColumns choose_columns(const InputFile& file, const std::vector<std::string>& wanted,
-                       const std::vector<std::string>& names, std::size_t count);
+                            const std::vector<std::string>& names, std::size_t count);
 
 }  // namespace ccvt::io
