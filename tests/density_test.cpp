@@ -467,7 +467,7 @@ TEST_CASE("an affine map takes points to the world") {
   const std::vector<double> values = rough_values<double>(shape, 9);
   DensityGrid grid{values, shape, box_of(shape)};
   grid.interpolation = ccvt::Interpolation::linear;
-  ccvt::Affine affine{Eigen::MatrixXd(3, 3), Eigen::Vector3d(100, -20, 3)};
+  ccvt::Affine affine{Eigen::MatrixXd::Zero(3, 3), Eigen::Vector3d(100, -20, 3)};
   affine.matrix.eigen() << 0, -2, 0.3, 1, 0, 0, 0.1, 0, 3;
   // Independent draws do not depend on the shape of the cells.
   const auto box = sample_density<double>(grid, 5000, 1, DensitySampling::white);
