@@ -126,9 +126,9 @@ class CCVT_EXPORT Codebook {
   [[nodiscard]] int dimension() const { return static_cast<int>(codewords_.rows()); }
   [[nodiscard]] Index size() const { return static_cast<Index>(codewords_.cols()); }
   [[nodiscard]] Eigen::Map<const Eigen::MatrixXd> codewords() const& { return codewords_.eigen(); }
-  [[nodiscard]] Eigen::MatrixXd codewords() && { return codewords_.eigen(); }
+  [[nodiscard]] Eigen::MatrixXd codewords() const&& { return codewords_.eigen(); }
   [[nodiscard]] Eigen::Map<const Eigen::VectorXd> weights() const& { return weights_.eigen(); }
-  [[nodiscard]] Eigen::VectorXd weights() && { return weights_; }
+  [[nodiscard]] Eigen::VectorXd weights() const&& { return weights_; }
 
   /// The code of each vector (#dimensions by #vectors, finite), in 0..n-1; of several cheapest any,
   /// but always the same one. By a k-d tree one dimension up in few dimensions [site (s,

@@ -48,7 +48,7 @@ class Coordinates {
   /// A view, valid while this object lives and keeps its size; of a temporary, a copy.
   [[nodiscard]] Eigen::Map<const Eigen::VectorXd> eigen() const& { return {data(), size()}; }
   [[nodiscard]] Eigen::Map<Eigen::VectorXd> eigen() & { return {data(), size()}; }
-  [[nodiscard]] Eigen::VectorXd eigen() && { return *this; }
+  [[nodiscard]] Eigen::VectorXd eigen() const&& { return *this; }
   operator Eigen::VectorXd() const {  // NOLINT: a copy is harmless
     return Eigen::Map<const Eigen::VectorXd>(data(), size());
   }
@@ -93,11 +93,11 @@ class Columns {
   /// Views, valid while this object lives and keeps its size; of a temporary, copies.
   [[nodiscard]] Eigen::Map<const Matrix> eigen() const& { return {data(), rows_, cols()}; }
   [[nodiscard]] Eigen::Map<Matrix> eigen() & { return {data(), rows_, cols()}; }
-  [[nodiscard]] Matrix eigen() && { return Eigen::Map<const Matrix>(data(), rows_, cols()); }
+  [[nodiscard]] Matrix eigen() const&& { return Eigen::Map<const Matrix>(data(), rows_, cols()); }
   [[nodiscard]] Eigen::Map<const Column> col(std::ptrdiff_t column) const& {
     return {data() + column * rows_, rows_};
   }
-  [[nodiscard]] Column col(std::ptrdiff_t column) && {
+  [[nodiscard]] Column col(std::ptrdiff_t column) const&& {
     return Eigen::Map<const Column>(data() + column * rows_, rows_);
   }
   /// A copy: `Eigen::Matrix3Xf sites = samples.sites;`

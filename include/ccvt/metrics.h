@@ -60,7 +60,7 @@ class CCVT_EXPORT PointSet {
   [[nodiscard]] int dimension() const { return static_cast<int>(points_.rows()); }
   [[nodiscard]] Index count() const { return static_cast<Index>(points_.cols()); }
   [[nodiscard]] Eigen::Map<const Points<double>> points() const& { return points_.eigen(); }
-  [[nodiscard]] Points<double> points() && { return points_.eigen(); }
+  [[nodiscard]] Points<double> points() const&& { return points_.eigen(); }
   [[nodiscard]] const Domain& domain() const { return domain_; }
   /// (|box| / n)^(1/D).
   [[nodiscard]] double mean_spacing() const { return mean_spacing_; }
