@@ -100,7 +100,7 @@ TEST_CASE("tessellate: too many points for a start of their own are dealt out ne
   const auto points = sample_uniform<float, 2>(Box::unit(2), (1 << 24) + 4000, 1);
   Signal signal{milliseconds(0)};
   const auto result = tessellate(points, sites, {.cancelled = signal.callback()});
-  CHECK(signal.late() < 10);
+  CHECK(signal.late() < 60);  // 1 s, but for sanitizers and busy machines
   CHECK(result.summary.termination == Termination::cancelled);
   CHECK(capacity_error(result.owners, sites) < 1e-6);
   CHECK(std::count(result.owners.begin(), result.owners.end(), -1) == 0);

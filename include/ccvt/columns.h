@@ -75,7 +75,7 @@ class Columns {
   template <class Derived>
   Columns(const Eigen::DenseBase<Derived>& values)  // NOLINT: as an Eigen matrix would
       : Columns(values.rows(), values.cols()) {
-    eigen().array() = values.derived().array().template cast<Scalar>();
+    if (size() > 0) eigen().array() = values.derived().array().template cast<Scalar>();
   }
 
   [[nodiscard]] std::ptrdiff_t rows() const { return rows_; }
