@@ -1,5 +1,6 @@
 #include "io/publication.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -58,9 +59,9 @@ void Publication::publish() {
 
 std::filesystem::path Publication::unpublished(const std::filesystem::path& target) const {
   const auto& files = implementation_->files;
-  for (auto file = files.rbegin(); file != files.rend(); ++file) {
-    if (file->target() == target) return file->path();
-  }
+  const auto file = std::find_if(files.rbegin(), files.rend(),
+                                 [&](const auto& each) { return each.target() == target; });
+  if (file != files.rend()) return file->path();
   throw InvalidInput(target.string() + ": is not among the files to be published");
 }
 
