@@ -1,7 +1,6 @@
 #include "ccvt/lloyd.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -20,8 +19,6 @@ namespace ccvt {
 namespace {
 
 constexpr double kHalfUlp = 0x1p-53;
-/// For first owners, when the run is cancelled before there are any.
-constexpr std::chrono::milliseconds kTimeToFinish{300};
 constexpr std::size_t kPointsPerGrain = 4096;
 constexpr std::size_t kSitesPerGrain = 64;
 

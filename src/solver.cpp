@@ -1,7 +1,6 @@
 #include "ccvt/solver.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 #include <span>
@@ -24,8 +23,7 @@ namespace ccvt {
 namespace {
 
 constexpr int kBalancedDimensions = 8;
-/// For points of levels that a cancelled run has not reached; not tried with more points than that.
-constexpr std::chrono::milliseconds kTimeToFinish{300};
+/// Points of levels that a cancelled run has not reached: with more, kTimeToFinish is not tried.
 constexpr Index kMostToFinish = 1 << 24;
 
 const char* name_of(Initialization initialization) {

@@ -33,8 +33,6 @@ constexpr double kLevelTolerance = 1e-3;
 /// meet them is no less useful, but where clouds of vectors are far apart, too many such iterations
 /// send codewords astray: with one round a mixture in 64-D takes three times as long as with eight.
 constexpr int kMoreRounds = 8;
-/// For the exact assignment of a training that was cancelled.
-constexpr std::chrono::milliseconds kTimeToFinish{300};
 /// A gain below this share is rounding.
 constexpr double kRounding = 1e-13;
 

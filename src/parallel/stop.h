@@ -8,6 +8,10 @@
 
 namespace ccvt {
 
+/// What a run that was cancelled may take to end properly: to give owners to points that have none,
+/// or for an exact assignment.
+constexpr std::chrono::milliseconds kTimeToFinish{300};
+
 /// Thrown by Stop::check(), up to where it is known how a run ends that its caller has cancelled.
 struct Stopped {};
 
