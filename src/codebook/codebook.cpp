@@ -44,7 +44,7 @@ void check_vectors(PointsView<Scalar> vectors, int dimension) {
 
 /// Coordinates all within so little that their squares have no digits.
 template <class Scalar>
-void check_extent(PointsView<Scalar> vectors, Eigen::Map<const Points<double>> codewords) {
+void check_extent(PointsView<Scalar> vectors, const Eigen::Map<const Points<double>>& codewords) {
   if (vectors.count == 0) return;
   constexpr double least = 1e-150;
   double widest = 0;

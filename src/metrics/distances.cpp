@@ -15,7 +15,7 @@ namespace ccvt {
 
 namespace {
 
-std::span<const double> values_of(Eigen::Map<const Points<double>> points) {
+std::span<const double> values_of(const Eigen::Map<const Points<double>>& points) {
   return {points.data(), static_cast<std::size_t>(points.size())};
 }
 

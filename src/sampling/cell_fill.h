@@ -79,7 +79,7 @@ class CellFill {
         world.lower.eigen().cwiseAbs().cwiseMax(world.upper.eigen().cwiseAbs());
     const double wide =
         std::numeric_limits<double>::epsilon() * static_cast<double>(3 + origin.size());
-    const double narrow = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
+    const auto narrow = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
     const CellLocator locator(grid);
     // The greater one, doubled, is as much as their sum, and the same wherever the origin is, as
     // long as Scalar is the coarser of the two.

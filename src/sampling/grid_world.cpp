@@ -37,7 +37,7 @@ std::int64_t CellLocator::operator()(const double* place) const {
     double x = 0;
     for (Eigen::Index e = 0; e < dimension; ++e) x += to_cells_(d, e) * (place[e] - corner_[e]);
     const std::int64_t cells = shape_[static_cast<std::size_t>(d)];
-    const double last = static_cast<double>(cells - 1);
+    const auto last = static_cast<double>(cells - 1);
     cell = cell * cells + static_cast<std::int64_t>(std::clamp(std::floor(x), 0.0, last));
   }
   return cell;
