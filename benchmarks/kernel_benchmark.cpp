@@ -188,11 +188,9 @@ BENCHMARK(screening)->Arg(16)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 void nearest_sites(benchmark::State& state) {
   const auto dimension = static_cast<int>(state.range(0));
   const Start start(dimension, kSites, kPointsPerSite);
-  NearestSites<float>::Found found;
   for (auto _ : state) {
     const NearestSites<float> nearest(start.metric, start.sites, Box::unit(dimension));
-    nearest(start.problem.points(), start.all, start.arena, found);
-    benchmark::DoNotOptimize(found.site.data());
+    benchmark::DoNotOptimize(nearest.owners(start.problem.points(), start.arena).data());
   }
   count_points(state, start.points.cols(), dimension);
 }
@@ -217,7 +215,7 @@ void schedule_building(benchmark::State& state) {
   const Start start(2, 4 * kSites, 64);
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        schedule_pairs(start.pairs, start.sites.count(), static_cast<Index>(state.range(0))));
+        schedule_pairs(start.pairs, {start.sites.count(), static_cast<Index>(state.range(0))}));
   }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(start.pairs.size()));
 }

@@ -135,24 +135,19 @@ bool Lloyd<Scalar>::gains(Index point, Index site) const {
 /// Gives every point to its nearest site [eq. 3]; returns how many change their owner.
 template <class Scalar>
 Index Lloyd<Scalar>::assign() {
-  typename NearestSites<Scalar>::Found found;
-  NearestSites<Scalar>(metric_, sites_, box_)(problem_.points(), points_, arena_, found);
-  arena_.for_ranges(points_.size(), kPointsPerGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const Index owner = owners_[static_cast<std::size_t>(found.point[k])];
-      if (owner >= 0 && found.site[k] != owner && !gains(found.point[k], found.site[k])) {
-        found.site[k] = owner;
-      }
-    }
+  const Buffer<Index> nearest =
+      NearestSites<Scalar>(metric_, sites_, box_, arena_).owners(problem_.points(), arena_);
+  std::vector<std::uint8_t> moves(owners_.size());
+  arena_.for_each(owners_.size(), kPointsPerGrain, [&](std::size_t p) {
+    const Index site = nearest[p];
+    moves[p] = owners_[p] < 0 || (site != owners_[p] && gains(static_cast<Index>(p), site)) ? 1 : 0;
   });
   Index count = 0;
-  for (std::size_t k = 0; k < found.point.size(); ++k) {
-    Index& owner = owners_[static_cast<std::size_t>(found.point[k])];
-    const Index site = found.site[k];
-    if (site == owner) continue;
-    if (owner >= 0) changed_[static_cast<std::size_t>(owner)] = 1;
-    changed_[static_cast<std::size_t>(site)] = 1;
-    owner = site;
+  for (std::size_t p = 0; p < moves.size(); ++p) {
+    if (moves[p] == 0) continue;
+    if (owners_[p] >= 0) changed_[static_cast<std::size_t>(owners_[p])] = 1;
+    changed_[static_cast<std::size_t>(nearest[p])] = 1;
+    owners_[p] = nearest[p];
     ++count;
   }
   return count;

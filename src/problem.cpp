@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "bounds.h"
 #include "format.h"
 #include "scales.h"
 
@@ -134,18 +135,7 @@ Problem<Scalar>& Problem<Scalar>::set_initial_owners(std::vector<Index> owners) 
 
 template <class Scalar>
 Box Problem<Scalar>::bounding_box() const {
-  if (domain_.has_box()) return domain_.box();
-  Box box = Box::unit(dimension());
-  for (int d = 0; d < dimension(); ++d) box.lower[d] = box.upper[d] = points_[0][d];
-  for (Index p = 1; p < points_.count; ++p) {
-    const Scalar* x = points_[p];
-    for (int d = 0; d < dimension(); ++d) {
-      const auto value = static_cast<double>(x[d]);
-      if (value < box.lower[d]) box.lower[d] = value;
-      if (value > box.upper[d]) box.upper[d] = value;
-    }
-  }
-  return box;
+  return ccvt::bounding_box(*this, Arena(1));
 }
 
 // Each member that is compiled here; a whole class would bring along what is inline.

@@ -1,15 +1,11 @@
 #include "ccvt/solver.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 #include <span>
-#include <string>
 #include <utility>
 
-#include "normalize.h"
-#include "parallel/arena.h"
-#include "precision.h"
+#include "bounds.h"
+#include "parallel/loops.h"
 #include "relax/deal.h"
 #include "relax/initial_sites.h"
 #include "relax/initialize.h"
@@ -17,7 +13,7 @@
 #include "relax/relaxer.h"
 #include "relax/site_order.h"
 #include "relax/update.h"
-#include "stopwatch.h"
+#include "run_record.h"
 
 namespace ccvt {
 namespace {
@@ -25,6 +21,7 @@ namespace {
 constexpr int kBalancedDimensions = 8;
 /// Points of levels that a cancelled run has not reached: with more, kTimeToFinish is not tried.
 constexpr Index kMostToFinish = 1 << 24;
+constexpr std::size_t kPointsPerGrain = std::size_t{1} << 16;
 
 const char* name_of(Initialization initialization) {
   switch (initialization) {
@@ -40,37 +37,48 @@ const char* name_of(Initialization initialization) {
   return "unknown";
 }
 
+Options resolved(Options options, int dimension, bool warm) {
+  options.validate();
+  if (options.initialization == Initialization::automatic) {
+    options.initialization =
+        dimension <= kBalancedDimensions ? Initialization::balanced : Initialization::coherent;
+  }
+  if (warm) options.multilevel = false;
+  return options;
+}
+
 }  // namespace
 
 template <class Scalar>
 struct Solver<Scalar>::Implementation {
   Implementation(Problem<Scalar> given_problem, Options given_options);
 
+  bool step();
+  bool end(Termination termination);
+
   void place_sites();
+  void divide_points();
+  void take_owners();
   void enter_level(std::size_t next);
   void join(std::span<const Index> joining, std::span<const Pair> near, Filling<Scalar>& filling);
   void deal(const Cells<Scalar>& owned, std::span<const Index> filled);
-  void make_relaxer();
-  void take_owners();
-  void record(const PassCount& pass);
-  void finish(Termination termination);
-  bool step();
+  void begin_level();
+  [[nodiscard]] bool on_finest_level() const { return level + 1 == levels.size(); }
 
   Problem<Scalar> problem;
+  bool warm;  ///< the problem has owners
   Options options;
-  Summary summary;
   Stop stop;
+  RunRecord record;
   Arena arena;
   Metric metric;
   Box box;
-  double coordinate_bound = 0;
 
   /// The solver numbers sites by where they are: site_of[k] is the caller's number of site k.
   std::vector<Index> site_of;
   std::vector<Level> levels;
   std::size_t level = 0;
-  Cells<Scalar> cells;
-  SiteState sites;
+  LevelState<Scalar> state;
   std::unique_ptr<Relaxer<Scalar>> relaxer;
   /// Of a run that was cancelled, when there was no time for more: the owners, by deal_rest().
   std::vector<Index> dealt;
@@ -79,22 +87,13 @@ struct Solver<Scalar>::Implementation {
 template <class Scalar>
 Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Options given_options)
     : problem(std::move(given_problem)),
-      options((given_options.validate(), std::move(given_options))),
+      warm(!problem.initial_owners().empty()),
+      options(resolved(std::move(given_options), problem.dimension(), warm)),
       stop(options.cancelled),
-      arena(options.threads, &stop),
+      arena(options.threads, &stop, &record.clock()),
       metric(problem.dimension(), problem.domain()) {
-  const Stopwatch total(summary.seconds_total);
-  const Stopwatch initialization(summary.seconds_initialization);
-  box = problem.bounding_box();
-  coordinate_bound =
-      std::max(box.lower.eigen().cwiseAbs().maxCoeff(), box.upper.eigen().cwiseAbs().maxCoeff());
-  if (options.initialization == Initialization::automatic) {
-    options.initialization = problem.dimension() <= kBalancedDimensions ? Initialization::balanced
-                                                                        : Initialization::coherent;
-  }
-  const bool warm = !problem.initial_owners().empty();
-  if (warm) options.multilevel = false;
-
+  const auto timed = record.initializing();
+  Summary& summary = record.summary();
   summary.dimension = problem.dimension();
   summary.points = problem.point_count();
   summary.sites = problem.site_count();
@@ -103,18 +102,15 @@ Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Op
   summary.threads_used = arena.threads();
   summary.initialization_used = warm ? "owners" : name_of(options.initialization);
 
-  place_sites();
-  std::vector<Index> capacities(problem.capacities().size());
-  for (std::size_t k = 0; k < capacities.size(); ++k) {
-    capacities[k] = problem.capacities()[static_cast<std::size_t>(site_of[k])];
+  {
+    const Stop::Pause pause(stop);  // without sites there is no tessellation
+    place_sites();
   }
   try {
-    levels = make_levels(capacities, problem.point_count(), options, arena);
+    divide_points();
   } catch (const Stopped&) {
-    levels.assign(1, {std::move(capacities), {}});
-    summary.levels = 1;
     deal({}, {});
-    finish(Termination::cancelled);
+    end(Termination::cancelled);
     return;
   }
   summary.levels = static_cast<int>(levels.size());
@@ -123,19 +119,81 @@ Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Op
   } else {
     enter_level(0);
   }
-  if (!dealt.empty()) finish(Termination::cancelled);
+  if (!dealt.empty()) end(Termination::cancelled);
+}
+
+/// Fast CCVT [Program 2]: one turn of its loop. With several levels [5.2] the tessellation of one
+/// that is stable goes on with the points that join on the next.
+template <class Scalar>
+bool Solver<Scalar>::Implementation::step() {
+  if (record.ended()) return false;
+  stop.enter();
+  if (record.iterations() >= options.max_iterations) return end(Termination::iteration_limit);
+
+  const double energy_before = record.energy();
+  PassCount pass;
+  {
+    const auto timed = record.relaxing();
+    pass = relaxer->step(state);
+  }
+  const double energy = total_energy(state.sites, arena);
+  const bool go_on =
+      record.add(pass, static_cast<int>(level), state.cells.point_count(), energy, options);
+
+  if (pass.stopped || !go_on) return end(Termination::cancelled);
+  if (!relaxer->stable()) {
+    const bool improved = energy_before - energy >= options.energy_tolerance * energy_before;
+    return improved || !on_finest_level() || options.energy_tolerance == 0 ||
+           end(Termination::energy_tolerance);
+  }
+  if (on_finest_level()) return end(Termination::stable);
+  enter_level(level + 1);
+  return dealt.empty() || end(Termination::cancelled);
+}
+
+/// Ends the run; points of levels that it has not reached join. False.
+template <class Scalar>
+bool Solver<Scalar>::Implementation::end(Termination termination) {
+  if (termination == Termination::cancelled) {
+    // Owners as good as the sites, if there is time for that.
+    stop.allow(kTimeToFinish);
+    if (!on_finest_level() && problem.point_count() > kMostToFinish) {
+      deal(state.cells, state.cells.sizes());
+    }
+  }
+  while (!on_finest_level()) enter_level(level + 1);
+  stop.off();
+  // Cancelled while points of the last levels joined.
+  record.end(dealt.empty() ? termination : Termination::cancelled, problem, box);
+  return false;
 }
 
 /// Initial sites, in spatial order.
 template <class Scalar>
 void Solver<Scalar>::Implementation::place_sites() {
+  const auto charge = arena.phase(Phase::sites);
+  box = bounding_box(problem, arena);
   const int dimension = problem.dimension();
-  const SiteState given = initial_sites(problem, metric, options.seed);
-  site_of = spatial_order(given.position, dimension, options.tile_sites);
-  sites = SiteState(dimension, given.count());
+  const SiteState given = initial_sites(problem, metric, options.seed, arena);
+  state.tiling = Tiling::of_points(problem.site_count(), problem.point_count(), options.tile_sites);
+  site_of = spatial_order(given.position, dimension, state.tiling.sites_per_tile(), arena);
+  state.sites = SiteState(dimension, given.count());
   for (std::size_t k = 0; k < site_of.size(); ++k) {
-    std::copy_n(given.at(site_of[k]), dimension, sites.at(static_cast<Index>(k)));
+    std::copy_n(given.at(site_of[k]), dimension, state.sites.at(static_cast<Index>(k)));
   }
+}
+
+/// The points of each level, and what their sites hold.
+template <class Scalar>
+void Solver<Scalar>::Implementation::divide_points() {
+  const auto charge = arena.phase(Phase::levels);
+  std::vector<Index> capacities(site_of.size());
+  for (std::size_t k = 0; k < capacities.size(); ++k) {
+    capacities[k] = problem.capacities()[static_cast<std::size_t>(site_of[k])];
+  }
+  levels.resize(1);
+  levels[0].capacities = capacities;
+  levels = make_levels(capacities, problem.point_count(), options, arena);
 }
 
 template <class Scalar>
@@ -144,26 +202,27 @@ void Solver<Scalar>::Implementation::take_owners() {
   for (std::size_t k = 0; k < site_of.size(); ++k) {
     rank[static_cast<std::size_t>(site_of[k])] = static_cast<Index>(k);
   }
-  cells = Cells<Scalar>(problem.dimension(), levels[0].capacities);
-  Filling<Scalar> filling(cells, problem.points());
+  state.cells = Cells<Scalar>(problem.dimension(), levels[0].capacities);
+  Filling<Scalar> filling(state.cells, problem.points(), state.tiling);
   for (Index p = 0; p < problem.point_count(); ++p) {
     const Index owner = problem.initial_owners()[static_cast<std::size_t>(p)];
     filling.add(rank[static_cast<std::size_t>(owner)], p);
   }
   levels[0].joining = {};
-  make_relaxer();
+  begin_level();
 }
 
 /// Gives the joining points owners by the chosen initialization.
 template <class Scalar>
 void Solver<Scalar>::Implementation::join(std::span<const Index> joining,
                                           std::span<const Pair> near, Filling<Scalar>& filling) {
+  const auto charge = arena.phase(Phase::join);
   switch (options.initialization) {
-    case Initialization::automatic:  // decided by the constructor
+    case Initialization::automatic:  // decided by resolved()
     case Initialization::balanced:
-      return join_balanced(metric, sites, box, joining, near, arena, filling);
+      return join_balanced(metric, state.sites, box, joining, near, arena, filling);
     case Initialization::coherent:
-      return join_coherent(metric, sites, joining, options.seed, filling, arena);
+      return join_coherent(metric, state.sites, joining, options.seed, filling, arena);
     case Initialization::random:
       return join_random(joining, options.seed, filling, arena);
   }
@@ -173,13 +232,16 @@ void Solver<Scalar>::Implementation::join(std::span<const Index> joining,
 /// points are dealt out.
 template <class Scalar>
 void Solver<Scalar>::Implementation::enter_level(std::size_t next) {
-  const auto near = relaxer ? relaxer->listed() : std::vector<Pair>{};
+  const auto timed = record.initializing();
+  const Buffer<Pair> near = relaxer ? relaxer->listed() : Buffer<Pair>{};
   Cells<Scalar> larger(problem.dimension(), levels[next].capacities);
-  Filling<Scalar> filling(larger, problem.points());
-  for (Index s = 0; level < next && s < cells.site_count(); ++s) {
-    filling.add_cell(cells, s);
+  Filling<Scalar> filling(larger, problem.points(), state.tiling);
+  if (level < next) {
+    const auto charge = arena.phase(Phase::join);
+    arena.for_each(larger.sizes().size(), 1,
+                   [&](std::size_t s) { filling.add_cell(state.cells, static_cast<Index>(s)); });
   }
-  cells = {};
+  state.cells = {};
   level = next;
   try {
     join(levels[level].joining, near, filling);
@@ -187,12 +249,12 @@ void Solver<Scalar>::Implementation::enter_level(std::size_t next) {
     return deal(larger, filling.filled);
   } catch (...) {
     deal(larger, filling.filled);
-    finish(Termination::cancelled);
+    end(Termination::cancelled);
     throw;
   }
   levels[level].joining = {};
-  cells = std::move(larger);
-  make_relaxer();
+  state.cells = std::move(larger);
+  begin_level();
 }
 
 /// Ends a cancelled run: all points get owners without more ado, and the sites stay as they are.
@@ -200,120 +262,27 @@ template <class Scalar>
 void Solver<Scalar>::Implementation::deal(const Cells<Scalar>& owned,
                                           std::span<const Index> filled) {
   stop.off();
-  dealt = deal_rest(metric, sites, box, problem.points(), levels.back().capacities, owned, filled);
+  dealt = deal_rest(metric, state.sites, box, problem.points(), levels.back().capacities, owned,
+                    filled);
   level = levels.size() - 1;
   levels[level].joining = {};
-  cells = {};
+  state.cells = {};
   relaxer.reset();
-  constexpr std::size_t kPart = 1 << 16;
-  std::vector<double> parts((dealt.size() + kPart - 1) / kPart, 0.0);
-  arena.for_each(parts.size(), 1, [&](std::size_t part) {
-    for (std::size_t p = part * kPart; p < std::min((part + 1) * kPart, dealt.size()); ++p) {
-      parts[part] +=
-          metric.squared_distance(problem.points()[static_cast<Index>(p)], sites.at(dealt[p]));
-    }
+  const double energy = sum_of(arena, dealt.size(), kPointsPerGrain, [&](std::size_t p) {
+    return metric.squared_distance(problem.points()[static_cast<Index>(p)],
+                                   state.sites.at(dealt[p]));
   });
-  summary.energy = std::accumulate(parts.begin(), parts.end(), 0.0);
-  summary.initial_energy = summary.energy;
+  record.begin(energy, true);
 }
 
+/// All points of the level are in cells: the sites move to their centroids.
 template <class Scalar>
-void Solver<Scalar>::Implementation::make_relaxer() {
-  relaxer = std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, cells, sites,
-                                              coordinate_bound);
+void Solver<Scalar>::Implementation::begin_level() {
+  relaxer = std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, problem.site_count(),
+                                              largest_coordinate(box));
   const Stop::Pause pause(stop);
-  relaxer->update_all();
-  summary.energy = total_energy(sites);
-  if (level + 1 == levels.size()) summary.initial_energy = summary.energy;
-}
-
-template <class Scalar>
-void Solver<Scalar>::Implementation::record(const PassCount& pass) {
-  IterationRecord record;
-  record.iteration = ++summary.iterations;
-  record.level = static_cast<int>(level);
-  record.levels = summary.levels;
-  record.points = cells.point_count();
-  record.full = pass.full;
-  record.pairs = pass.pairs;
-  record.swaps = pass.swaps;
-  record.exchanged = pass.exchanged;
-  record.active_sites = pass.active_sites;
-  record.energy = total_energy(sites);
-  record.seconds = summary.seconds_total;
-  summary.pairs += pass.pairs;
-  summary.swaps += pass.swaps;
-  summary.exchanged += pass.exchanged;
-  summary.energy = record.energy;
-  summary.iterations_log.push_back(record);
-}
-
-template <class Scalar>
-void Solver<Scalar>::Implementation::finish(Termination termination) {
-  if (termination == Termination::cancelled) {
-    // Owners as good as the sites, if there is time for that.
-    stop.allow(kTimeToFinish);
-    if (level + 1 < levels.size() && problem.point_count() > kMostToFinish) {
-      deal(cells, cells.sizes());
-    }
-  }
-  while (level + 1 < levels.size()) {
-    const Stopwatch total(summary.seconds_total);
-    const Stopwatch initialization(summary.seconds_initialization);
-    enter_level(level + 1);
-  }
-  stop.off();
-  // Cancelled while points of the last levels joined.
-  summary.termination = dealt.empty() ? termination : Termination::cancelled;
-  normalize_energy(box, summary);
-  double capacity_error_sum = 0;
-  const double n = problem.site_count();
-  const double mean = problem.point_count() / n;
-  for (const Index c : problem.capacities()) {
-    capacity_error_sum += std::pow(c / mean - 1, 2);
-  }
-  summary.capacity_error = capacity_error_sum / n;
-  const double spacing =
-      std::min(spacing_in_box(box, summary.points),
-               spacing_in_cells(summary.energy, summary.points, summary.sites, summary.dimension));
-  const std::string warning = coarse_coordinates<Scalar>("points", problem.points(), spacing);
-  if (!warning.empty()) summary.warnings.push_back(warning);
-}
-
-template <class Scalar>
-bool Solver<Scalar>::Implementation::step() {
-  if (summary.termination != Termination::running) return false;
-  stop.enter();
-  if (summary.iterations >= options.max_iterations) {
-    finish(Termination::iteration_limit);
-    return false;
-  }
-  const double energy_before = summary.energy;
-  PassCount pass;
-  {
-    const Stopwatch total(summary.seconds_total);
-    const Stopwatch relaxation(summary.seconds_relaxation);
-    pass = relaxer->step();
-  }
-  record(pass);
-  const bool finest = level + 1 == levels.size();
-  if (pass.stopped ||
-      (options.on_iteration && !options.on_iteration(summary.iterations_log.back()))) {
-    finish(Termination::cancelled);
-  } else if (relaxer->stable()) {
-    if (finest) {
-      finish(Termination::stable);
-    } else {
-      const Stopwatch total(summary.seconds_total);
-      const Stopwatch initialization(summary.seconds_initialization);
-      enter_level(level + 1);
-    }
-    if (!dealt.empty()) finish(Termination::cancelled);
-  } else if (finest && options.energy_tolerance > 0 &&
-             energy_before - summary.energy < options.energy_tolerance * energy_before) {
-    finish(Termination::energy_tolerance);
-  }
-  return summary.termination == Termination::running;
+  update_all(metric, state, arena);
+  record.begin(total_energy(state.sites, arena), on_finest_level());
 }
 
 template <class Scalar>
@@ -344,9 +313,9 @@ void Solver<Scalar>::run() {
 
 template <class Scalar>
 void Solver<Scalar>::cancel() {
-  if (implementation_->summary.termination == Termination::running) {
+  if (!implementation_->record.ended()) {
     implementation_->stop.enter();
-    implementation_->finish(Termination::cancelled);
+    implementation_->end(Termination::cancelled);
   }
 }
 
@@ -355,7 +324,7 @@ Columns<Scalar> Solver<Scalar>::site_columns() const {
   const Implementation& i = *implementation_;
   Columns<Scalar> sites(i.problem.dimension(), i.problem.site_count());
   for (Index k = 0; k < i.problem.site_count(); ++k) {
-    const double* position = i.sites.at(k);
+    const double* position = i.state.sites.at(k);
     for (int d = 0; d < i.problem.dimension(); ++d) {
       sites(d, i.site_of[static_cast<std::size_t>(k)]) =
           i.metric.template as<Scalar>(position[d], d);
@@ -368,21 +337,26 @@ template <class Scalar>
 std::vector<Index> Solver<Scalar>::owners() const {
   const Implementation& i = *implementation_;
   std::vector<Index> owners(static_cast<std::size_t>(i.problem.point_count()), -1);
-  for (std::size_t p = 0; p < i.dealt.size(); ++p) {
-    owners[p] = i.site_of[static_cast<std::size_t>(i.dealt[p])];
-  }
-  for (Index k = 0; k < i.cells.site_count(); ++k) {
-    const Index* points = i.cells.points(k);
-    for (Index p = 0; p < i.cells.size(k); ++p) {
-      owners[static_cast<std::size_t>(points[p])] = i.site_of[static_cast<std::size_t>(k)];
+  const auto given = [&](Index site) { return i.site_of[static_cast<std::size_t>(site)]; };
+  const Stop::Pause pause(implementation_->stop);
+  i.arena.for_each(i.dealt.size(), kPointsPerGrain,
+                   [&](std::size_t p) { owners[p] = given(i.dealt[p]); });
+  const std::size_t tiles = i.dealt.empty() ? i.state.tiling.count() : 0;
+  i.arena.for_each(tiles, 1, [&](std::size_t t) {
+    const Tile tile{static_cast<Index>(t)};
+    for (Index k = i.state.tiling.begin(tile); k < i.state.tiling.end(tile); ++k) {
+      const Index* points = i.state.cells.points(k);
+      for (Index p = 0; p < i.state.cells.size(k); ++p) {
+        owners[static_cast<std::size_t>(points[p])] = given(k);
+      }
     }
-  }
+  });
   return owners;
 }
 
 template <class Scalar>
 const Summary& Solver<Scalar>::summary() const {
-  return implementation_->summary;
+  return implementation_->record.summary();
 }
 
 // Each member that is compiled here; a whole class would bring along what is inline.

@@ -61,6 +61,11 @@ std::string Summary::full() const {
   row("seconds", text(seconds_total, 4));
   row("  initialization", text(seconds_initialization, 4));
   row("  relaxation", text(seconds_relaxation, 4));
+  for (const PhaseRecord& phase : phases) {
+    if (phase.seconds < seconds_total / 1000) continue;
+    row("    " + phase.name, text(phase.seconds, 4) + " (" + text(phase.work_seconds, 4) + " in " +
+                                 std::to_string(phase.tasks) + " tasks)");
+  }
   return out;
 }
 

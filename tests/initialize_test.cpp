@@ -75,7 +75,7 @@ class Start {
     std::vector<Index> result(static_cast<std::size_t>(points.cols()), -1);
     for (Index s = 0; s < sites.count(); ++s) {
       CHECK(filling.surplus(s) == 0);
-      CHECK(filling.excess[static_cast<std::size_t>(s)].empty());
+      CHECK(filling.waiting(s) == 0);
       for (Index k = 0; k < cells.size(s); ++k) {
         const Index p = cells.points(s)[k];
         CHECK(result[static_cast<std::size_t>(p)] == -1);

@@ -22,6 +22,7 @@ using ccvt::Options;
 using ccvt::Pair;
 using ccvt::Random;
 using ccvt::Schedule;
+using ccvt::Tiling;
 
 namespace {
 
@@ -83,20 +84,6 @@ std::size_t most_conflicts(const std::vector<Pair>& pairs) {
 
 TEST_SUITE_BEGIN("schedule");
 
-TEST_CASE("pairs are sorted by their first and then by their second") {
-  Random random(3, 1);
-  for (const Index nodes : {2, 10, 300}) {
-    auto pairs = random_pairs(random, nodes, static_cast<std::size_t>(nodes) / 2);
-    auto expected = pairs;
-    std::sort(expected.begin(), expected.end());
-    ccvt::sort_pairs(pairs, nodes);
-    CHECK(pairs == expected);
-  }
-  std::vector<Pair> none;
-  ccvt::sort_pairs(none, 5);
-  CHECK(none.empty());
-}
-
 TEST_CASE("greedy batches follow Program 5") {
   Random random(8);
   for (const auto& [nodes, count] :
@@ -146,52 +133,53 @@ TEST_CASE("a schedule of tiles covers each pair once; tasks of a batch share no 
       const auto possible = static_cast<std::size_t>(sites * (sites - 1) / 2);
       for (const std::size_t count : {std::size_t{1}, std::min<std::size_t>(possible, 600)}) {
         auto pairs = random_pairs(random, sites, count);
-        const Schedule schedule = ccvt::schedule_pairs(pairs, sites, tile);
-        REQUIRE(schedule.pairs.size() == pairs.size());
-        std::int64_t next_pair = 0;
+        const Tiling tiling(sites, tile);
+        const Schedule schedule = ccvt::schedule_pairs(pairs, tiling);
+        std::vector<Pair> scheduled;
         std::size_t tasks_seen = 0;
         for (std::size_t b = 0; b < schedule.batch_count(); ++b) {
           std::set<Index> taken;
           REQUIRE_FALSE(schedule.batch(b).empty());
+          std::size_t longest = pairs.size();
           for (const auto& task : schedule.batch(b)) {
             ++tasks_seen;
-            REQUIRE(task.begin == next_pair);
-            REQUIRE(task.end > task.begin);
-            next_pair = task.end;
-            if (tile == 1) REQUIRE(task.end == task.begin + 1);
+            REQUIRE(task.size() > 0);
+            REQUIRE(task.size() <= longest);
+            longest = task.size();
+            if (tile == 1) REQUIRE(task.size() == 1);
             std::set<Index> own;
-            std::set<Index> tiles;
-            for (auto p = task.begin; p < task.end; ++p) {
-              const Pair& pair = schedule.pairs[static_cast<std::size_t>(p)];
-              own.insert({pair.first, pair.second});
-              tiles.insert({pair.first / tile, pair.second / tile});
-            }
-            REQUIRE(tiles.size() <= 2);
+            schedule.for_pairs(task, [&](Index i, Index j) {
+              scheduled.emplace_back(i, j);
+              own.insert({i, j});
+              const std::set<Index> of_pair{tiling.tile_of(i).number, tiling.tile_of(j).number};
+              REQUIRE(of_pair == std::set<Index>{task.a.number, task.b.number});
+            });
             for (const Index site : own) REQUIRE(taken.insert(site).second);
           }
         }
         REQUIRE(tasks_seen == schedule.tasks.size());
-        REQUIRE(next_pair == static_cast<std::int64_t>(pairs.size()));
-        auto scheduled = schedule.pairs;
         std::sort(scheduled.begin(), scheduled.end());
         std::sort(pairs.begin(), pairs.end());
         CHECK(scheduled == pairs);
       }
     }
   }
-  CHECK(ccvt::schedule_pairs({}, 5, 1).batch_count() == 0);
-  CHECK(ccvt::schedule_pairs({}, 5, 64).batch_count() == 0);
+  CHECK(ccvt::schedule_pairs({}, {5, 1}).batch_count() == 0);
+  CHECK(ccvt::schedule_pairs({}, {5, 64}).batch_count() == 0);
 }
 
 TEST_CASE("with tiles of one site the schedule is the paper's") {
   Random random(10);
   const auto pairs = random_pairs(random, 50, 180);
-  const Schedule schedule = ccvt::schedule_pairs(pairs, 50, 1);
+  const Schedule schedule = ccvt::schedule_pairs(pairs, {50, 1});
   const Batches batches = naive_batches(pairs);
   REQUIRE(schedule.batch_count() == batches.size());
-  std::size_t next = 0;
-  for (const auto& batch : batches) {
-    for (const Index p : batch) CHECK(schedule.pairs[next++] == pairs[static_cast<std::size_t>(p)]);
+  for (std::size_t b = 0; b < batches.size(); ++b) {
+    std::vector<Pair> expected;
+    for (const Index p : batches[b]) expected.push_back(pairs[static_cast<std::size_t>(p)]);
+    std::vector<Pair> scheduled;
+    for (const auto& task : schedule.batch(b)) scheduled.push_back(schedule.pairs[task.begin]);
+    CHECK(scheduled == expected);
   }
 }
 
@@ -271,14 +259,14 @@ TEST_CASE("rounds hold every pair once, and no site twice") {
         REQUIRE(!schedule.batch(b).empty());
         for (const auto& task : schedule.batch(b)) {
           REQUIRE(task.end == task.begin + 1);
-          const Pair& pair = schedule.pairs[static_cast<std::size_t>(task.begin)];
+          const Pair& pair = schedule.pairs[task.begin];
           CHECK(seen.insert(pair.first).second);
           CHECK(seen.insert(pair.second).second);
           ++tasks;
         }
       }
       CHECK(tasks == pairs.size());
-      auto scheduled = schedule.pairs;
+      std::vector<Pair> scheduled(schedule.pairs.begin(), schedule.pairs.end());
       std::sort(scheduled.begin(), scheduled.end());
       std::sort(pairs.begin(), pairs.end());
       CHECK(scheduled == pairs);

@@ -142,6 +142,22 @@ void for_each_arrangement(Visit visit) {
   }
 }
 
+template <class Scalar>
+std::vector<ccvt::Near<Scalar, 0>> found_by(const NearestSites<Scalar>& nearest,
+                                            const ccvt::PointsView<Scalar>& points,
+                                            const std::vector<Index>& which, const Arena& arena) {
+  return ccvt::with_dimension(nearest.dimension_of_copies(), [&]<std::size_t Dimension>() {
+    std::vector<ccvt::Near<Scalar, 0>> all;
+    for (const auto& near : nearest.template find<Dimension>(points, which, arena)) {
+      all.push_back({near.site, near.point});
+      if constexpr (Dimension > 0) {
+        REQUIRE(std::equal(near.x.begin(), near.x.end(), points[near.point]));
+      }
+    }
+    return all;
+  });
+}
+
 }  // namespace
 
 TEST_SUITE_BEGIN("site tree");
@@ -238,22 +254,23 @@ TEST_CASE_TEMPLATE("nearest sites of many points at once", Scalar, float, double
             std::vector<Index> which;
             for (Index p = 0; p < total; p += 1 + p % 2) which.push_back(p);
             const NearestSites<Scalar> nearest(sites.metric, state, sites.box);
-            typename NearestSites<Scalar>::Found found;
-            nearest(ccvt::view_points(points), which, arena, found);
+            const auto found = found_by(nearest, ccvt::view_points(points), which, arena);
             for (std::size_t k = 0; k < which.size(); ++k) {
-              const Scalar* x = points.col(found.point[k]).data();
+              const Scalar* x = points.col(found[k].point).data();
               Real best = std::numeric_limits<Real>::infinity();
               for (Index s = 0; s < count; ++s) {
                 best = std::min(best, squared_distance(sites.domain, dimension, x,
                                                        sites.positions.col(s).data()));
               }
-              REQUIRE((found.site[k] >= 0 && found.site[k] < count));
+              REQUIRE((found[k].site >= 0 && found[k].site < count));
               REQUIRE(equal_distances(squared_distance(sites.domain, dimension, x,
-                                                       sites.positions.col(found.site[k]).data()),
+                                                       sites.positions.col(found[k].site).data()),
                                       best));
             }
-            std::sort(found.point.begin(), found.point.end());
-            REQUIRE(found.point == which);
+            std::vector<Index> asked;
+            for (const auto& near : found) asked.push_back(near.point);
+            std::sort(asked.begin(), asked.end());
+            REQUIRE(asked == which);
           }
         }
       }
@@ -301,15 +318,14 @@ TEST_CASE("a clump of sites much smaller than a bin") {
       std::vector<Index> which(2000);
       std::iota(which.begin(), which.end(), 0);
       const NearestSites<double> nearest(metric, state, box);
-      NearestSites<double>::Found found;
-      nearest(ccvt::view_points(points), which, Arena(1), found);
+      const auto found = found_by(nearest, ccvt::view_points(points), which, Arena(1));
       for (std::size_t k = 0; k < which.size(); ++k) {
-        const double* x = points.col(found.point[k]).data();
+        const double* x = points.col(found[k].point).data();
         double best = std::numeric_limits<double>::infinity();
         for (Index s = 0; s < state.count(); ++s) {
           best = std::min(best, metric.squared_distance(x, state.at(s)));
         }
-        REQUIRE(metric.squared_distance(x, state.at(found.site[k])) == best);
+        REQUIRE(metric.squared_distance(x, state.at(found[k].site)) == best);
       }
     }
   }

@@ -42,6 +42,15 @@ struct IterationRecord {
   double seconds = 0;          ///< since the start of the run
 };
 
+/// What part of a run took how long.
+struct PhaseRecord {
+  std::string name;         ///< "nearest", "swap", …
+  double seconds = 0;       ///< on the clock
+  double work_seconds = 0;  ///< of these, work in parallel loops: of all threads together
+  std::int64_t loops = 0;   ///< parallel loops, one after the other
+  std::int64_t tasks = 0;   ///< in these
+};
+
 /// What happened in a run. Energies are sums of squared distances in the units of the points.
 struct CCVT_EXPORT Summary {
   Termination termination = Termination::running;
@@ -69,6 +78,8 @@ struct CCVT_EXPORT Summary {
   double seconds_total = 0;
   double seconds_initialization = 0;
   double seconds_relaxation = 0;
+  /// Where the time went, of the whole run; known when it has ended.
+  std::vector<PhaseRecord> phases;
   std::vector<IterationRecord> iterations_log;
   /// What makes the result worse than it need be, a sentence each; known when the run has ended.
   /// So far: coordinates so large that their type cannot tell neighbouring points apart.

@@ -1,7 +1,6 @@
 #include "codebook/lloyd.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "relax/nearest_sites.h"
 
@@ -63,14 +62,9 @@ std::vector<Index> nearest_sites(const Metric& metric, PointsView<Scalar> points
         box.upper[d] = std::max(box.upper[d], static_cast<double>(points[p][d]));
       }
     }
-    const NearestSites<Scalar> nearest(metric, state, box);
-    std::vector<Index> all(owners.size());
-    std::iota(all.begin(), all.end(), 0);
-    typename NearestSites<Scalar>::Found found;
-    nearest(points, all, arena, found);
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      owners[static_cast<std::size_t>(found.point[k])] = found.site[k];
-    }
+    const Buffer<Index> nearest =
+        NearestSites<Scalar>(metric, state, box, arena).owners(points, arena);
+    owners.assign(nearest.begin(), nearest.end());
     return owners;
   }
   const std::vector<double> weights(static_cast<std::size_t>(n), 0.0);

@@ -5,17 +5,23 @@
 #include <memory>
 #include <type_traits>
 
+#include "parallel/recorder.h"
 #include "parallel/stop.h"
 
 namespace ccvt {
 
 /// A private pool of workers. Runs independent items; what an item computes must not depend on the
-/// worker or on the order of items, so that the number of threads cannot change a result.
+/// worker or on the order of items, so that the number of threads cannot change a result. What
+/// phases do with it beyond that is in parallel/loops.h.
+///
+/// A loop that is started in the body of another loop of the same arena runs its ranges one after
+/// the other on the worker that starts it, with that worker's number.
 class Arena {
  public:
   /// `threads` workers, the caller included; 0: one per processor. The caller waits in for_each().
-  /// `stop`, which must outlive the arena, ends loops by throwing Stopped between two ranges.
-  explicit Arena(int threads, Stop* stop = nullptr);
+  /// `stop`, which must outlive the arena, ends loops by throwing Stopped between two ranges;
+  /// `recorder`, which must too, is told of each loop that is not inside another.
+  explicit Arena(int threads, Stop* stop = nullptr, Recorder* recorder = nullptr);
   ~Arena();
   Arena(Arena&&) noexcept;
   Arena& operator=(Arena&&) noexcept;
@@ -28,20 +34,15 @@ class Arena {
     if (stop_ != nullptr) stop_->check();
   }
 
-  /// Calls body(begin, end, worker) for consecutive ranges of at most `grain` items that cover
-  /// 0..count-1. `worker` < threads() is not shared by two ranges at the same time.
-  /// An exception thrown by `body` is passed on once all ranges have ended.
+  /// What is done from now on, until the result is destroyed, belongs to this phase.
+  [[nodiscard]] Recorder::Scope phase(Phase phase) const { return {recorder_, phase}; }
+
+  /// Calls body(begin, end, worker) for consecutive ranges of `grain` items, the last one perhaps
+  /// shorter, that cover 0..count-1. `worker` < threads() is not shared by two ranges at the same
+  /// time. An exception thrown by `body` is passed on once all ranges have ended.
   template <class Body>
   void for_ranges(std::size_t count, std::size_t grain, Body&& body) const {
     if (count == 0) return;
-    if (threads_ == 1 || count <= grain) {
-      if (stop_ == nullptr) return body(std::size_t{0}, count, 0);
-      for (std::size_t begin = 0; begin < count; begin += grain) {
-        check();
-        body(begin, std::min(begin + grain, count), 0);
-      }
-      return;
-    }
     struct Context {
       std::remove_reference_t<Body>& body;
       const Arena& arena;
@@ -67,11 +68,24 @@ class Arena {
 
  private:
   using RangeFunction = void (*)(void*, std::size_t, std::size_t, int);
+  struct Range {
+    const Arena* arena;
+    RangeFunction function;
+    void* context;
+    std::size_t count;
+    std::size_t grain;
+    /// Range k, timed when the loop is.
+    void operator()(std::size_t k, int worker, Recorder::Loop* timing) const;
+    [[nodiscard]] std::size_t ranges() const { return (count + grain - 1) / grain; }
+  };
   void run(std::size_t count, std::size_t grain, RangeFunction function, void* context) const;
+  static void run_here(const Range& range, int worker, Recorder::Loop* timing);
+  void run_on_all(const Range& range, Recorder::Loop* timing) const;
 
   struct Backend;
   int threads_ = 1;
   Stop* stop_ = nullptr;
+  Recorder* recorder_ = nullptr;
   std::unique_ptr<Backend> backend_;
 };
 

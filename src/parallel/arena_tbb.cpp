@@ -4,6 +4,8 @@
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
+#include <atomic>
+
 #include "parallel/arena.h"
 
 namespace ccvt {
@@ -13,7 +15,7 @@ struct Arena::Backend {
   tbb::task_arena arena;
 };
 
-Arena::Arena(int threads, Stop* stop) : stop_(stop) {
+Arena::Arena(int threads, Stop* stop, Recorder* recorder) : stop_(stop), recorder_(recorder) {
   // Asking TBB for more workers than processors makes it print a warning, and gains nothing.
   const int processors = std::max(1, tbb::info::default_concurrency());
   threads_ = threads <= 0 ? processors : std::min(threads, processors);
@@ -24,15 +26,25 @@ Arena::~Arena() = default;
 Arena::Arena(Arena&&) noexcept = default;
 Arena& Arena::operator=(Arena&&) noexcept = default;
 
-void Arena::run(std::size_t count, std::size_t grain, RangeFunction function, void* context) const {
-  backend_->arena.execute([=] {
+/// A task for each worker, which takes ranges in their order: the first ranges should be the
+/// longest. After an exception no more are taken.
+void Arena::run_on_all(const Range& range, Recorder::Loop* timing) const {
+  backend_->arena.execute([&] {
+    std::atomic<std::size_t> next{0};
+    const std::size_t ranges = range.ranges();
+    const auto work = [&] {
+      const int worker = tbb::this_task_arena::current_thread_index();
+      try {
+        for (std::size_t k = next++; k < ranges; k = next++) range(k, worker, timing);
+      } catch (...) {
+        next = ranges;
+        throw;
+      }
+    };
     tbb::task_group group;
-    for (std::size_t begin = 0; begin < count; begin += grain) {
-      const std::size_t end = std::min(begin + grain, count);
-      group.run(
-          [=] { function(context, begin, end, tbb::this_task_arena::current_thread_index()); });
-    }
-    group.wait();
+    const std::size_t helpers = std::min(static_cast<std::size_t>(threads_), ranges) - 1;
+    for (std::size_t h = 0; h < helpers; ++h) group.run(work);
+    group.run_and_wait(work);
   });
 }
 

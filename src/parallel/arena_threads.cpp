@@ -14,7 +14,7 @@ namespace ccvt {
 
 struct Arena::Backend {};
 
-Arena::Arena(int threads, Stop* stop) : stop_(stop) {
+Arena::Arena(int threads, Stop* stop, Recorder* recorder) : stop_(stop), recorder_(recorder) {
   const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   threads_ = threads <= 0 ? processors : threads;
 }
@@ -23,18 +23,18 @@ Arena::~Arena() = default;
 Arena::Arena(Arena&&) noexcept = default;
 Arena& Arena::operator=(Arena&&) noexcept = default;
 
-void Arena::run(std::size_t count, std::size_t grain, RangeFunction function, void* context) const {
+void Arena::run_on_all(const Range& range, Recorder::Loop* timing) const {
   std::atomic<std::size_t> next{0};
   std::mutex failure_mutex;
   std::exception_ptr failure;
+  const std::size_t ranges = range.ranges();
   const auto work = [&](int worker) {
-    for (std::size_t begin = next.fetch_add(grain); begin < count; begin = next.fetch_add(grain)) {
-      try {
-        function(context, begin, std::min(begin + grain, count), worker);
-      } catch (...) {
-        const std::lock_guard lock(failure_mutex);
-        if (!failure) failure = std::current_exception();
-      }
+    try {
+      for (std::size_t k = next++; k < ranges; k = next++) range(k, worker, timing);
+    } catch (...) {
+      next = ranges;
+      const std::lock_guard lock(failure_mutex);
+      if (!failure) failure = std::current_exception();
     }
   };
   std::vector<std::thread> helpers;

@@ -13,9 +13,10 @@ namespace ccvt {
 /// Moves points between neighbouring sites until every cell is exactly full.
 ///
 /// The surplus e of the sites flows down a potential: L phi = e on the graph of neighbours, solved
-/// by potential(); the flow on an edge is phi_i - phi_j, rounded. Sites pass points on when
-/// all that flow to them have arrived, on each edge those that want it most by the swap key. What
-/// rounding leaves over is moved along a spanning tree, which makes capacities exact.
+/// by potential(); the flow on an edge is phi_i - phi_j, rounded; on the edges of a spanning tree
+/// it is what makes all flows together exact. Points then move along the edges in batches of pairs
+/// of tiles, on each edge those that want it most by the swap key; a site with too few of them
+/// passes the others on in a later round.
 ///
 /// The graph is the Gabriel graph of the sites, taken from `near`, pairs of sites that are near
 /// each other. Edges to farther sites would send points across other cells, and leave strays there.

@@ -9,6 +9,7 @@
 
 #include "ccvt/types.h"
 #include "geometry/metric.h"
+#include "parallel/buffer.h"
 
 namespace ccvt {
 
@@ -17,7 +18,8 @@ namespace ccvt {
 /// a swap allocates nothing.
 ///
 /// The coordinates of cell s are one block of size(s) * dimension scalars, one contiguous stream
-/// per dimension, so that a pair of cells is examined by streaming two blocks.
+/// per dimension, so that a pair of cells is examined by streaming two blocks. They have no value,
+/// and their memory no worker that it is near to, until points are put there.
 template <class Scalar>
 class Cells {
  public:
@@ -25,8 +27,8 @@ class Cells {
   Cells(int dimension, std::span<const Index> sizes)
       : dimension_(dimension), offset_(sizes.size() + 1, 0) {
     for (std::size_t s = 0; s < sizes.size(); ++s) offset_[s + 1] = offset_[s] + sizes[s];
-    order_.resize(static_cast<std::size_t>(offset_.back()));
-    coordinates_.resize(order_.size() * static_cast<std::size_t>(dimension));
+    order_.reset(at(offset_.back()));
+    coordinates_.reset(order_.size() * at(dimension));
   }
 
   [[nodiscard]] int dimension() const { return dimension_; }
@@ -96,8 +98,8 @@ class Cells {
 
   int dimension_ = 0;
   std::vector<Index> offset_;
-  std::vector<Index> order_;
-  std::vector<Scalar> coordinates_;
+  Buffer<Index> order_;
+  Buffer<Scalar> coordinates_;
 };
 
 }  // namespace ccvt

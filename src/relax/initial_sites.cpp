@@ -1,36 +1,34 @@
 #include "relax/initial_sites.h"
 
 #include <algorithm>
-#include <vector>
+#include <array>
 
-#include "random.h"
+#include "parallel/loops.h"
+#include "relax/subsets.h"
 
 namespace ccvt {
 namespace {
 
 constexpr std::uint64_t kSiteStream = 1;
+constexpr std::size_t kSitesPerGrain = 4096;
 
-/// `count` distinct numbers below `total`, ascending: Floyd's algorithm [Bentley, Floyd 1987] with
-/// a bitmap for a set.
-std::vector<Index> distinct_indices(Index count, Index total, std::uint64_t seed) {
-  Random random(seed, kSiteStream);
-  std::vector<bool> drawn(static_cast<std::size_t>(total), false);
-  std::vector<Index> indices;
-  indices.reserve(static_cast<std::size_t>(count));
-  for (Index last = total - count; last < total; ++last) {
-    const auto k = static_cast<Index>(random.below(static_cast<std::uint64_t>(last) + 1));
-    const Index index = drawn[static_cast<std::size_t>(k)] ? last : k;
-    drawn[static_cast<std::size_t>(index)] = true;
-    indices.push_back(index);
-  }
-  std::sort(indices.begin(), indices.end());
-  return indices;
+/// `count` distinct points, each set of so many equally likely, ascending.
+Buffer<Index> distinct_points(std::size_t count, std::size_t points, std::uint64_t seed,
+                              const Arena& arena) {
+  const NestedSubsets subset(seed, kSiteStream, points, std::array{count}, arena);
+  return collect<Index>(arena, points, NestedSubsets::kBlock,
+                        [&](std::size_t begin, std::size_t end, std::vector<Index>& out, int) {
+                          for (std::size_t p = begin; p < end; ++p) {
+                            if (subset.smallest_with(p) == 0) out.push_back(static_cast<Index>(p));
+                          }
+                        });
 }
 
 }  // namespace
 
 template <class Scalar>
-SiteState initial_sites(const Problem<Scalar>& problem, const Metric& metric, std::uint64_t seed) {
+SiteState initial_sites(const Problem<Scalar>& problem, const Metric& metric, std::uint64_t seed,
+                        const Arena& arena) {
   const int dimension = problem.dimension();
   const Index count = problem.site_count();
   SiteState sites(dimension, count);
@@ -47,15 +45,16 @@ SiteState initial_sites(const Problem<Scalar>& problem, const Metric& metric, st
       put(owners[static_cast<std::size_t>(p)], problem.points()[p]);
     }
   } else {
-    Index site = 0;
-    for (const Index p : distinct_indices(count, problem.point_count(), seed)) {
-      put(site++, problem.points()[p]);
-    }
+    const auto drawn = distinct_points(
+        sites.radius.size(), static_cast<std::size_t>(problem.point_count()), seed, arena);
+    arena.for_each(drawn.size(), kSitesPerGrain,
+                   [&](std::size_t s) { put(static_cast<Index>(s), problem.points()[drawn[s]]); });
   }
   return sites;
 }
 
-template SiteState initial_sites(const Problem<float>&, const Metric&, std::uint64_t);
-template SiteState initial_sites(const Problem<double>&, const Metric&, std::uint64_t);
+template SiteState initial_sites(const Problem<float>&, const Metric&, std::uint64_t, const Arena&);
+template SiteState initial_sites(const Problem<double>&, const Metric&, std::uint64_t,
+                                 const Arena&);
 
 }  // namespace ccvt

@@ -4,6 +4,7 @@
 
 #include "ccvt/problem.h"
 #include "geometry/metric.h"
+#include "parallel/arena.h"
 #include "relax/site_state.h"
 
 namespace ccvt {
@@ -12,9 +13,12 @@ namespace ccvt {
 /// any point of each cell, from which the centroid update goes on; or else distinct points, each
 /// set of n equally likely, in the order of the points. O(m).
 template <class Scalar>
-SiteState initial_sites(const Problem<Scalar>& problem, const Metric& metric, std::uint64_t seed);
+SiteState initial_sites(const Problem<Scalar>& problem, const Metric& metric, std::uint64_t seed,
+                        const Arena& arena = Arena(1));
 
-extern template SiteState initial_sites(const Problem<float>&, const Metric&, std::uint64_t);
-extern template SiteState initial_sites(const Problem<double>&, const Metric&, std::uint64_t);
+extern template SiteState initial_sites(const Problem<float>&, const Metric&, std::uint64_t,
+                                        const Arena&);
+extern template SiteState initial_sites(const Problem<double>&, const Metric&, std::uint64_t,
+                                        const Arena&);
 
 }  // namespace ccvt

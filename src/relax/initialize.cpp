@@ -1,7 +1,9 @@
 #include "relax/initialize.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "parallel/loops.h"
 #include "random.h"
 #include "relax/balance.h"
 #include "relax/nearest_sites.h"
@@ -11,9 +13,11 @@ namespace ccvt {
 namespace {
 
 constexpr std::uint64_t kOrderStream = 3;
-/// Points that are on their way from memory while others join.
-constexpr std::size_t kAhead = 24;
 constexpr std::size_t kBetweenChecks = 1 << 12;
+constexpr std::size_t kSitesPerGrain = 64;
+/// Points found at once, per site: bounds the memory, yet leaves each bin many points.
+constexpr std::size_t kPointsPerSite = 32;
+constexpr std::size_t kLeastPoints = std::size_t{1} << 18;
 
 std::vector<Index> shuffled(std::span<const Index> points, std::uint64_t seed, const Arena& arena) {
   std::vector<Index> order(points.begin(), points.end());
@@ -25,25 +29,61 @@ std::vector<Index> shuffled(std::span<const Index> points, std::uint64_t seed, c
 }
 
 /// Each site with its nearest ones, each pair once.
-std::vector<Pair> nearest_neighbours(const Metric& metric, const SiteState& sites,
-                                     const Arena& arena) {
+Buffer<Pair> nearest_neighbours(const Metric& metric, const SiteState& sites, const Arena& arena) {
   const int wanted = 1 + std::min(24, 3 + 2 * metric.dimension());
   const SiteTree tree(metric, sites.position);
   const auto count = static_cast<std::size_t>(sites.count());
-  std::vector<std::vector<Index>> found(count);
-  arena.for_each(count, 64, [&](std::size_t s) {
-    tree.nearest(sites.at(static_cast<Index>(s)), wanted, found[s]);
+  PerWorker<std::vector<Index>> scratch(arena);
+  const Buffer<Pair> found =
+      collect<Pair>(arena, count, kSitesPerGrain,
+                    [&](std::size_t begin, std::size_t end, std::vector<Pair>& pairs, int w) {
+                      for (std::size_t s = begin; s < end; ++s) {
+                        const auto site = static_cast<Index>(s);
+                        scratch[w].clear();
+                        tree.nearest(sites.at(site), wanted, scratch[w]);
+                        for (const Index other : scratch[w]) {
+                          if (other != site)
+                            pairs.emplace_back(std::min(site, other), std::max(site, other));
+                        }
+                      }
+                    });
+  auto by_first = group_by_key<Pair>(
+      arena, found.size(), count, [&](std::size_t k) { return found[k]; },
+      [](const Pair& pair) { return static_cast<std::size_t>(pair.first); });
+  return collect<Pair>(arena, count, kSitesPerGrain,
+                       [&](std::size_t begin, std::size_t end, std::vector<Pair>& pairs, int) {
+                         for (std::size_t s = begin; s < end; ++s) {
+                           const auto own = by_first[s];
+                           std::sort(own.begin(), own.end());
+                           pairs.insert(pairs.end(), own.begin(),
+                                        std::unique(own.begin(), own.end()));
+                         }
+                       });
+}
+
+/// Adds the points to the sites that they are nearest to, in the order of these.
+template <class Scalar, std::size_t Dimension>
+void add_to_nearest(const NearestSites<Scalar>& nearest, std::span<const Index> which,
+                    const Arena& arena, Filling<Scalar>& filling) {
+  using Item = Near<Scalar, Dimension>;
+  const auto sites = static_cast<std::size_t>(filling.cells.site_count());
+  Buffer<Item> found = nearest.template find<Dimension>(filling.points, which, arena);
+  const auto charge = arena.phase(Phase::join);
+  const Groups<Item> by_site = group_by_key(arena, std::move(found), sites, [](const Item& item) {
+    return static_cast<std::size_t>(item.site);
   });
-  std::vector<Pair> pairs;
-  for (std::size_t s = 0; s < count; ++s) {
-    const auto site = static_cast<Index>(s);
-    for (const Index other : found[s]) {
-      if (other != site) pairs.emplace_back(std::min(site, other), std::max(site, other));
+  arena.for_each(filling.tiles.count(), 1, [&](std::size_t t) {
+    const Tile tile{static_cast<Index>(t)};
+    for (Index s = filling.tiles.begin(tile); s < filling.tiles.end(tile); ++s) {
+      for (const Item& item : by_site[static_cast<std::size_t>(s)]) {
+        if constexpr (Dimension > 0) {
+          filling.add(s, item.point, item.x.data());
+        } else {
+          filling.add(s, item.point);
+        }
+      }
     }
-  }
-  sort_pairs(pairs, sites.count());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  return pairs;
+  });
 }
 
 }  // namespace
@@ -70,23 +110,20 @@ void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
                    std::span<const Index> joining, std::span<const Pair> near, const Arena& arena,
                    Filling<Scalar>& filling) {
   {
-    const NearestSites<Scalar> nearest(metric, sites, box);
-    typename NearestSites<Scalar>::Found found;
-    // Bounds the memory, yet leaves each bin many points.
-    const std::size_t chunk = std::max(std::size_t{1} << 18, 64 * sites.radius.size());
-    const auto add = [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) {
-        if (k + kAhead < end) __builtin_prefetch(filling.points[found.point[k + kAhead]]);
-        filling.add(found.site[k], found.point[k]);
-      }
-    };
+    const auto charge = arena.phase(Phase::nearest);
+    const NearestSites<Scalar> nearest(metric, sites, box, arena);
+    const std::size_t chunk = std::max(kLeastPoints, kPointsPerSite * sites.radius.size());
     for (std::size_t begin = 0; begin < joining.size(); begin += chunk) {
-      nearest(filling.points, joining.subspan(begin, std::min(chunk, joining.size() - begin)),
-              arena, found, add);
+      const auto which = joining.subspan(begin, std::min(chunk, joining.size() - begin));
+      with_dimension(nearest.dimension_of_copies(), [&]<std::size_t Dimension>() {
+        add_to_nearest<Scalar, Dimension>(nearest, which, arena, filling);
+      });
     }
   }
   if (near.empty()) {
-    balance(metric, sites, nearest_neighbours(metric, sites, arena), arena, filling);
+    const auto charge = arena.phase(Phase::graph);
+    const Buffer<Pair> pairs = nearest_neighbours(metric, sites, arena);
+    balance(metric, sites, pairs, arena, filling);
   } else {
     balance(metric, sites, near, arena, filling);
   }

@@ -7,13 +7,14 @@
 #include "ccvt/options.h"
 #include "ccvt/types.h"
 #include "parallel/arena.h"
+#include "parallel/buffer.h"
 
 namespace ccvt {
 
 /// One level of the multi-level optimisation [5.2].
 struct Level {
   std::vector<Index> capacities;  ///< of the sites on this level
-  std::vector<Index> joining;     ///< points that join here, ascending
+  Buffer<Index> joining;          ///< points that join here, ascending
 };
 
 /// Splits the points into nested random subsets: level l holds the points that join on levels

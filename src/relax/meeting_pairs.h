@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "geometry/metric.h"
-#include "parallel/arena.h"
+#include "parallel/loops.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
 #include "spatial/site_search.h"
@@ -31,8 +31,8 @@ class MeetingPairs {
   /// The next refresh() builds the list anew.
   void forget() { search_.reset(); }
 
-  /// Pairs listed when the list was made, and those added since; first site < second site, sorted.
-  [[nodiscard]] std::span<const Pair> pairs() const { return pairs_; }
+  /// Pairs listed when the list was made, and those added since, sorted; first site < second site.
+  [[nodiscard]] std::span<const Pair> pairs() const { return pairs_.items; }
   [[nodiscard]] std::span<const Pair> added() const { return added_; }
 
  private:
@@ -41,24 +41,28 @@ class MeetingPairs {
     double largest_reach;
   };
 
-  [[nodiscard]] Group group(const Metric& metric, const std::vector<Index>& sites) const;
-  [[nodiscard]] std::vector<Index> outgrown(const Metric& metric, const SiteState& sites) const;
+  [[nodiscard]] Group group(const Metric& metric, std::span<const Index> sites,
+                            const Arena& arena) const;
+  [[nodiscard]] Buffer<Index> outgrown(const Metric& metric, const SiteState& sites,
+                                       const Arena& arena) const;
   void enter(const SiteState& sites, Index site);
   [[nodiscard]] bool may_meet(Index a, Index b, double squared) const;
   bool build(const Metric& metric, const SiteState& sites, const Arena& arena, std::size_t limit);
-  bool extend(const Metric& metric, const SiteState& sites, const std::vector<Index>& left);
+  bool extend(const Metric& metric, const SiteState& sites, std::span<const Index> left,
+              const Arena& arena);
+  [[nodiscard]] bool listed(const Pair& pair) const;
   [[nodiscard]] const double* at(Index site) const {
     return position_.data() + static_cast<std::ptrdiff_t>(site) * dimension_;
   }
 
   int dimension_ = 0;
-  std::vector<Pair> pairs_;
+  Groups<Pair> pairs_;  ///< by their first site
   std::vector<Pair> added_;
   std::vector<double> position_;      ///< of each sphere when it was entered
   std::vector<double> reach_;         ///< its radius and skin
   std::optional<SiteSearch> search_;  ///< among the sites where they were when the list was made
   std::vector<Index> moved_;          ///< entered since: the search has them where they were
-  std::vector<Index> far_;            ///< spheres that reach farther than usual_reach_
+  Buffer<Index> far_;                 ///< spheres that reach farther than usual_reach_
   std::optional<Group> far_group_;
   double usual_reach_ = 0;
 };

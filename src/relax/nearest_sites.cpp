@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 #include "kernels/nearest.h"
 
@@ -19,11 +19,8 @@ constexpr int kTries = 3;
 constexpr double kRounding = 1e-12;
 /// With fewer points a cell, the sites that can be nearest in a bin are not told apart by cells.
 constexpr std::size_t kPointsPerCell = 24;
-/// Points that are on their way from memory while others are placed.
-constexpr std::size_t kAhead = 24;
-/// Points that are sorted, and found, at a time.
-constexpr std::size_t kSlice = 1 << 16;
-constexpr std::size_t kMostBuckets = 1024;
+constexpr std::size_t kBinsPerGrain = 64;
+constexpr std::size_t kPointsPerGrain = 4096;
 
 }  // namespace
 
@@ -46,13 +43,14 @@ struct NearestSites<Scalar>::Worker {
 };
 
 template <class Scalar>
-NearestSites<Scalar>::NearestSites(const Metric& metric, const SiteState& sites, const Box& box)
+NearestSites<Scalar>::NearestSites(const Metric& metric, const SiteState& sites, const Box& box,
+                                   const Arena& arena)
     : metric_(metric),
       sites_(sites),
       dimension_(static_cast<std::size_t>(metric.dimension())),
-      bins_(SiteBins::sort(metric, sites.position, box.lower.data(), box.upper.data())) {
-  // Cells have 32-bit numbers.
-  constexpr std::size_t kMostCells = std::numeric_limits<std::uint32_t>::max();
+      bins_(SiteBins::sort(metric, sites.position, box.lower.data(), box.upper.data(), arena)) {
+  // Cells are numbered like sites.
+  constexpr std::size_t kMostCells = std::numeric_limits<Index>::max();
   if (bins_ && bins_->bin_count() > (kMostCells >> dimension_)) bins_.reset();
   if (!bins_) return;
   for (std::size_t d = 0; d < dimension_; ++d) {
@@ -72,7 +70,7 @@ const SiteTree& NearestSites<Scalar>::tree() const {
 
 template <class Scalar>
 template <std::size_t Dimension>
-std::uint32_t NearestSites<Scalar>::cell_of(const Scalar* position) const {
+Index NearestSites<Scalar>::cell_of(const Scalar* position) const {
   std::uint32_t bin = 0;
   std::uint32_t child = 0;
   for (std::size_t d = Dimension; d-- > 0;) {
@@ -81,65 +79,7 @@ std::uint32_t NearestSites<Scalar>::cell_of(const Scalar* position) const {
     bin = bin * static_cast<std::uint32_t>(bins_->bins(d)) + k / 2;
     child = 2 * child + k % 2;
   }
-  return (bin << Dimension) + child;
-}
-
-/// The points of cell g become those from first[g] to first[g + 1]. They go into buckets of
-/// consecutive cells first, so many that the ends of all are in the cache, and then into cells.
-template <class Scalar>
-void NearestSites<Scalar>::sort_by_cell(const PointsView<Scalar>& points,
-                                        std::span<const Index> which, const Arena& arena,
-                                        std::vector<std::size_t>& first, Found& found) const {
-  const std::size_t cells = bins_->bin_count() << dimension_;
-  int shift = 0;
-  while ((cells - 1) >> shift >= kMostBuckets) ++shift;
-  const std::size_t buckets = ((cells - 1) >> shift) + 1;
-  const std::size_t slices = (which.size() + kSlice - 1) / kSlice;
-  const auto for_slice = [&](std::size_t slice, auto visit) {
-    const std::size_t end = std::min((slice + 1) * kSlice, which.size());
-    for (std::size_t k = slice * kSlice; k < end; ++k) visit(k);
-  };
-
-  // Of the points of a slice in a bucket, the first place: by bucket, and in it by slice.
-  std::vector<std::size_t> place(buckets * slices + 1, 0);
-  std::vector<std::uint32_t> cell(which.size());
-  arena.for_each(slices, 1, [&](std::size_t slice) {
-    std::vector<std::size_t> count(buckets, 0);
-    for_slice(slice, [&](std::size_t k) {
-      const Scalar* position = points[which[k]];
-      cell[k] = dimension_ == 2 ? cell_of<2>(position) : cell_of<3>(position);
-      ++count[cell[k] >> shift];
-    });
-    for (std::size_t b = 0; b < buckets; ++b) place[b * slices + slice + 1] = count[b];
-  });
-  std::partial_sum(place.begin(), place.end(), place.begin());
-
-  struct Placed {
-    std::uint32_t cell;
-    Index point;
-  };
-  std::vector<Placed> placed(which.size());
-  arena.for_each(slices, 1, [&](std::size_t slice) {
-    std::vector<std::size_t> next(buckets);
-    for (std::size_t b = 0; b < buckets; ++b) next[b] = place[b * slices + slice];
-    for_slice(slice, [&](std::size_t k) {
-      placed[next[cell[k] >> shift]++] = {cell[k], which[k]};
-    });
-  });
-
-  first.assign(cells + 1, which.size());
-  arena.for_each(buckets, 1, [&](std::size_t b) {
-    const std::size_t begin = place[b * slices];
-    const auto here = std::span(placed).subspan(begin, place[(b + 1) * slices] - begin);
-    const std::size_t first_cell = b << shift;
-    std::vector<std::size_t> next(std::min(std::size_t{1} << shift, cells - first_cell) + 1, 0);
-    for (const Placed& p : here) ++next[p.cell - first_cell + 1];
-    next[0] = begin;
-    std::partial_sum(next.begin(), next.end(), next.begin());
-    std::copy(next.begin(), next.end() - 1,
-              first.begin() + static_cast<std::ptrdiff_t>(first_cell));
-    for (const Placed& p : here) found.point[next[p.cell - first_cell]++] = p.point;
-  });
+  return static_cast<Index>((bin << Dimension) + child);
 }
 
 template <class Scalar>
@@ -245,29 +185,26 @@ void NearestSites<Scalar>::keep_candidates(const Around& around, const Vector& c
 
 template <class Scalar>
 template <std::size_t Dimension>
-void NearestSites<Scalar>::find_among(const PointsView<Scalar>& points, const Around& candidates,
-                                      const Vector& centre, std::size_t begin, std::size_t end,
-                                      Worker& worker, Found& found) const {
-  if (begin == end) return;
+void NearestSites<Scalar>::find_among(const Around& candidates, const Vector& centre,
+                                      Worker& worker,
+                                      std::span<Near<Scalar, Dimension>> here) const {
+  if (here.empty()) return;
   if (candidates.count == 1) {
-    std::fill(&found.site[begin], &found.site[begin] + (end - begin), candidates.site[0]);
+    for (auto& near : here) near.site = candidates.site[0];
     return;
   }
   constexpr auto kStep = static_cast<std::size_t>(kernels::kNearestPoints);
-  const std::size_t stride = (end - begin + kStep - 1) / kStep * kStep;
+  const std::size_t stride = (here.size() + kStep - 1) / kStep * kStep;
   worker.coordinates.resize(stride * Dimension);
   worker.chosen.resize(stride);
   worker.positions.resize(candidates.count * Dimension);
-  for (std::size_t k = begin; k < end; ++k) {
-    if (k + kAhead < found.point.size()) __builtin_prefetch(points[found.point[k + kAhead]]);
-    const Scalar* point = points[found.point[k]];
+  for (std::size_t k = 0; k < stride; ++k) {
+    const auto& point = here[k < here.size() ? k : 0];
     for (std::size_t d = 0; d < Dimension; ++d) {
-      worker.coordinates[d * stride + k - begin] = static_cast<double>(point[d]);
+      worker.coordinates[d * stride + k] = static_cast<double>(point.x[d]);
     }
   }
   for (std::size_t d = 0; d < Dimension; ++d) {
-    double* stream = &worker.coordinates[d * stride];
-    std::fill(stream + (end - begin), stream + stride, stream[0]);
     for (std::size_t c = 0; c < candidates.count; ++c) {
       const double own = sites_.at(candidates.site[c])[d];
       const double offset = candidates.offset[d][c];
@@ -278,87 +215,108 @@ void NearestSites<Scalar>::find_among(const PointsView<Scalar>& points, const Ar
   kernels::nearest_positions(worker.coordinates.data(), static_cast<Index>(stride), int{Dimension},
                              worker.positions.data(), static_cast<Index>(candidates.count),
                              worker.chosen.data());
-  for (std::size_t k = begin; k < end; ++k) {
-    found.site[k] = candidates.site[static_cast<std::size_t>(worker.chosen[k - begin])];
+  for (std::size_t k = 0; k < here.size(); ++k) {
+    here[k].site = candidates.site[static_cast<std::size_t>(worker.chosen[k])];
   }
 }
 
-template <class Scalar>
-void NearestSites<Scalar>::ask_tree(const PointsView<Scalar>& points, std::size_t begin,
-                                    std::size_t end, Found& found) const {
-  std::vector<double> query(dimension_);
-  for (std::size_t k = begin; k < end; ++k) {
-    std::copy_n(points[found.point[k]], dimension_, query.begin());
-    found.site[k] = tree().nearest(query.data());
-  }
-}
-
-/// `first`: of the cells of the bin, and one more.
+/// Of the points in the cells of a bin.
 template <class Scalar>
 template <std::size_t Dimension>
-void NearestSites<Scalar>::find_in_bin(const PointsView<Scalar>& points,
-                                       std::span<const std::size_t> first, std::size_t bin,
-                                       Worker& worker, Found& found) const {
-  const std::size_t begin = first.front();
-  const std::size_t end = first.back();
-  if (begin == end) return;
+void NearestSites<Scalar>::find_in_bin(std::size_t bin, Worker& worker,
+                                       Groups<Near<Scalar, Dimension>>& by_cell) const {
+  constexpr std::size_t kCells = std::size_t{1} << Dimension;
+  const std::size_t first = bin * kCells;
+  const auto here = by_cell.items.span().subspan(
+      by_cell.first[first], by_cell.first[first + kCells] - by_cell.first[first]);
+  if (here.empty()) return;
   const Vector centre = centre_of(bin);
-  if (!gather<Dimension>(centre, worker.around)) return ask_tree(points, begin, end, found);
-  keep_candidates<Dimension>(worker.around, {}, 1, worker.in_bin);
-  const std::size_t cells = std::size_t{1} << Dimension;
-  if (end - begin < kPointsPerCell * cells) {
-    return find_among<Dimension>(points, worker.in_bin, centre, begin, end, worker, found);
+  if (!gather<Dimension>(centre, worker.around)) {
+    for (auto& near : here) {
+      std::array<double, Dimension> query;
+      std::copy(near.x.begin(), near.x.end(), query.begin());
+      near.site = tree().nearest(query.data());
+    }
+    return;
   }
-  for (std::size_t g = 0; g < cells; ++g) {
+  keep_candidates<Dimension>(worker.around, {}, 1, worker.in_bin);
+  if (here.size() < kPointsPerCell * kCells) {
+    return find_among<Dimension>(worker.in_bin, centre, worker, here);
+  }
+  for (std::size_t g = 0; g < kCells; ++g) {
     Vector cell_centre{};
     for (std::size_t d = 0; d < Dimension; ++d) {
       cell_centre[d] = ((g >> d) % 2 == 0 ? -0.5 : 0.5) * half_[d];
     }
     keep_candidates<Dimension>(worker.in_bin, cell_centre, 0.5, worker.in_cell);
-    find_among<Dimension>(points, worker.in_cell, centre, first[g], first[g + 1], worker, found);
+    find_among<Dimension>(worker.in_cell, centre, worker, by_cell[first + g]);
   }
 }
 
 template <class Scalar>
-void NearestSites<Scalar>::operator()(const PointsView<Scalar>& points,
-                                      std::span<const Index> which, const Arena& arena,
-                                      Found& found, const Taken& taken) const {
-  found.point.resize(which.size());
-  found.site.resize(which.size());
-  if (which.empty()) return;
-  if (!bins_) {
-    std::copy(which.begin(), which.end(), found.point.begin());
-    arena.for_ranges(which.size(), 4096, [&](std::size_t begin, std::size_t end, int) {
-      ask_tree(points, begin, end, found);
-    });
-    if (taken) taken(0, which.size());
-    return;
-  }
-  std::vector<std::size_t> first;
-  sort_by_cell(points, which, arena, first, found);
-  std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(arena.threads()));
-  const std::size_t cells = std::size_t{1} << dimension_;
-  std::size_t from = 0;
-  while (from < bins_->bin_count()) {
-    const auto next = std::upper_bound(first.begin(), first.end(), first[from * cells] + kSlice);
-    const auto cell = static_cast<std::size_t>(next - first.begin());
-    const std::size_t to = std::clamp((cell - 1) / cells, from + 1, bins_->bin_count());
-    arena.for_ranges(to - from, 16, [&](std::size_t begin, std::size_t end, int w) {
-      auto& worker = workers[static_cast<std::size_t>(w)];
-      if (!worker) worker = std::make_unique<Worker>();
-      for (std::size_t bin = from + begin; bin < from + end; ++bin) {
-        const auto here = std::span(first).subspan(bin * cells, cells + 1);
-        if (dimension_ == 2) {
-          find_in_bin<2>(points, here, bin, *worker, found);
-        } else {
-          find_in_bin<3>(points, here, bin, *worker, found);
-        }
+template <std::size_t Dimension>
+Buffer<Near<Scalar, Dimension>> NearestSites<Scalar>::find(const PointsView<Scalar>& points,
+                                                           std::span<const Index> which,
+                                                           const Arena& arena) const {
+  using Item = Near<Scalar, Dimension>;
+  if constexpr (Dimension == 0) {
+    Buffer<Item> found(which.size());
+    arena.for_ranges(which.size(), kPointsPerGrain, [&](std::size_t begin, std::size_t end, int) {
+      std::vector<double> query(dimension_);
+      for (std::size_t k = begin; k < end; ++k) {
+        std::copy_n(points[which[k]], dimension_, query.begin());
+        found[k] = {tree().nearest(query.data()), which[k]};
       }
     });
-    if (taken) taken(first[from * cells], first[to * cells]);
-    from = to;
+    return found;
+  } else {
+    const std::size_t bins = bins_->bin_count();
+    auto by_cell = group_by_key<Item>(
+        arena, which.size(), bins << Dimension,
+        [&](std::size_t k) {
+          const Scalar* x = points[which[k]];
+          Item item{cell_of<Dimension>(x), which[k], {}};
+          std::copy_n(x, Dimension, item.x.begin());
+          return item;
+        },
+        [](const Item& item) { return static_cast<std::size_t>(item.site); });
+    PerWorker<Worker> workers(arena);
+    arena.for_ranges(bins, kBinsPerGrain, [&](std::size_t begin, std::size_t end, int w) {
+      for (std::size_t bin = begin; bin < end; ++bin) {
+        find_in_bin<Dimension>(bin, workers[w], by_cell);
+      }
+    });
+    return std::move(by_cell.items);
   }
 }
+
+template <class Scalar>
+Buffer<Index> NearestSites<Scalar>::owners(const PointsView<Scalar>& points,
+                                           const Arena& arena) const {
+  const auto count = static_cast<std::size_t>(points.count);
+  Buffer<Index> all(count);
+  arena.for_each(count, kPointsPerGrain, [&](std::size_t p) { all[p] = static_cast<Index>(p); });
+  Buffer<Index> owners(count);
+  with_dimension(dimension_of_copies(), [&]<std::size_t Dimension>() {
+    const auto found = find<Dimension>(points, all, arena);
+    arena.for_each(count, kPointsPerGrain, [&](std::size_t k) {
+      owners[static_cast<std::size_t>(found[k].point)] = found[k].site;
+    });
+  });
+  return owners;
+}
+
+#define CCVT_INSTANTIATE(Scalar, Dimension)                                       \
+  template Buffer<Near<Scalar, Dimension>> NearestSites<Scalar>::find<Dimension>( \
+      const PointsView<Scalar>&, std::span<const Index>, const Arena&) const;
+
+CCVT_INSTANTIATE(float, 0)
+CCVT_INSTANTIATE(float, 2)
+CCVT_INSTANTIATE(float, 3)
+CCVT_INSTANTIATE(double, 0)
+CCVT_INSTANTIATE(double, 2)
+CCVT_INSTANTIATE(double, 3)
+#undef CCVT_INSTANTIATE
 
 template class NearestSites<float>;
 template class NearestSites<double>;

@@ -2,8 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -12,12 +10,26 @@
 #include "ccvt/domain.h"
 #include "ccvt/types.h"
 #include "geometry/metric.h"
-#include "parallel/arena.h"
+#include "parallel/loops.h"
 #include "relax/site_state.h"
 #include "spatial/site_bins.h"
 #include "spatial/site_tree.h"
 
 namespace ccvt {
+
+/// A point and the site nearest to it, with a copy of the point's coordinates unless `Dimension` is
+/// 0: reading these at random costs more than carrying them along.
+template <class Scalar, std::size_t Dimension>
+struct Near {
+  Index site;  ///< while points are sorted: a cell of the grid
+  Index point;
+  std::array<Scalar, Dimension> x;
+};
+template <class Scalar>
+struct Near<Scalar, 0> {
+  Index site;
+  Index point;
+};
 
 /// Finds the nearest site for many points; exact.
 ///
@@ -28,19 +40,20 @@ template <class Scalar>
 class NearestSites {
  public:
   /// Keeps references to `metric` and `sites`.
-  NearestSites(const Metric& metric, const SiteState& sites, const Box& box);
+  NearestSites(const Metric& metric, const SiteState& sites, const Box& box,
+               const Arena& arena = Arena(1));
 
-  /// Points, neighbours near each other, and the site nearest to each.
-  struct Found {
-    std::vector<Index> point;
-    std::vector<Index> site;
-  };
-  /// Called with begin and end of consecutive ranges of what is found, so that it can be used
-  /// while it is in the cache.
-  using Taken = std::function<void(std::size_t, std::size_t)>;
-  /// `found` is made anew; `taken` may be empty.
-  void operator()(const PointsView<Scalar>& points, std::span<const Index> which,
-                  const Arena& arena, Found& found, const Taken& taken = {}) const;
+  /// The number of dimensions whose coordinates come along: 2 or 3 with a grid, else 0.
+  [[nodiscard]] std::size_t dimension_of_copies() const { return bins_ ? dimension_ : 0; }
+
+  /// `Dimension` is dimension_of_copies(). Of points in a grid, neighbours are near each other.
+  template <std::size_t Dimension>
+  [[nodiscard]] Buffer<Near<Scalar, Dimension>> find(const PointsView<Scalar>& points,
+                                                     std::span<const Index> which,
+                                                     const Arena& arena) const;
+
+  /// The site nearest to each of all points, by point.
+  [[nodiscard]] Buffer<Index> owners(const PointsView<Scalar>& points, const Arena& arena) const;
 
  private:
   static constexpr std::size_t kMostDimensions = SiteBins::kMostDimensions;
@@ -49,9 +62,7 @@ class NearestSites {
   struct Worker;
 
   template <std::size_t Dimension>
-  [[nodiscard]] std::uint32_t cell_of(const Scalar* position) const;
-  void sort_by_cell(const PointsView<Scalar>& points, std::span<const Index> which,
-                    const Arena& arena, std::vector<std::size_t>& first, Found& found) const;
+  [[nodiscard]] Index cell_of(const Scalar* position) const;
   [[nodiscard]] Vector centre_of(std::size_t bin) const;
   template <std::size_t Dimension>
   [[nodiscard]] bool gather(const Vector& centre, Around& around) const;
@@ -59,13 +70,10 @@ class NearestSites {
   void keep_candidates(const Around& around, const Vector& centre, double halves,
                        Around& candidates) const;
   template <std::size_t Dimension>
-  void find_in_bin(const PointsView<Scalar>& points, std::span<const std::size_t> first,
-                   std::size_t bin, Worker& worker, Found& found) const;
+  void find_in_bin(std::size_t bin, Worker& worker, Groups<Near<Scalar, Dimension>>& by_cell) const;
   template <std::size_t Dimension>
-  void find_among(const PointsView<Scalar>& points, const Around& candidates, const Vector& centre,
-                  std::size_t begin, std::size_t end, Worker& worker, Found& found) const;
-  void ask_tree(const PointsView<Scalar>& points, std::size_t begin, std::size_t end,
-                Found& found) const;
+  void find_among(const Around& candidates, const Vector& centre, Worker& worker,
+                  std::span<Near<Scalar, Dimension>> here) const;
 
   [[nodiscard]] const SiteTree& tree() const;
 
@@ -82,6 +90,14 @@ class NearestSites {
   Vector last_{};           ///< cell along each dimension
   Vector half_{};           ///< of a bin's width, with room for rounding
 };
+
+/// Calls visit.template operator()<Dimension>() with the number of dimensions in place.
+template <class Visit>
+auto with_dimension(std::size_t dimension, const Visit& visit) {
+  if (dimension == 2) return visit.template operator()<2>();
+  if (dimension == 3) return visit.template operator()<3>();
+  return visit.template operator()<0>();
+}
 
 extern template class NearestSites<float>;
 extern template class NearestSites<double>;

@@ -2,145 +2,127 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
-
-#include "counting_sort.h"
 
 namespace ccvt {
 namespace {
 
 constexpr double kResidual = 0.25;
-/// A graph no larger is not made coarser. Connected graphs at least halve.
+/// Consecutive nodes that become one on the next coarser level: by spatial_order() they lie close
+/// together.
+constexpr std::size_t kAggregate = 4;
+/// A graph no larger is not made coarser.
 constexpr std::size_t kCoarsest = 32;
 constexpr int kCoarsestSweeps = 8;
+/// Consecutive nodes that are smoothed one after the other; the blocks at the same time.
+constexpr std::size_t kBlock = 512;
+constexpr std::size_t kNodesPerGrain = 4 * kBlock;
 
 using Vector = std::vector<double>;
 
 /// The Laplacian of a weighted graph: row s is degree(s) on the diagonal, and -weight off it.
 struct Laplacian {
-  std::vector<std::size_t> begin{0};
-  std::vector<Index> neighbour;
-  Vector weight;
+  struct Edge {
+    Index neighbour;
+    float weight;  ///< a count of edges, perhaps rounded: the preconditioner may be another matrix
+  };
+  Buffer<Edge> edges;
+  Buffer<std::size_t> first;  ///< edge of each node, and one more
   Vector degree;
-  std::vector<Index> aggregate;  ///< of each node: a node of the next coarser graph
+  Vector outer_degree;  ///< of edges that lead out of the node's block
 
   [[nodiscard]] std::size_t size() const { return degree.size(); }
-
-  void add_node() {
-    double sum = 0;
-    for (std::size_t k = begin.back(); k < weight.size(); ++k) sum += weight[k];
-    degree.push_back(sum);
-    begin.push_back(weight.size());
+  [[nodiscard]] std::span<const Edge> row(std::size_t s) const {
+    return edges.span().subspan(first[s], first[s + 1] - first[s]);
   }
 
   /// The off-diagonal part of row s times x, less its sign.
   [[nodiscard]] double pull(std::size_t s, const Vector& x) const {
     double sum = 0;
-    for (std::size_t k = begin[s]; k < begin[s + 1]; ++k) {
-      sum += weight[k] * x[static_cast<std::size_t>(neighbour[k])];
+    for (const Edge& edge : row(s)) {
+      sum += static_cast<double>(edge.weight) * x[static_cast<std::size_t>(edge.neighbour)];
     }
     return sum;
   }
 
-  /// One Gauss-Seidel step.
-  void relax(std::size_t s, const Vector& b, Vector& x) const {
-    if (degree[s] > 0) x[s] = (b[s] + pull(s, x)) / degree[s];
-  }
-  void sweep_up(const Vector& b, Vector& x) const {
-    for (std::size_t s = 0; s < size(); ++s) relax(s, b, x);
-  }
-  void sweep_down(const Vector& b, Vector& x) const {
-    for (std::size_t s = size(); s-- > 0;) relax(s, b, x);
+  void add_degrees(const Arena& arena) {
+    degree.resize(first.size() - 1);
+    outer_degree.resize(degree.size());
+    arena.for_each(size(), kNodesPerGrain, [&](std::size_t s) {
+      degree[s] = outer_degree[s] = 0;
+      for (const auto [t, weight] : row(s)) {
+        degree[s] += static_cast<double>(weight);
+        if (static_cast<std::size_t>(t) / kBlock != s / kBlock) {
+          outer_degree[s] += static_cast<double>(weight);
+        }
+      }
+    });
   }
 };
 
-Laplacian laplacian_of(const SiteGraph& graph) {
+Laplacian laplacian_of(const SiteGraph& graph, const Arena& arena) {
+  const Groups<Index>& neighbours = graph.all_neighbours();
   Laplacian result;
-  for (Index s = 0; s < graph.site_count(); ++s) {
-    for (const Index t : graph.neighbours(s)) {
-      result.neighbour.push_back(t);
-      result.weight.push_back(1);
-    }
-    result.add_node();
-  }
+  result.edges.reset(neighbours.items.size());
+  result.first.reset(neighbours.first.size());
+  arena.for_each(neighbours.items.size(), kNodesPerGrain, [&](std::size_t k) {
+    result.edges[k] = {neighbours.items[k], 1};
+  });
+  std::copy(neighbours.first.begin(), neighbours.first.end(), result.first.begin());
+  result.add_degrees(arena);
   return result;
 }
 
-/// Groups nodes: a node none of whose neighbours is in a group founds one with all of them; those
-/// left over join the group of the neighbour they are tied to most. Returns how many groups.
-Index make_aggregates(Laplacian& fine) {
-  fine.aggregate.assign(fine.size(), -1);
-  const auto neighbours = [&](std::size_t s) {
-    return std::span(fine.neighbour).subspan(fine.begin[s], fine.begin[s + 1] - fine.begin[s]);
-  };
-  const auto group = [&](Index s) -> Index& { return fine.aggregate[static_cast<std::size_t>(s)]; };
-  Index count = 0;
-  for (std::size_t s = 0; s < fine.size(); ++s) {
-    const auto near = neighbours(s);
-    if (fine.aggregate[s] >= 0) continue;
-    if (std::any_of(near.begin(), near.end(), [&](Index t) { return group(t) >= 0; })) continue;
-    fine.aggregate[s] = count;
-    for (const Index t : near) group(t) = count;
-    ++count;
-  }
-  const std::vector<Index> founded = fine.aggregate;
-  for (std::size_t s = 0; s < fine.size(); ++s) {
-    if (founded[s] >= 0) continue;
-    double strongest = 0;
-    for (std::size_t k = fine.begin[s]; k < fine.begin[s + 1]; ++k) {
-      const Index other = founded[static_cast<std::size_t>(fine.neighbour[k])];
-      if (other >= 0 && fine.weight[k] > strongest) {
-        strongest = fine.weight[k];
-        fine.aggregate[s] = other;
-      }
-    }
-  }
-  return count;
-}
-
-/// The graph of the aggregates: weights between them are sums.
-Laplacian coarser(const Laplacian& fine, Index count) {
-  const auto aggregate = [&](std::size_t s) { return static_cast<std::size_t>(fine.aggregate[s]); };
-  std::vector<std::size_t> members(fine.size());
-  std::iota(members.begin(), members.end(), std::size_t{0});
-  counting_sort(members, static_cast<std::size_t>(count), aggregate);
+/// The graph of aggregates of consecutive nodes: weights between them are sums.
+Laplacian coarser(const Laplacian& fine, const Arena& arena) {
+  using Edge = Laplacian::Edge;
+  const std::size_t count = (fine.size() + kAggregate - 1) / kAggregate;
   Laplacian coarse;
-  // Where the row being made has each neighbour, counted from 1; at its beginning or before: not
-  // yet.
-  std::vector<std::size_t> place(static_cast<std::size_t>(count), 0);
-  for (auto member = members.begin(); member != members.end();) {
-    const std::size_t row = coarse.begin.back();
-    const std::size_t own = aggregate(*member);
-    for (; member != members.end() && aggregate(*member) == own; ++member) {
-      for (std::size_t k = fine.begin[*member]; k < fine.begin[*member + 1]; ++k) {
-        const std::size_t other = aggregate(static_cast<std::size_t>(fine.neighbour[k]));
-        if (other == own) continue;
-        if (place[other] <= row) {
-          coarse.neighbour.push_back(static_cast<Index>(other));
-          coarse.weight.push_back(0);
-          place[other] = coarse.weight.size();
+  coarse.first.reset(count + 1);
+  PerWorker<std::vector<Edge>> scratch(arena);
+  coarse.edges = collect<Edge>(
+      arena, count, kNodesPerGrain,
+      [&](std::size_t begin, std::size_t end, std::vector<Edge>& out, int worker) {
+        std::vector<Edge>& row = scratch[worker];
+        for (std::size_t own = begin; own < end; ++own) {
+          row.clear();
+          const std::size_t last = std::min((own + 1) * kAggregate, fine.size());
+          for (std::size_t s = own * kAggregate; s < last; ++s) {
+            for (const Edge& edge : fine.row(s)) {
+              const Index other = edge.neighbour / static_cast<Index>(kAggregate);
+              if (static_cast<std::size_t>(other) != own) row.push_back({other, edge.weight});
+            }
+          }
+          std::sort(row.begin(), row.end(),
+                    [](const Edge& a, const Edge& b) { return a.neighbour < b.neighbour; });
+          const std::size_t before = out.size();
+          for (const Edge& edge : row) {
+            if (out.size() == before || out.back().neighbour != edge.neighbour) {
+              out.push_back(edge);
+            } else {
+              out.back().weight += edge.weight;
+            }
+          }
+          coarse.first[own] = out.size() - before;
         }
-        coarse.weight[place[other] - 1] += fine.weight[k];
-      }
-    }
-    coarse.add_node();
-  }
+      });
+  coarse.first[count] = 0;
+  exclusive_scan(arena, coarse.first.span());
+  coarse.add_degrees(arena);
   return coarse;
 }
 
-/// A symmetric approximation of the inverse of a Laplacian.
+/// A symmetric approximation of the inverse of a Laplacian: a multigrid cycle.
+///
+/// Smoothed by Gauss-Seidel inside blocks of nodes and Jacobi between them; edges between blocks
+/// count twice in the diagonal, which makes it converge however many there are [Baker, Falgout,
+/// Kolev, Yang 2011, "l1" smoothers].
 class Multigrid {
  public:
-  explicit Multigrid(Laplacian finest) {
-    levels_.push_back({std::move(finest), {}, {}, {}});
+  Multigrid(Laplacian finest, const Arena& arena) : arena_(arena) {
+    add_level(std::move(finest));
     while (levels_.back().matrix.size() > kCoarsest) {
-      Laplacian& fine = levels_.back().matrix;
-      const Index count = make_aggregates(fine);
-      levels_.push_back({coarser(fine, count), {}, {}, {}});
-    }
-    for (Level& level : levels_) {
-      for (Vector* v : {&level.right, &level.solution, &level.rest}) v->resize(level.matrix.size());
+      add_level(coarser(levels_.back().matrix, arena));
     }
   }
 
@@ -155,32 +137,79 @@ class Multigrid {
     Vector right;
     Vector solution;
     Vector rest;
+    Vector before;  ///< the last sweep
   };
 
-  void cycle(std::size_t l, const Vector& b, Vector& x) {
-    const Laplacian& matrix = levels_[l].matrix;
-    std::fill(x.begin(), x.end(), 0.0);
-    if (l + 1 == levels_.size()) {
-      for (int sweep = 0; sweep < kCoarsestSweeps; ++sweep) {
-        matrix.sweep_up(b, x);
-        matrix.sweep_down(b, x);
+  void add_level(Laplacian matrix) {
+    const std::size_t size = matrix.size();
+    levels_.push_back({std::move(matrix), Vector(size), Vector(size), Vector(size), Vector(size)});
+  }
+
+  template <class Body>
+  void for_nodes(std::size_t count, const Body& body) const {
+    arena_.for_each(count, kNodesPerGrain, body);
+  }
+
+  /// The first sweep, from x = 0, through each block upwards.
+  void sweep_up(const Laplacian& matrix, const Vector& b, Vector& x) const {
+    arena_.for_ranges(matrix.size(), kBlock, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t s = begin; s < end; ++s) {
+        double pull = 0;
+        for (const auto [neighbour, weight] : matrix.row(s)) {
+          const auto t = static_cast<std::size_t>(neighbour);
+          if (t >= begin && t < s) pull += static_cast<double>(weight) * x[t];
+        }
+        const double diagonal = matrix.degree[s] + matrix.outer_degree[s];
+        x[s] = diagonal > 0 ? (b[s] + pull) / diagonal : 0;
       }
-      return;
+    });
+  }
+
+  /// The last sweep, downwards: the first one's transpose.
+  void sweep_down(const Laplacian& matrix, const Vector& b, Vector& x, Vector& before) const {
+    for_nodes(x.size(), [&](std::size_t s) { before[s] = x[s]; });
+    arena_.for_ranges(matrix.size(), kBlock, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t s = end; s-- > begin;) {
+        double pull = matrix.outer_degree[s] * before[s];
+        for (const auto [neighbour, weight] : matrix.row(s)) {
+          const auto t = static_cast<std::size_t>(neighbour);
+          pull += static_cast<double>(weight) * (t > s && t < end ? x[t] : before[t]);
+        }
+        const double diagonal = matrix.degree[s] + matrix.outer_degree[s];
+        if (diagonal > 0) x[s] = (b[s] + pull) / diagonal;
+      }
+    });
+  }
+
+  static void sweep_coarsest(const Laplacian& matrix, const Vector& b, Vector& x) {
+    std::fill(x.begin(), x.end(), 0.0);
+    const auto relax = [&](std::size_t s) {
+      if (matrix.degree[s] > 0) x[s] = (b[s] + matrix.pull(s, x)) / matrix.degree[s];
+    };
+    for (int sweep = 0; sweep < kCoarsestSweeps; ++sweep) {
+      for (std::size_t s = 0; s < x.size(); ++s) relax(s);
+      for (std::size_t s = x.size(); s-- > 0;) relax(s);
     }
-    matrix.sweep_up(b, x);
+  }
+
+  void cycle(std::size_t l, const Vector& b, Vector& x) {
+    Level& level = levels_[l];
+    const Laplacian& matrix = level.matrix;
+    if (l + 1 == levels_.size()) return sweep_coarsest(matrix, b, x);
+    sweep_up(matrix, b, x);
     Level& coarse = levels_[l + 1];
-    std::fill(coarse.right.begin(), coarse.right.end(), 0.0);
-    for (std::size_t s = 0; s < matrix.size(); ++s) {
-      coarse.right[static_cast<std::size_t>(matrix.aggregate[s])] +=
-          b[s] - matrix.degree[s] * x[s] + matrix.pull(s, x);
-    }
+    for_nodes(coarse.right.size(), [&](std::size_t g) {
+      coarse.right[g] = 0;
+      const std::size_t last = std::min((g + 1) * kAggregate, matrix.size());
+      for (std::size_t s = g * kAggregate; s < last; ++s) {
+        coarse.right[g] += b[s] - matrix.degree[s] * x[s] + matrix.pull(s, x);
+      }
+    });
     // Twice: piecewise constant corrections fall short of smooth ones.
     cycle(l + 1, coarse.right, coarse.solution);
     correct(l + 1);
-    for (std::size_t s = 0; s < matrix.size(); ++s) {
-      x[s] += coarse.solution[static_cast<std::size_t>(matrix.aggregate[s])];
-    }
-    matrix.sweep_down(b, x);
+    for_nodes(x.size(), [&](std::size_t s) { x[s] += coarse.solution[s / kAggregate]; });
+    sweep_down(matrix, b, x, level.before);
   }
 
   /// A second cycle, for what the first has left.
@@ -189,21 +218,16 @@ class Multigrid {
     Level& level = levels_[l];
     const Laplacian& matrix = level.matrix;
     const Vector first = level.solution;
-    for (std::size_t s = 0; s < matrix.size(); ++s) {
+    for_nodes(first.size(), [&](std::size_t s) {
       level.rest[s] = level.right[s] - matrix.degree[s] * first[s] + matrix.pull(s, first);
-    }
+    });
     cycle(l, level.rest, level.solution);
-    for (std::size_t s = 0; s < matrix.size(); ++s) level.solution[s] += first[s];
+    for_nodes(first.size(), [&](std::size_t s) { level.solution[s] += first[s]; });
   }
 
+  const Arena& arena_;
   std::vector<Level> levels_;
 };
-
-double dot(const Vector& a, const Vector& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-  return sum;
-}
 
 }  // namespace
 
@@ -212,33 +236,43 @@ std::vector<double> potential(const SiteGraph& graph, std::span<const Index> e,
   const std::size_t n = e.size();
   Vector phi(n, 0.0);
   if (n < 2) return phi;
-  Multigrid inverse(laplacian_of(graph));
+  Multigrid inverse(laplacian_of(graph, arena), arena);
   const Laplacian& matrix = inverse.finest();
   Vector residual(e.begin(), e.end());
   Vector direction(n, 0.0);
   Vector image(n);
   Vector improved(n);
+  const auto dot = [&](const Vector& a, const Vector& b) {
+    return sum_of(arena, n, kNodesPerGrain, [&](std::size_t s) { return a[s] * b[s]; });
+  };
   double before = 0;
   for (std::size_t iteration = 0; iteration < 2 * n; ++iteration) {
-    const bool solved = std::all_of(residual.begin(), residual.end(),
-                                    [](double r) { return std::abs(r) <= kResidual; });
-    if (solved) break;
+    const double largest = reduce(
+        arena, n, kNodesPerGrain, 0.0,
+        [&](std::size_t begin, std::size_t end) {
+          double most = 0;
+          for (std::size_t s = begin; s < end; ++s) most = std::max(most, std::abs(residual[s]));
+          return most;
+        },
+        [](double a, double b) { return std::max(a, b); });
+    if (largest <= kResidual) break;
     arena.check();
     inverse.apply(residual, improved);
     const double rho = dot(residual, improved);
     const double beta = iteration == 0 ? 0 : rho / before;
     before = rho;
-    for (std::size_t s = 0; s < n; ++s) direction[s] = improved[s] + beta * direction[s];
-    for (std::size_t s = 0; s < n; ++s) {
+    arena.for_each(n, kNodesPerGrain,
+                   [&](std::size_t s) { direction[s] = improved[s] + beta * direction[s]; });
+    arena.for_each(n, kNodesPerGrain, [&](std::size_t s) {
       image[s] = matrix.degree[s] * direction[s] - matrix.pull(s, direction);
-    }
+    });
     const double curvature = dot(direction, image);
     if (!(curvature > 0)) break;  // nothing left but rounding
     const double step = rho / curvature;
-    for (std::size_t s = 0; s < n; ++s) {
+    arena.for_each(n, kNodesPerGrain, [&](std::size_t s) {
       phi[s] += step * direction[s];
       residual[s] -= step * image[s];
-    }
+    });
   }
   return phi;
 }

@@ -6,10 +6,9 @@
 
 #include "ccvt/options.h"
 #include "geometry/metric.h"
-#include "parallel/arena.h"
-#include "relax/cells.h"
-#include "relax/meeting_pairs.h"
-#include "relax/site_state.h"
+#include "parallel/loops.h"
+#include "relax/level_state.h"
+#include "relax/pair_lists.h"
 #include "relax/swap.h"
 #include "schedule/schedule.h"
 
@@ -26,7 +25,7 @@ struct PassCount {
 };
 
 /// Relaxes one level: passes over pairs of cells, each followed by the centroid update, in the two
-/// stages of the pair cache [4.2, Program 4].
+/// stages of the pair cache [4.2, Program 4]. Owns what is known of the pairs, and nothing else.
 ///
 /// A full pass examines each pair that can have come to gain since the last full pass: at least one
 /// of its cells has changed since, and its bounding spheres meet. A full pass without a swap
@@ -34,21 +33,17 @@ struct PassCount {
 template <class Scalar>
 class Relaxer {
  public:
-  /// `cells` holds the points; `sites` where the sites are. Makes no move yet: call update_all().
-  Relaxer(const Metric& metric, const Options& options, const Arena& arena, Stop& stop,
-          Cells<Scalar>& cells, SiteState& sites, double coordinate_bound);
+  Relaxer(const Metric& metric, const Options& options, const Arena& arena, Stop& stop, Index sites,
+          double coordinate_bound);
 
-  /// Moves every site to the centroid of its cell.
-  void update_all();
-
-  /// One pass and the centroid update after it. When `stop` ends the pass, the update is still
-  /// made, and `stop` switched off.
-  PassCount step();
+  /// One pass [4.2], and the centroid update after it. When `stop` ends the pass, the update is
+  /// still made, and `stop` switched off. `state` is the same, or in the same state, each time.
+  PassCount step(LevelState<Scalar>& state);
 
   [[nodiscard]] bool stable() const { return stable_; }
 
   /// The pairs listed: all whose bounding spheres meet, and more. Empty when nearly all do.
-  [[nodiscard]] std::vector<Pair> listed() const;
+  [[nodiscard]] Buffer<Pair> listed() const { return lists_.pairs(); }
 
  private:
   struct Worker {
@@ -58,42 +53,34 @@ class Relaxer {
     Index streamed = 0;  ///< points of pairs since the last look whether to stop
   };
 
-  void full_pass();
-  void list_pairs();
-  void cached_pass();
-  void all_pairs_pass();
-  void screened_pass();
-  void run(const Schedule& schedule, bool full);
-  [[nodiscard]] bool may_gain(Index i, Index j, bool full) const;
-  void examine(Worker& worker, Index i, Index j);
-  void pass(bool full);
+  void full_pass(LevelState<Scalar>& state);
+  template <class Source>
+  void run(Source&& source, bool full, LevelState<Scalar>& state);
+  void examine(LevelState<Scalar>& state, Worker& worker, Index i, Index j);
+  void update_changed(LevelState<Scalar>& state, bool full);
+  PassCount count(bool full);
   void forget_pairs();
   bool cancelled() { return stopped_ = stopped_ || stop_.requested(); }
-  void update_changed(bool full);
 
   const Metric& metric_;
   const Options& options_;
   const Arena& arena_;
   Stop& stop_;
-  Cells<Scalar>& cells_;
-  SiteState& sites_;
   std::vector<Worker> workers_;
 
-  MeetingPairs meeting_;
-  Schedule schedule_;
-  Schedule added_schedule_;  ///< of the pairs added to the list since schedule_ was made
-  bool dense_ = false;       ///< (nearly) all spheres meet: a list would not pay
-
-  int dense_passes_ = 0;
-
-  std::vector<std::uint8_t> changed_;  ///< in this pass
-  std::vector<std::uint8_t> touched_;  ///< since the last full pass began
-  std::vector<std::uint8_t> touched_tile_;
-  std::vector<Pair> cache_;  ///< pairs that swapped in the last pass
-  int cached_passes_ = 0;    ///< since the last full pass
+  PairLists lists_;
+  std::vector<std::uint8_t> changed_;       ///< sites, in this pass
+  std::vector<std::uint8_t> touched_;       ///< sites, since the last full pass began
+  std::vector<std::uint8_t> touched_tile_;  ///< tiles with touched sites
+  std::vector<Pair> cache_;                 ///< pairs that swapped in the last pass
+  int cached_passes_ = 0;                   ///< since the last full pass
   bool stable_ = false;
   bool stopped_ = false;
 };
+
+/// Moves every site to the centroid of its cell.
+template <class Scalar>
+void update_all(const Metric& metric, LevelState<Scalar>& state, const Arena& arena);
 
 extern template class Relaxer<float>;
 extern template class Relaxer<double>;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "kernels/products.h"
+#include "parallel/loops.h"
 
 namespace ccvt {
 namespace {
@@ -107,9 +109,9 @@ bool screening_pays(const Metric& metric) {
 }
 
 template <class Scalar>
-std::vector<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells,
-                                const SiteState& sites, const std::vector<std::uint8_t>& touched,
-                                const Arena& arena) {
+Buffer<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells, const SiteState& sites,
+                           const std::vector<std::uint8_t>& touched, const Arena& arena) {
+  const auto charge = arena.phase(Phase::lists);
   const int dimension = metric.dimension();
   const SiteBlocks<Scalar> blocks(sites, touched);
   std::vector<double> norm(static_cast<std::size_t>(sites.count()));
@@ -121,14 +123,13 @@ std::vector<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells
       if (blocks[a].touched + blocks[b].touched > 0) work.emplace_back(a, b);
     }
   }
-  std::vector<std::vector<Pair>> found(work.size());
   struct Scratch {
     CentredCell<Scalar> cell;
     std::vector<Scalar> largest;
   };
-  std::vector<Scratch> scratch(static_cast<std::size_t>(arena.threads()));
-  arena.for_ranges(work.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
-    Scratch& own = scratch[static_cast<std::size_t>(worker)];
+  PerWorker<Scratch> scratch(arena);
+  const auto screen = [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int worker) {
+    Scratch& own = scratch[worker];
     own.largest.resize(std::size_t{2} * kBlockSites * kBlockSites);
     // largest[k][l]: over the points of cell k of `from`, the largest point . (site l of `to`),
     // less the same with the point's own site.
@@ -174,21 +175,25 @@ std::vector<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells
                                        (sites.radius[x] + sites.radius[y]) * (norm[x] + norm[y]) +
                                    static_cast<double>(std::numeric_limits<Scalar>::denorm_min()));
           if (gain > -rounding) {
-            found[w].emplace_back(std::min(i, j), std::max(i, j));
+            out.emplace_back(std::min(i, j), std::max(i, j));
           }
         }
       }
     }
+  };
+  const auto sites_count = static_cast<std::size_t>(sites.count());
+  auto by_first = group_by_key(arena, collect<Pair>(arena, work.size(), 1, screen), sites_count,
+                               [](const Pair& p) { return static_cast<std::size_t>(p.first); });
+  arena.for_each(sites_count, kBlockSites, [&](std::size_t s) {
+    const auto own = by_first[s];
+    std::sort(own.begin(), own.end());
   });
-  std::vector<Pair> pairs;
-  for (const auto& part : found) pairs.insert(pairs.end(), part.begin(), part.end());
-  sort_pairs(pairs, sites.count());
-  return pairs;
+  return std::move(by_first.items);
 }
 
-template std::vector<Pair> gaining_pairs(const Metric&, const Cells<float>&, const SiteState&,
-                                         const std::vector<std::uint8_t>&, const Arena&);
-template std::vector<Pair> gaining_pairs(const Metric&, const Cells<double>&, const SiteState&,
-                                         const std::vector<std::uint8_t>&, const Arena&);
+template Buffer<Pair> gaining_pairs(const Metric&, const Cells<float>&, const SiteState&,
+                                    const std::vector<std::uint8_t>&, const Arena&);
+template Buffer<Pair> gaining_pairs(const Metric&, const Cells<double>&, const SiteState&,
+                                    const std::vector<std::uint8_t>&, const Arena&);
 
 }  // namespace ccvt

@@ -19,8 +19,7 @@ bool screening_pays(const Metric& metric);
 /// pair (i, j) can gain only if M(i, j) + M(j, i) > 0. Rounding is allowed for, so that none is
 /// missed. Pairs with neither site `touched` are left out. Sorted. O(m n D).
 template <class Scalar>
-std::vector<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells,
-                                const SiteState& sites, const std::vector<std::uint8_t>& touched,
-                                const Arena& arena);
+Buffer<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells, const SiteState& sites,
+                           const std::vector<std::uint8_t>& touched, const Arena& arena);
 
 }  // namespace ccvt

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 
 namespace ccvt {
 namespace {
@@ -33,91 +34,107 @@ class DisjointSets {
   std::vector<Index> parent_;
 };
 
+constexpr std::size_t kSitesPerGrain = 256;
+
+/// The sites paired with each, ascending.
+Groups<Index> neighbours_in(Index sites, std::span<const Pair> pairs, const Arena& arena) {
+  const auto count = static_cast<std::size_t>(sites);
+  auto ends = group_by_key<Pair>(
+      arena, 2 * pairs.size(), count,
+      [&](std::size_t k) {
+        const auto& [a, b] = pairs[k / 2];
+        return k % 2 == 0 ? Pair(a, b) : Pair(b, a);
+      },
+      [](const Pair& pair) { return static_cast<std::size_t>(pair.first); });
+  Groups<Index> neighbours{Buffer<Index>(ends.items.size()), std::move(ends.first)};
+  arena.for_each(count, kSitesPerGrain, [&](std::size_t s) {
+    const auto to = neighbours[s];
+    for (std::size_t k = 0; k < to.size(); ++k) to[k] = ends.items[neighbours.first[s] + k].second;
+    std::sort(to.begin(), to.end());
+  });
+  return neighbours;
+}
+
+/// Of the sites that site 0 is connected with.
+SiteGraph::SpanningTree tree_of(const Groups<Index>& neighbours) {
+  SiteGraph::SpanningTree tree;
+  tree.parent.assign(neighbours.count(), -2);
+  tree.order.reserve(neighbours.count());
+  tree.order.push_back(0);
+  tree.parent[0] = -1;
+  for (std::size_t k = 0; k < tree.order.size(); ++k) {
+    const Index s = tree.order[k];
+    for (const Index t : neighbours[static_cast<std::size_t>(s)]) {
+      Index& parent = tree.parent[static_cast<std::size_t>(t)];
+      if (parent != -2) continue;
+      parent = s;
+      tree.order.push_back(t);
+    }
+  }
+  return tree;
+}
+
 }  // namespace
 
 /// With a as the origin, k is in the diametral ball of a and b when |k|^2 < k . b.
-std::vector<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
-                                std::span<const Pair> pairs) {
-  const SiteGraph graph(sites.count(), pairs);
+Buffer<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
+                           std::span<const Pair> pairs, const Arena& arena) {
+  const Groups<Index> neighbours = neighbours_in(sites.count(), pairs, arena);
   const int dimension = metric.dimension();
   struct Neighbour {
     double squared;
     Index site;
     std::size_t offset;
   };
-  std::vector<Pair> kept;
-  std::vector<Neighbour> nearest_first;
-  std::vector<double> offsets;
-  for (Index a = 0; a < sites.count(); ++a) {
-    nearest_first.clear();
-    offsets.clear();
-    for (const Index b : graph.neighbours(a)) {
-      nearest_first.push_back({0, b, offsets.size()});
+  struct Scratch {
+    std::vector<Neighbour> nearest_first;
+    std::vector<double> offsets;
+  };
+  PerWorker<Scratch> scratch(arena);
+  const auto keep = [&](Index a, Scratch& own, std::vector<Pair>& kept) {
+    own.nearest_first.clear();
+    own.offsets.clear();
+    for (const Index b : neighbours[static_cast<std::size_t>(a)]) {
+      own.nearest_first.push_back({0, b, own.offsets.size()});
       for (int d = 0; d < dimension; ++d) {
-        offsets.push_back(metric.wrap(sites.at(b)[d] - sites.at(a)[d], d));
-        nearest_first.back().squared += offsets.back() * offsets.back();
+        own.offsets.push_back(metric.wrap(sites.at(b)[d] - sites.at(a)[d], d));
+        own.nearest_first.back().squared += own.offsets.back() * own.offsets.back();
       }
     }
-    std::sort(nearest_first.begin(), nearest_first.end(), [](const auto& x, const auto& y) {
+    std::sort(own.nearest_first.begin(), own.nearest_first.end(), [](const auto& x, const auto& y) {
       return x.squared != y.squared ? x.squared < y.squared : x.site < y.site;
     });
-    for (auto next = nearest_first.begin(); next != nearest_first.end(); ++next) {
+    for (auto next = own.nearest_first.begin(); next != own.nearest_first.end(); ++next) {
       if (next->site < a) continue;
       const auto between = [&](const Neighbour& other) {
         double along = 0;
         for (std::size_t d = 0; d < static_cast<std::size_t>(dimension); ++d) {
-          along += offsets[other.offset + d] * offsets[next->offset + d];
+          along += own.offsets[other.offset + d] * own.offsets[next->offset + d];
         }
         return other.squared < along;
       };
-      if (std::none_of(nearest_first.begin(), next, between)) kept.emplace_back(a, next->site);
+      if (std::none_of(own.nearest_first.begin(), next, between)) kept.emplace_back(a, next->site);
     }
-  }
-  return kept;
+  };
+  return collect<Pair>(arena, neighbours.count(), kSitesPerGrain,
+                       [&](std::size_t begin, std::size_t end, std::vector<Pair>& kept, int w) {
+                         for (std::size_t a = begin; a < end; ++a) {
+                           keep(static_cast<Index>(a), scratch[w], kept);
+                         }
+                       });
 }
 
-SiteGraph::SiteGraph(Index sites, std::span<const Pair> edges) {
+SiteGraph::SiteGraph(Index sites, std::span<const Pair> edges, const Arena& arena)
+    : neighbours_(neighbours_in(sites, edges, arena)), tree_(tree_of(neighbours_)) {
+  if (tree_.order.size() == neighbours_.count()) return;
   std::vector<Pair> all(edges.begin(), edges.end());
   DisjointSets sets(sites);
   for (const auto& [a, b] : edges) sets.join(a, b);
   for (Index s = 0; s + 1 < sites; ++s) {
     if (sets.join(s, s + 1)) all.emplace_back(s, s + 1);
   }
-  begin_.assign(static_cast<std::size_t>(sites) + 1, 0);
-  for (const auto& [a, b] : all) {
-    ++begin_[static_cast<std::size_t>(a) + 1];
-    ++begin_[static_cast<std::size_t>(b) + 1];
-  }
-  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-  neighbour_.resize(begin_.back());
-  std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
-  for (const auto& [a, b] : all) {
-    neighbour_[next[static_cast<std::size_t>(a)]++] = b;
-    neighbour_[next[static_cast<std::size_t>(b)]++] = a;
-  }
-  for (std::size_t s = 0; s + 1 < begin_.size(); ++s) {
-    std::sort(neighbour_.begin() + static_cast<std::ptrdiff_t>(begin_[s]),
-              neighbour_.begin() + static_cast<std::ptrdiff_t>(begin_[s + 1]));
-  }
-}
-
-SiteGraph::SpanningTree SiteGraph::spanning_tree() const {
-  SpanningTree tree;
-  const auto n = static_cast<std::size_t>(site_count());
-  tree.parent.assign(n, -1);
-  std::vector<std::uint8_t> seen(n, 0);
-  tree.order.reserve(n);
-  tree.order.push_back(0);
-  seen[0] = 1;
-  for (std::size_t k = 0; k < tree.order.size(); ++k) {
-    for (const Index t : neighbours(tree.order[k])) {
-      if (seen[static_cast<std::size_t>(t)] != 0) continue;
-      seen[static_cast<std::size_t>(t)] = 1;
-      tree.parent[static_cast<std::size_t>(t)] = tree.order[k];
-      tree.order.push_back(t);
-    }
-  }
-  return tree;
+  neighbours_ = neighbours_in(sites, all, arena);
+  tree_ = tree_of(neighbours_);
 }
 
 }  // namespace ccvt

@@ -5,41 +5,42 @@
 
 #include "ccvt/types.h"
 #include "geometry/metric.h"
+#include "parallel/loops.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
 
 namespace ccvt {
 
 /// Those of `pairs` whose diametral ball holds no third site that is paired with the first: the
-/// Gabriel graph, a connected part of the Delaunay graph, when `pairs` holds all of that. O(pairs *
-/// degree).
-std::vector<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
-                                std::span<const Pair> pairs);
+/// Gabriel graph, a connected part of the Delaunay graph, when `pairs` holds all of that. By their
+/// first site. O(pairs * degree).
+Buffer<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
+                           std::span<const Pair> pairs, const Arena& arena = Arena(1));
 
 /// A connected, undirected graph of sites.
 class SiteGraph {
  public:
   /// `edges`: each once. Where they leave the graph unconnected, sites with consecutive numbers
   /// are joined.
-  SiteGraph(Index sites, std::span<const Pair> edges);
+  SiteGraph(Index sites, std::span<const Pair> edges, const Arena& arena = Arena(1));
 
-  [[nodiscard]] Index site_count() const { return static_cast<Index>(begin_.size()) - 1; }
+  [[nodiscard]] Index site_count() const { return static_cast<Index>(neighbours_.count()); }
   /// Ascending.
   [[nodiscard]] std::span<const Index> neighbours(Index site) const {
-    const auto s = static_cast<std::size_t>(site);
-    return std::span(neighbour_).subspan(begin_[s], begin_[s + 1] - begin_[s]);
+    return neighbours_[static_cast<std::size_t>(site)];
   }
+  [[nodiscard]] const Groups<Index>& all_neighbours() const { return neighbours_; }
 
   struct SpanningTree {
     std::vector<Index> order;   ///< every site after its parent; the root, site 0, first
     std::vector<Index> parent;  ///< of each site; of the root -1
   };
   /// Breadth first.
-  [[nodiscard]] SpanningTree spanning_tree() const;
+  [[nodiscard]] const SpanningTree& spanning_tree() const { return tree_; }
 
  private:
-  std::vector<std::size_t> begin_;
-  std::vector<Index> neighbour_;
+  Groups<Index> neighbours_;
+  SpanningTree tree_;
 };
 
 }  // namespace ccvt

@@ -6,6 +6,7 @@
 
 #include "kernels/keys.h"
 #include "kernels/streams.h"
+#include "parallel/loops.h"
 
 namespace ccvt {
 namespace {
@@ -146,17 +147,10 @@ double upper_radius(double squared, int dimension) {
   return std::sqrt(squared) * (1 + (dimension + 8) * 0x1p-52);
 }
 
-double total_energy(const SiteState& sites) {
-  const auto sum = [&](auto& self, std::size_t begin, std::size_t end) -> double {
-    if (end - begin <= 64) {
-      double part = 0;
-      for (std::size_t s = begin; s < end; ++s) part += sites.energy[s];
-      return part;
-    }
-    const std::size_t middle = begin + (end - begin) / 2;
-    return self(self, begin, middle) + self(self, middle, end);
-  };
-  return sum(sum, 0, sites.energy.size());
+double total_energy(const SiteState& sites, const Arena& arena) {
+  constexpr std::size_t kSitesPerGrain = 1024;
+  return sum_of(arena, sites.energy.size(), kSitesPerGrain,
+                [&](std::size_t s) { return sites.energy[s]; });
 }
 
 template void update_site(const Metric&, const Cells<float>&, SiteState&, Index);

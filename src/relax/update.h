@@ -1,6 +1,7 @@
 #pragma once
 
 #include "geometry/metric.h"
+#include "parallel/arena.h"
 #include "relax/cells.h"
 #include "relax/site_state.h"
 
@@ -18,8 +19,8 @@ void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& si
 /// A radius that rounding has not made smaller than the root of `squared`, itself rounded.
 double upper_radius(double squared, int dimension);
 
-/// The sum of the sites' energies, in a fixed order and with an error that does not grow with n.
-double total_energy(const SiteState& sites);
+/// The sum of the sites' energies, in a fixed order and with an error that hardly grows with n.
+double total_energy(const SiteState& sites, const Arena& arena = Arena(1));
 
 extern template void update_site(const Metric&, const Cells<float>&, SiteState&, Index);
 extern template void update_site(const Metric&, const Cells<double>&, SiteState&, Index);

@@ -1,110 +1,156 @@
 #include "schedule/schedule.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
-#include <numeric>
-#include <set>
-#include <utility>
+#include <limits>
 
-#include "counting_sort.h"
+#include "parallel/loops.h"
 
 namespace ccvt {
+namespace {
 
-void sort_pairs(std::vector<Pair>& pairs, Index nodes) {
-  const auto keys = static_cast<std::size_t>(nodes);
-  counting_sort(pairs, keys, [](const Pair& pair) { return pair.second; });
-  counting_sort(pairs, keys, [](const Pair& pair) { return pair.first; });
+using Task = Schedule::Task;
+
+/// Which batches each node has a pair in: 64 batches a row.
+class UsedBatches {
+ public:
+  explicit UsedBatches(Index nodes) : nodes_(static_cast<std::size_t>(nodes)) {}
+
+  /// The smallest batch without a pair of either node; a new one when there is none.
+  std::size_t add(const Pair& pair) {
+    const auto a = static_cast<std::size_t>(pair.first);
+    const auto b = static_cast<std::size_t>(pair.second);
+    std::size_t smallest = sizes_.size();
+    std::size_t least = std::numeric_limits<std::size_t>::max();
+    for (std::size_t row = 0; row < rows_.size(); ++row) {
+      std::uint64_t free = ~(rows_[row][a] | rows_[row][b]);
+      for (; free != 0; free &= free - 1) {
+        const std::size_t batch = 64 * row + static_cast<std::size_t>(std::countr_zero(free));
+        if (batch >= sizes_.size()) break;
+        if (sizes_[batch] >= least) continue;
+        smallest = batch;
+        least = sizes_[batch];
+      }
+    }
+    if (smallest == sizes_.size()) {
+      if (smallest % 64 == 0) rows_.emplace_back(nodes_, std::uint64_t{0});
+      sizes_.push_back(0);
+    }
+    ++sizes_[smallest];
+    const std::uint64_t bit = std::uint64_t{1} << (smallest % 64);
+    rows_[smallest / 64][a] |= bit;
+    rows_[smallest / 64][b] |= bit;
+    return smallest;
+  }
+
+  [[nodiscard]] std::size_t batches() const { return sizes_.size(); }
+
+ private:
+  std::size_t nodes_;
+  std::vector<std::vector<std::uint64_t>> rows_;
+  std::vector<std::size_t> sizes_;
+};
+
+/// Orders the tasks by batch.
+void put_in_batches(std::vector<Task> tasks, std::size_t tiles, const Arena& arena,
+                    Schedule& schedule) {
+  UsedBatches used(static_cast<Index>(tiles));
+  std::vector<std::size_t> batch_of;
+  batch_of.reserve(tasks.size());
+  for (const Task& task : tasks) batch_of.push_back(used.add({task.a.number, task.b.number}));
+  schedule.batch_begin.assign(used.batches() + 1, 0);
+  for (const std::size_t batch : batch_of) ++schedule.batch_begin[batch + 1];
+  for (std::size_t b = 0; b < used.batches(); ++b) {
+    schedule.batch_begin[b + 1] += schedule.batch_begin[b];
+  }
+  std::vector<std::size_t> next(schedule.batch_begin);
+  schedule.tasks.resize(tasks.size());
+  for (std::size_t t = 0; t < tasks.size(); ++t) schedule.tasks[next[batch_of[t]]++] = tasks[t];
+  // So that no worker begins a long task when the others have nothing left to do.
+  arena.for_each(used.batches(), 1, [&](std::size_t b) {
+    const auto from = schedule.tasks.begin();
+    std::stable_sort(from + static_cast<std::ptrdiff_t>(schedule.batch_begin[b]),
+                     from + static_cast<std::ptrdiff_t>(schedule.batch_begin[b + 1]),
+                     [](const Task& x, const Task& y) { return x.size() > y.size(); });
+  });
 }
 
+}  // namespace
+
 Batches greedy_batches(std::span<const Pair> pairs, Index nodes) {
+  UsedBatches used(nodes);
   Batches batches;
-  std::vector<std::vector<std::uint8_t>> used;            // [batch][node]
-  std::set<std::pair<std::size_t, std::size_t>> by_size;  // (size, batch)
   for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const auto a = static_cast<std::size_t>(pairs[p].first);
-    const auto b = static_cast<std::size_t>(pairs[p].second);
-    auto smallest = std::find_if(by_size.begin(), by_size.end(), [&](const auto& entry) {
-      return used[entry.second][a] == 0 && used[entry.second][b] == 0;
-    });
-    if (smallest == by_size.end()) {
-      smallest = by_size.emplace(0, batches.size()).first;
-      batches.emplace_back();
-      used.emplace_back(static_cast<std::size_t>(nodes), std::uint8_t{0});
-    }
-    auto entry = by_size.extract(smallest);
-    const std::size_t batch = entry.value().second;
+    const std::size_t batch = used.add(pairs[p]);
+    if (batch == batches.size()) batches.emplace_back();
     batches[batch].push_back(static_cast<Index>(p));
-    used[batch][a] = used[batch][b] = 1;
-    entry.value().first = batches[batch].size();
-    by_size.insert(std::move(entry));
   }
   return batches;
 }
 
-Schedule schedule_pairs(std::span<const Pair> pairs, Index sites, Index tile_sites) {
-  const auto tile_of = [=](Index site) { return site / tile_sites; };
-  struct Placed {
-    Pair tiles;
-    Index pair;
-  };
-  std::vector<Placed> placed(pairs.size());
-  for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const Index a = tile_of(pairs[p].first);
-    const Index b = tile_of(pairs[p].second);
-    placed[p] = {{std::min(a, b), std::max(a, b)}, static_cast<Index>(p)};
-  }
-  if (tile_sites > 1) {
-    const auto tiles = static_cast<std::size_t>(tile_of(sites - 1)) + 1;
-    counting_sort(placed, tiles, [](const Placed& p) { return p.tiles.second; });
-    counting_sort(placed, tiles, [](const Placed& p) { return p.tiles.first; });
-  }
-
-  // One entry for each run of pairs between the same two tiles.
-  std::vector<Pair> tile_pairs;
-  std::vector<std::size_t> run_begin;
-  for (std::size_t k = 0; k < placed.size(); ++k) {
-    if (tile_pairs.empty() || placed[k].tiles != tile_pairs.back() || tile_sites == 1) {
-      tile_pairs.push_back(placed[k].tiles);
-      run_begin.push_back(k);
-    }
-  }
-  run_begin.push_back(placed.size());
-
+Schedule schedule_pairs(std::span<const Pair> pairs, const Tiling& tiling, const Arena& arena) {
   Schedule schedule;
-  schedule.pairs.reserve(pairs.size());
-  for (const auto& batch : greedy_batches(tile_pairs, tile_of(sites - 1) + 1)) {
-    for (const Index run : batch) {
-      const auto r = static_cast<std::size_t>(run);
-      const auto begin = static_cast<std::int64_t>(schedule.pairs.size());
-      for (std::size_t k = run_begin[r]; k < run_begin[r + 1]; ++k) {
-        schedule.pairs.push_back(pairs[static_cast<std::size_t>(placed[k].pair)]);
-      }
-      schedule.tasks.push_back({begin, static_cast<std::int64_t>(schedule.pairs.size())});
+  if (tiling.sites_per_tile() == 1) {
+    schedule.pairs.reset(pairs.size());
+    std::copy(pairs.begin(), pairs.end(), schedule.pairs.begin());
+    std::vector<Task> tasks(pairs.size());
+    for (std::size_t p = 0; p < pairs.size(); ++p) {
+      tasks[p] = {{pairs[p].first}, {pairs[p].second}, p, p + 1};
     }
-    schedule.batch_begin.push_back(static_cast<std::int64_t>(schedule.tasks.size()));
+    put_in_batches(std::move(tasks), tiling.count(), arena, schedule);
+    return schedule;
   }
+  const auto lower_tile = [&](const Pair& p) {
+    return tiling.tile_of(std::min(p.first, p.second));
+  };
+  const auto upper_tile = [&](const Pair& p) {
+    return tiling.tile_of(std::max(p.first, p.second));
+  };
+  auto by_tile = group_by_key<Pair>(
+      arena, pairs.size(), tiling.count(), [&](std::size_t k) { return pairs[k]; },
+      [&](const Pair& p) { return static_cast<std::size_t>(lower_tile(p).number); });
+  const Buffer<Task> tasks =
+      collect<Task>(arena, tiling.count(), 4,
+                    [&](std::size_t begin, std::size_t end, std::vector<Task>& out, int) {
+                      for (std::size_t t = begin; t < end; ++t) {
+                        const auto here = by_tile[t];
+                        std::sort(here.begin(), here.end(), [&](const Pair& x, const Pair& y) {
+                          const Tile to_x = upper_tile(x);
+                          const Tile to_y = upper_tile(y);
+                          return to_x != to_y ? to_x < to_y : x < y;
+                        });
+                        const Tile own{static_cast<Index>(t)};
+                        for (std::size_t k = 0; k < here.size(); ++k) {
+                          const std::size_t place = by_tile.first[t] + k;
+                          if (k == 0 || upper_tile(here[k]) != out.back().b) {
+                            out.push_back({own, upper_tile(here[k]), place, place});
+                          }
+                          out.back().end = place + 1;
+                        }
+                      }
+                    });
+  schedule.pairs = std::move(by_tile.items);
+  put_in_batches({tasks.begin(), tasks.end()}, tiling.count(), arena, schedule);
   return schedule;
 }
 
-Schedule schedule_rounds(std::span<const Pair> pairs, Index sites) {
-  const auto round_of = [=](const Pair& pair) {
-    return static_cast<std::size_t>((std::int64_t{pair.first} + pair.second) % sites);
-  };
-  std::vector<std::int64_t> begin(static_cast<std::size_t>(sites) + 1, 0);
-  for (const Pair& pair : pairs) ++begin[round_of(pair) + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-
+Schedule schedule_rounds(std::span<const Pair> pairs, Index sites, const Arena& arena) {
+  auto by_round = group_by_key<Pair>(
+      arena, pairs.size(), static_cast<std::size_t>(sites), [&](std::size_t k) { return pairs[k]; },
+      [&](const Pair& pair) {
+        return static_cast<std::size_t>((std::int64_t{pair.first} + pair.second) % sites);
+      });
   Schedule schedule;
-  for (std::size_t round = 0; round + 1 < begin.size(); ++round) {
-    if (begin[round + 1] > begin[round]) schedule.batch_begin.push_back(begin[round + 1]);
+  for (std::size_t round = 0; round < by_round.count(); ++round) {
+    const std::size_t end = by_round.first[round + 1];
+    if (end > by_round.first[round]) schedule.batch_begin.push_back(end);
   }
-  schedule.pairs.resize(pairs.size());
-  for (const Pair& pair : pairs) {
-    schedule.pairs[static_cast<std::size_t>(begin[round_of(pair)]++)] = pair;
-  }
-  schedule.tasks.reserve(pairs.size());
-  for (std::int64_t p = 0; p < static_cast<std::int64_t>(pairs.size()); ++p) {
-    schedule.tasks.push_back({p, p + 1});
+  schedule.pairs = std::move(by_round.items);
+  schedule.tasks.resize(pairs.size());
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const Pair& pair = schedule.pairs[p];
+    schedule.tasks[p] = {{pair.first}, {pair.second}, p, p + 1};
   }
   return schedule;
 }

@@ -1,18 +1,27 @@
 #pragma once
 
+#include <algorithm>
+#include <compare>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "ccvt/types.h"
+#include "parallel/arena.h"
+#include "parallel/buffer.h"
+#include "schedule/tiling.h"
 
 namespace ccvt {
 
-using Pair = std::pair<Index, Index>;
+/// Two nodes of a graph: sites, where nothing else is said.
+struct Pair {
+  Pair() = default;
+  constexpr Pair(Index a, Index b) : first(a), second(b) {}
+  friend auto operator<=>(const Pair&, const Pair&) = default;
 
-/// Sorts pairs of nodes, by their first and then by their second. O(pairs + nodes).
-void sort_pairs(std::vector<Pair>& pairs, Index nodes);
+  Index first;
+  Index second;
+};
 
 /// Batches of pairs of nodes: within a batch no two pairs share a node, so its pairs can run at
 /// the same time. Every pair is in exactly one batch.
@@ -34,31 +43,60 @@ void round_robin(Index nodes, Index round, Visit visit) {
   for (Index a = round + 1, b = nodes - 1; a < b; ++a, --b) visit(a, b);
 }
 
-/// A pass over pairs of sites: batches of tasks, each a run of pairs. Tasks of one batch share no
-/// site; the pairs of one task run in order. Depends on the pairs and tiles alone, not on threads.
+/// A pass over pairs of sites: batches of tasks, each a run of pairs between the same two tiles, or
+/// inside one. Tasks of one batch share no site; the pairs of one task run in order. Depends on the
+/// pairs and tiles alone, not on threads.
 struct Schedule {
   struct Task {
-    std::int64_t begin;
-    std::int64_t end;
+    Tile a;
+    Tile b;
+    std::size_t begin;  ///< of its pairs
+    std::size_t end;
+    [[nodiscard]] std::size_t size() const { return end - begin; }
   };
-  std::vector<Pair> pairs;                   ///< grouped by task
-  std::vector<Task> tasks;                   ///< grouped by batch
-  std::vector<std::int64_t> batch_begin{0};  ///< of batches, in tasks; one more than batches
+  Buffer<Pair> pairs;                       ///< grouped by task
+  std::vector<Task> tasks;                  ///< grouped by batch; in it, the longest first
+  std::vector<std::size_t> batch_begin{0};  ///< of batches, in tasks; one more than batches
 
   [[nodiscard]] std::size_t batch_count() const { return batch_begin.size() - 1; }
   [[nodiscard]] std::span<const Task> batch(std::size_t b) const {
-    return std::span(tasks).subspan(static_cast<std::size_t>(batch_begin[b]),
-                                    static_cast<std::size_t>(batch_begin[b + 1] - batch_begin[b]));
+    return std::span(tasks).subspan(batch_begin[b], batch_begin[b + 1] - batch_begin[b]);
   }
+
+  template <class Visit>
+  void for_pairs(const Task& task, const Visit& visit) const {
+    for (std::size_t p = task.begin; p < task.end; ++p) visit(pairs[p].first, pairs[p].second);
+  }
+
+  /// Calls body(task, worker) for each task, one batch after the other.
+  template <class Body>
+  void run(const Arena& arena, const Body& body) const {
+    for (std::size_t b = 0; b < batch_count(); ++b) run_batch(arena, batch(b), body);
+  }
+  template <class Body>
+  static void run_batch(const Arena& arena, std::span<const Task> tasks, const Body& body);
 };
 
-/// Groups sites into tiles of `tile_sites` consecutive numbers; the pairs of two tiles, or inside
-/// one, become a task; pairs of tiles are distributed by greedy_batches(). With tiles of one site
-/// every pair is a task, which is the paper's schedule.
-Schedule schedule_pairs(std::span<const Pair> pairs, Index sites, Index tile_sites);
+/// The pairs of two tiles, or inside one, become a task; pairs of tiles are distributed by
+/// greedy_batches(). With tiles of one site every pair is a task, in the order given, which is the
+/// paper's schedule; else the order of `pairs`, which are different, does not matter.
+Schedule schedule_pairs(std::span<const Pair> pairs, const Tiling& tiling,
+                        const Arena& arena = Arena(1));
 
 /// One batch for each round of round_robin() in which there are pairs, every pair a task: at most
 /// `sites` batches. O(pairs + sites).
-Schedule schedule_rounds(std::span<const Pair> pairs, Index sites);
+Schedule schedule_rounds(std::span<const Pair> pairs, Index sites, const Arena& arena = Arena(1));
+
+template <class Body>
+void Schedule::run_batch(const Arena& arena, std::span<const Task> tasks, const Body& body) {
+  // About as many pairs as make the start of a task negligible.
+  constexpr std::size_t kPairsPerGrain = 64;
+  std::size_t pairs = 1;
+  for (const Task& task : tasks) pairs += task.size();
+  const std::size_t grain = 1 + kPairsPerGrain * tasks.size() / pairs;
+  arena.for_ranges(tasks.size(), grain, [&](std::size_t begin, std::size_t end, int worker) {
+    for (std::size_t t = begin; t < end; ++t) body(tasks[t], worker);
+  });
+}
 
 }  // namespace ccvt

@@ -2,18 +2,20 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 namespace ccvt {
 namespace {
 
 /// Of the number of sites in the bin that a site is in, the greatest mean with which bins pay.
 constexpr double kMostCrowded = 8;
+constexpr std::size_t kPerGrain = 4096;
 
 }  // namespace
 
 std::optional<SiteBins> SiteBins::sort(const Metric& metric, std::span<const double> positions,
-                                       const double* lower, const double* upper) {
+                                       const double* lower, const double* upper,
+                                       const Arena& arena) {
   SiteBins bins;
   bins.dimension_ = static_cast<std::size_t>(metric.dimension());
   bins.periodic_ = metric.periodic();
@@ -45,27 +47,34 @@ std::optional<SiteBins> SiteBins::sort(const Metric& metric, std::span<const dou
   if (!(width > 0) || all > 4 * static_cast<double>(count)) return std::nullopt;
   bins.rounding_ = 1e-9 * width + 1e-15 * farthest;
 
-  std::vector<std::size_t> bin(count);
-  bins.first_.assign(static_cast<std::size_t>(all) + 1, 0);
-  for (std::size_t s = 0; s < count; ++s) {
+  struct Placed {
+    std::uint32_t bin;
+    Index site;
+  };
+  const auto placed = [&](std::size_t s) {
+    std::size_t bin = 0;
     for (std::size_t d = dimension; d-- > 0;) {
-      bin[s] = bin[s] * bins.bins_[d] + bins.bin_along(positions[s * dimension + d], d);
+      bin = bin * bins.bins_[d] + bins.bin_along(positions[s * dimension + d], d);
     }
-    ++bins.first_[bin[s] + 1];
-  }
-  double squares = 0;
-  for (const std::size_t held : bins.first_) squares += std::pow(static_cast<double>(held), 2);
+    return Placed{static_cast<std::uint32_t>(bin), static_cast<Index>(s)};
+  };
+  const auto bin_count = static_cast<std::size_t>(all);
+  Groups<Placed> groups = group_by_key<Placed>(arena, count, bin_count, placed,
+                                               [](const Placed& p) { return std::size_t{p.bin}; });
+  const double squares = sum_of(arena, bin_count, kPerGrain, [&](std::size_t b) {
+    const auto held = static_cast<double>(groups[b].size());
+    return held * held;
+  });
   if (squares > kMostCrowded * static_cast<double>(count)) return std::nullopt;
 
-  std::partial_sum(bins.first_.begin(), bins.first_.end(), bins.first_.begin());
-  bins.site_.resize(count);
-  bins.position_.resize(positions.size());
-  std::vector<std::size_t> next(bins.first_.begin(), bins.first_.end() - 1);
-  for (std::size_t s = 0; s < count; ++s) {
-    const std::size_t place = next[bin[s]]++;
-    bins.site_[place] = static_cast<Index>(s);
-    std::copy_n(&positions[s * dimension], dimension, &bins.position_[place * dimension]);
-  }
+  bins.sites_ = {Buffer<Index>(count), std::move(groups.first)};
+  bins.position_.reset(positions.size());
+  arena.for_each(count, kPerGrain, [&](std::size_t place) {
+    const Index site = groups.items[place].site;
+    bins.sites_.items[place] = site;
+    std::copy_n(&positions[static_cast<std::size_t>(site) * dimension], dimension,
+                &bins.position_[place * dimension]);
+  });
   return bins;
 }
 

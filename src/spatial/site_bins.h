@@ -7,10 +7,10 @@
 #include <cstddef>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "ccvt/types.h"
 #include "geometry/metric.h"
+#include "parallel/loops.h"
 
 namespace ccvt {
 
@@ -25,7 +25,8 @@ class SiteBins {
   /// box; sites outside it count to the nearest bin. Nothing when bins do not pay: in other
   /// dimensions, in a box that is flat, or when the sites crowd in few of the bins.
   static std::optional<SiteBins> sort(const Metric& metric, std::span<const double> positions,
-                                      const double* lower, const double* upper);
+                                      const double* lower, const double* upper,
+                                      const Arena& arena = Arena(1));
 
   /// Calls visit(place, offset) for every site whose offset from `centre`, in the box, is at most
   /// `reach` in each dimension, each once, and for others near them. Offsets are an array of
@@ -35,17 +36,15 @@ class SiteBins {
   void for_each_offset(const double* centre, double reach, Visit visit) const;
 
   [[nodiscard]] std::size_t dimension() const { return dimension_; }
-  [[nodiscard]] std::span<const Index> sites_in(std::size_t bin) const {
-    return std::span(site_).subspan(first_[bin], first_[bin + 1] - first_[bin]);
-  }
-  [[nodiscard]] std::size_t site_count() const { return site_.size(); }
-  [[nodiscard]] std::size_t bin_count() const { return first_.size() - 1; }
+  [[nodiscard]] std::span<const Index> sites_in(std::size_t bin) const { return sites_[bin]; }
+  [[nodiscard]] std::size_t site_count() const { return sites_.items.size(); }
+  [[nodiscard]] std::size_t bin_count() const { return sites_.count(); }
   [[nodiscard]] std::size_t bins(std::size_t d) const { return bins_[d]; }
   /// Of a bin, along dimension d.
   [[nodiscard]] double width(std::size_t d) const { return width_[d]; }
   [[nodiscard]] double lower(std::size_t d) const { return lower_[d]; }
   /// Which site is at a place, and where it is.
-  [[nodiscard]] Index site(std::size_t place) const { return site_[place]; }
+  [[nodiscard]] Index site(std::size_t place) const { return sites_.items[place]; }
   [[nodiscard]] const double* position(std::size_t place) const {
     return &position_[place * dimension_];
   }
@@ -75,9 +74,8 @@ class SiteBins {
   std::array<double, kMostDimensions> extent_{};  ///< of the torus; infinite in Euclidean space
   std::array<double, kMostDimensions> width_{};
   std::array<double, kMostDimensions> inverse_width_{};
-  std::vector<std::size_t> first_;  ///< of bin b: places first_[b] to first_[b + 1] - 1
-  std::vector<Index> site_;
-  std::vector<double> position_;
+  Groups<Index> sites_;      ///< by bin; places are in its items
+  Buffer<double> position_;  ///< by place
 };
 
 /// The bins that a range of coordinates touches: all once when it reaches around the torus.
@@ -129,11 +127,11 @@ void SiteBins::for_each_offset(const double* centre, double reach, Visit visit) 
       const std::size_t row = (plane + into_box(ranges[1].first + y, 1)) * bins_[0];
       const std::size_t x = into_box(ranges[0].first, 0);
       const std::size_t stop = std::min(x + along, bins_[0]);
-      visit_run(first_[row + x], first_[row + stop]);
+      visit_run(sites_.first[row + x], sites_.first[row + stop]);
       const std::size_t beyond = x + along - stop;
       if (beyond == 0) continue;
       into_box(ranges[0].first + static_cast<std::ptrdiff_t>(along) - 1, 0);
-      visit_run(first_[row], first_[row + beyond]);
+      visit_run(sites_.first[row], sites_.first[row + beyond]);
     }
   }
 }

@@ -4,7 +4,8 @@
 
 namespace ccvt {
 
-SiteSearch::SiteSearch(const Metric& metric, std::span<const double> positions) : metric_(metric) {
+SiteSearch::SiteSearch(const Metric& metric, std::span<const double> positions, const Arena& arena)
+    : metric_(metric) {
   const auto dimension = static_cast<std::size_t>(metric.dimension());
   std::vector<double> lower(positions.begin(),
                             positions.begin() + static_cast<std::ptrdiff_t>(dimension));
@@ -13,12 +14,14 @@ SiteSearch::SiteSearch(const Metric& metric, std::span<const double> positions) 
     lower.assign(metric.lower(), metric.lower() + dimension);
     for (std::size_t d = 0; d < dimension; ++d) upper[d] = lower[d] + metric.extent()[d];
   } else {
-    for (std::size_t k = 0; k < positions.size(); ++k) {
-      lower[k % dimension] = std::min(lower[k % dimension], positions[k]);
-      upper[k % dimension] = std::max(upper[k % dimension], positions[k]);
+    for (std::size_t s = 0; s < positions.size(); s += dimension) {
+      for (std::size_t d = 0; d < dimension; ++d) {
+        lower[d] = std::min(lower[d], positions[s + d]);
+        upper[d] = std::max(upper[d], positions[s + d]);
+      }
     }
   }
-  bins_ = SiteBins::sort(metric, positions, lower.data(), upper.data());
+  bins_ = SiteBins::sort(metric, positions, lower.data(), upper.data(), arena);
   if (bins_) return;
   positions_.assign(positions.begin(), positions.end());
   tree_.emplace(metric, positions);

@@ -7,6 +7,7 @@
 
 #include "ccvt/types.h"
 #include "geometry/metric.h"
+#include "parallel/arena.h"
 #include "spatial/site_bins.h"
 #include "spatial/site_tree.h"
 
@@ -16,7 +17,8 @@ namespace ccvt {
 class SiteSearch {
  public:
   /// `positions`: #dimensions by n, one site after the other; copied.
-  SiteSearch(const Metric& metric, std::span<const double> positions);
+  SiteSearch(const Metric& metric, std::span<const double> positions,
+             const Arena& arena = Arena(1));
 
   /// Calls visit(site, squared distance) for each site within `radius` of `query`, which lies in
   /// the box when there is one, in no particular but always the same order. `scratch` is for its

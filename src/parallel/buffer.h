@@ -1,0 +1,82 @@
+#pragma once
+
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+#include "parallel/pages.h"
+
+namespace ccvt {
+
+/// An array whose elements have no value until they are given one, so that the worker that will use
+/// a part of it is the first to touch its memory.
+template <class T>
+class Buffer {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+
+ public:
+  Buffer() = default;
+  explicit Buffer(std::size_t size) : data_(allocate(size)), size_(size), room_(size) {}
+  Buffer(Buffer&& other) noexcept { swap(other); }
+  Buffer& operator=(Buffer&& other) noexcept {
+    Buffer(std::move(other)).swap(*this);
+    return *this;
+  }
+  Buffer(const Buffer& other) : Buffer(other.size_) {
+    std::copy(other.begin(), other.end(), begin());
+  }
+  Buffer& operator=(const Buffer& other) { return *this = Buffer(other); }
+  ~Buffer() = default;
+
+  /// Makes it this large; what it held is lost. Allocates when it has never been as large.
+  void reset(std::size_t size) {
+    if (size > room_) *this = Buffer(size);
+    size_ = size;
+  }
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] T* data() { return data_.get(); }
+  [[nodiscard]] const T* data() const { return data_.get(); }
+  [[nodiscard]] T* begin() { return data(); }
+  [[nodiscard]] const T* begin() const { return data(); }
+  [[nodiscard]] T* end() { return data() + size_; }
+  [[nodiscard]] const T* end() const { return data() + size_; }
+  [[nodiscard]] T& operator[](std::size_t k) {
+    assert(k < size_);
+    return data_[k];
+  }
+  [[nodiscard]] const T& operator[](std::size_t k) const {
+    assert(k < size_);
+    return data_[k];
+  }
+  [[nodiscard]] std::span<T> span() { return {data(), size_}; }
+  [[nodiscard]] std::span<const T> span() const { return {data(), size_}; }
+
+ private:
+  void swap(Buffer& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+    std::swap(room_, other.room_);
+  }
+
+  struct Free {
+    void operator()(T* memory) const { free_pages(memory); }
+  };
+  static T* allocate(std::size_t size) {
+    if (size > SIZE_MAX / sizeof(T)) throw std::bad_alloc();
+    return static_cast<T*>(allocate_pages(size * sizeof(T)));
+  }
+
+  std::unique_ptr<T[], Free> data_;
+  std::size_t size_ = 0;
+  std::size_t room_ = 0;
+};
+
+}  // namespace ccvt

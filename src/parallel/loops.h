@@ -1,0 +1,210 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "parallel/arena.h"
+#include "parallel/buffer.h"
+
+/// What phases do in parallel. All results are those of a serial loop, or are put together in an
+/// order that depends on the number of items alone.
+namespace ccvt {
+
+/// A value for each worker of an arena, for scratch memory and counts. A loop inside another's body
+/// has the worker of that one: it must not use the same values.
+template <class T>
+class PerWorker {
+ public:
+  PerWorker() = default;
+  explicit PerWorker(const Arena& arena) : values_(static_cast<std::size_t>(arena.threads())) {}
+  [[nodiscard]] T& operator[](int worker) {
+    return values_[static_cast<std::size_t>(worker)].value;
+  }
+  [[nodiscard]] std::size_t size() const { return values_.size(); }
+
+ private:
+  struct alignas(128) Own {  // on cache lines of its own
+    T value{};
+  };
+  std::vector<Own> values_;
+};
+
+/// Combines map(begin, end) of consecutive blocks of `grain` items: pairs of neighbours first, then
+/// pairs of these, so that rounding grows as the logarithm of the blocks. `identity` for no items.
+template <class T, class Map, class Combine>
+T reduce(const Arena& arena, std::size_t count, std::size_t grain, T identity, const Map& map,
+         const Combine& combine) {
+  if (count == 0) return identity;
+  std::vector<T> part((count + grain - 1) / grain, identity);
+  arena.for_ranges(count, grain, [&](std::size_t begin, std::size_t end, int) {
+    part[begin / grain] = map(begin, end);
+  });
+  for (std::size_t width = 1; width < part.size(); width *= 2) {
+    for (std::size_t k = 0; k + width < part.size(); k += 2 * width) {
+      part[k] = combine(part[k], part[k + width]);
+    }
+  }
+  return part[0];
+}
+
+/// The sum of term(k), in this order.
+template <class Term>
+double sum_of(const Arena& arena, std::size_t count, std::size_t grain, const Term& term) {
+  return reduce(
+      arena, count, grain, 0.0,
+      [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t k = begin; k < end; ++k) sum += term(k);
+        return sum;
+      },
+      [](double a, double b) { return a + b; });
+}
+
+/// Each value becomes the sum of those before it; returns the sum of all.
+template <class T>
+T exclusive_scan(const Arena& arena, std::span<T> values) {
+  constexpr std::size_t kBlock = std::size_t{1} << 15;
+  std::vector<T> before((values.size() + kBlock - 1) / kBlock, T{});
+  arena.for_ranges(values.size(), kBlock, [&](std::size_t begin, std::size_t end, int) {
+    T sum{};
+    for (std::size_t k = begin; k < end; ++k) sum += values[k];
+    before[begin / kBlock] = sum;
+  });
+  T all{};
+  for (T& sum : before) all += std::exchange(sum, all);
+  arena.for_ranges(values.size(), kBlock, [&](std::size_t begin, std::size_t end, int) {
+    T sum = before[begin / kBlock];
+    for (std::size_t k = begin; k < end; ++k) sum += std::exchange(values[k], sum);
+  });
+  return all;
+}
+
+/// What body(begin, end, out, worker) appends to the vector `out`, for blocks of `grain` items, one
+/// block after the other.
+template <class T, class Body>
+Buffer<T> collect(const Arena& arena, std::size_t count, std::size_t grain, const Body& body) {
+  struct Part {
+    int worker = 0;
+    std::size_t from = 0;
+    std::size_t count = 0;
+  };
+  PerWorker<std::vector<T>> found(arena);
+  std::vector<Part> parts((count + grain - 1) / grain);
+  arena.for_ranges(count, grain, [&](std::size_t begin, std::size_t end, int worker) {
+    std::vector<T>& out = found[worker];
+    const std::size_t from = out.size();
+    body(begin, end, out, worker);
+    parts[begin / grain] = {worker, from, out.size() - from};
+  });
+  std::vector<std::size_t> place;
+  std::size_t total = 0;
+  for (const Part& part : parts) {
+    place.push_back(total);
+    total += part.count;
+  }
+  Buffer<T> all(total);
+  const std::size_t parts_each = 1 + parts.size() * (std::size_t{1} << 14) / (total + 1);
+  arena.for_each(parts.size(), parts_each, [&](std::size_t k) {
+    const T* from = found[parts[k].worker].data() + parts[k].from;
+    std::copy_n(from, parts[k].count, all.data() + place[k]);
+  });
+  return all;
+}
+
+/// Items in groups: those of group g are items[first[g]] to items[first[g + 1] - 1].
+template <class Item>
+struct Groups {
+  Buffer<Item> items;
+  Buffer<std::size_t> first;
+
+  [[nodiscard]] std::size_t count() const { return first.size() - 1; }
+  [[nodiscard]] std::span<const Item> operator[](std::size_t group) const {
+    return items.span().subspan(first[group], first[group + 1] - first[group]);
+  }
+  [[nodiscard]] std::span<Item> operator[](std::size_t group) {
+    return items.span().subspan(first[group], first[group + 1] - first[group]);
+  }
+};
+
+/// Groups items by their key < keys, in their order inside a group: the stable counting sort, in
+/// two passes where there are many keys. Calls prepare(k, items[k]) for each once before its key.
+/// O(items + keys), and the memory of another copy of the items.
+///
+/// Items go into buckets of consecutive keys first, so many that the ends of all are in the cache,
+/// and then into groups.
+template <class Item, class Prepare, class Key>
+Groups<Item> group_by_key(const Arena& arena, Buffer<Item> items, std::size_t keys,
+                          const Prepare& prepare, const Key& key) {
+  constexpr std::size_t kSlice = std::size_t{1} << 15;
+  constexpr std::size_t kMostBuckets = 1024;
+  const std::size_t count = items.size();
+  int shift = 0;
+  while ((keys - 1) >> shift >= kMostBuckets) ++shift;
+  const std::size_t buckets = ((keys - 1) >> shift) + 1;
+  const std::size_t slices = (count + kSlice - 1) / kSlice;
+
+  // Of the items of a slice in a bucket, the first place: by bucket, and in it by slice.
+  std::vector<std::size_t> place(buckets * slices + 1, 0);
+  arena.for_ranges(count, kSlice, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<std::size_t> held(buckets, 0);
+    for (std::size_t k = begin; k < end; ++k) {
+      prepare(k, items[k]);
+      ++held[key(items[k]) >> shift];
+    }
+    for (std::size_t b = 0; b < buckets; ++b) place[b * slices + begin / kSlice] = held[b];
+  });
+  exclusive_scan(arena, std::span(place));
+  const auto begin_of = [&](std::size_t b) { return place[b * slices]; };
+
+  Buffer<Item> placed(count);
+  arena.for_ranges(count, kSlice, [&](std::size_t begin, std::size_t end, int) {
+    std::vector<std::size_t> next(buckets);
+    for (std::size_t b = 0; b < buckets; ++b) next[b] = place[b * slices + begin / kSlice];
+    for (std::size_t k = begin; k < end; ++k) placed[next[key(items[k]) >> shift]++] = items[k];
+  });
+
+  Groups<Item> groups{{}, Buffer<std::size_t>(keys + 1)};
+  groups.first[keys] = count;
+  if (shift == 0) {
+    groups.items = std::move(placed);
+    for (std::size_t b = 0; b < buckets; ++b) groups.first[b] = begin_of(b);
+    return groups;
+  }
+  groups.items = std::move(items);
+  const std::size_t grain = 1 + buckets * (std::size_t{1} << 12) / (count + keys);
+  arena.for_each(buckets, grain, [&](std::size_t b) {
+    const std::size_t first_key = b << shift;
+    const std::size_t own = std::min(std::size_t{1} << shift, keys - first_key);
+    const auto here = placed.span().subspan(begin_of(b), begin_of(b + 1) - begin_of(b));
+    std::size_t* const next = groups.first.data() + first_key;
+    std::fill_n(next, own, std::size_t{0});
+    for (const Item& i : here) ++next[key(i) - first_key];
+    std::size_t sum = begin_of(b);
+    for (std::size_t k = 0; k < own; ++k) sum += std::exchange(next[k], sum);
+    for (const Item& i : here) groups.items[next[key(i) - first_key]++] = i;
+    // Each is now where the next one begins.
+    for (std::size_t k = own; k-- > 1;) next[k] = next[k - 1];
+    next[0] = begin_of(b);
+  });
+  return groups;
+}
+
+/// The same of items as they are, and of count items item(k).
+template <class Item, class Key>
+Groups<Item> group_by_key(const Arena& arena, Buffer<Item> items, std::size_t keys,
+                          const Key& key) {
+  return group_by_key(
+      arena, std::move(items), keys, [](std::size_t, const Item&) {}, key);
+}
+template <class Item, class MakeItem, class Key>
+Groups<Item> group_by_key(const Arena& arena, std::size_t count, std::size_t keys,
+                          const MakeItem& item, const Key& key) {
+  return group_by_key(
+      arena, Buffer<Item>(count), keys, [&](std::size_t k, Item& made) { made = item(k); }, key);
+}
+
+}  // namespace ccvt

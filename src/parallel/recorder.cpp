@@ -1,0 +1,39 @@
+#include "parallel/recorder.h"
+
+#include <numeric>
+
+namespace ccvt {
+
+const char* name_of(Phase phase) {
+  static constexpr std::array<const char*, kPhases> names{
+      "other",     "sites", "levels", "nearest",  "join", "graph",
+      "potential", "flow",  "lists",  "schedule", "swap", "update"};
+  return names[static_cast<std::size_t>(phase)];
+}
+
+Phase Recorder::enter(Phase phase) {
+  const double time = now();
+  shares_[static_cast<std::size_t>(phase_)].seconds += time - since_;
+  since_ = time;
+  const Phase before = phase_;
+  phase_ = phase;
+  return before;
+}
+
+Recorder::Loop& Recorder::begin_loop(std::size_t tasks) {
+  loop_.phase = phase_;
+  loop_.tasks.assign(tasks, 0);
+  loop_.begin = now();
+  return loop_;
+}
+
+void Recorder::end_loop() {
+  loop_.end = now();
+  Share& share = shares_[static_cast<std::size_t>(phase_)];
+  share.work_seconds += std::accumulate(loop_.tasks.begin(), loop_.tasks.end(), 0.0);
+  ++share.loops;
+  share.tasks += static_cast<std::int64_t>(loop_.tasks.size());
+  if (keeping_) loops_.push_back(loop_);
+}
+
+}  // namespace ccvt

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace ccvt {
+
+/// What the solver does, for its summary.
+enum class Phase {
+  other,
+  sites,      ///< initial sites, and their order
+  levels,     ///< which points join on which level
+  nearest,    ///< the nearest site of each point
+  join,       ///< points into cells
+  graph,      ///< of neighbouring sites
+  potential,  ///< of the flow between them
+  flow,       ///< of what sites have too much
+  lists,      ///< of the pairs that meet
+  schedule,   ///< of these pairs
+  swap,       ///< of points between the cells of a pair
+  update,     ///< of the sites
+};
+inline constexpr std::size_t kPhases = 12;
+const char* name_of(Phase phase);
+
+/// Where time goes: for each phase how long it took, how much of that was work in parallel loops,
+/// and in how many tasks. An Arena carries it. One thread switches phases and starts loops; the
+/// tasks of a loop are timed wherever they run.
+class Recorder {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  struct Share {
+    double seconds = 0;
+    double work_seconds = 0;  ///< in tasks, all workers together
+    std::int64_t loops = 0;
+    std::int64_t tasks = 0;
+  };
+
+  /// One parallel loop, as it was run.
+  struct Loop {
+    Phase phase = Phase::other;
+    double begin = 0;  ///< seconds since the recorder was made
+    double end = 0;
+    std::vector<float> tasks;  ///< seconds of each, in their order
+  };
+
+  [[nodiscard]] const std::array<Share, kPhases>& shares() const { return shares_; }
+  /// Charges the current phase with the time up to now.
+  void charge() { enter(phase_); }
+
+  /// Keeps all loops from now on, for a replay: a few bytes a task.
+  void keep_loops() { keeping_ = true; }
+  [[nodiscard]] const std::vector<Loop>& loops() const { return loops_; }
+
+  /// Charges a phase until it is destroyed, and then the one before.
+  class Scope {
+   public:
+    Scope(Recorder* recorder, Phase phase) : recorder_(recorder) {
+      if (recorder_ != nullptr) before_ = recorder_->enter(phase);
+    }
+    ~Scope() {
+      if (recorder_ != nullptr) recorder_->enter(before_);
+    }
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    Recorder* recorder_;
+    Phase before_ = Phase::other;
+  };
+
+  /// For Arena: a loop of so many tasks begins; its task times go into the result; it has ended.
+  Loop& begin_loop(std::size_t tasks);
+  void end_loop();
+
+ private:
+  friend class Scope;
+  Phase enter(Phase phase);
+  [[nodiscard]] double now() const {
+    return std::chrono::duration<double>(Clock::now() - start_).count();
+  }
+
+  Clock::time_point start_ = Clock::now();
+  double since_ = 0;  ///< the current phase
+  Phase phase_ = Phase::other;
+  std::array<Share, kPhases> shares_{};
+  Loop loop_;
+  bool keeping_ = false;
+  std::vector<Loop> loops_;
+};
+
+}  // namespace ccvt

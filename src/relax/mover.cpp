@@ -1,0 +1,164 @@
+#include "relax/mover.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+
+#include "kernels/keys.h"
+
+namespace ccvt {
+namespace {
+
+constexpr std::size_t kColumns = 16;
+
+}  // namespace
+
+template <class Scalar>
+Mover<Scalar>::Mover(const Metric& metric, const SiteState& sites, Filling<Scalar>& filling)
+    : metric_(metric), sites_(sites), filling_(filling) {
+  const auto size = static_cast<std::size_t>(metric.dimension());
+  middle_.resize(size);
+  normal_.resize(size);
+  moving_.resize(size);
+  for (std::size_t d = 0; metric.periodic() && d < size; ++d) {
+    extent_.push_back(static_cast<Scalar>(metric.extent()[d]));
+  }
+  turn_.resize(extent_.size());
+}
+
+template <class Scalar>
+void Mover<Scalar>::leave(Index from) {
+  from_ = from;
+  waiting_.clear();
+  waiting_x_.clear();
+  while (filling_.waiting(from) > 0) {
+    const Scalar* x = nullptr;
+    waiting_.push_back(filling_.take_waiting(from, x));
+    waiting_x_.insert(waiting_x_.end(), x, x + normal_.size());
+  }
+}
+
+template <class Scalar>
+void Mover<Scalar>::stay() {
+  for (std::size_t w = 0; w < waiting_.size(); ++w) {
+    filling_.add(from_, waiting_[w], &waiting_x_[w * normal_.size()]);
+  }
+}
+
+template <class Scalar>
+Index Mover<Scalar>::move(Index to, Index count) {
+  place_cut(from_, to);
+  const Index filled = filling_.filled[static_cast<std::size_t>(from_)];
+  const auto places = static_cast<std::size_t>(filled) + waiting_.size();
+  const auto moved = std::min(static_cast<std::size_t>(count), places);
+  // A cell that is not full has the stride of a full one: keys of empty places are overwritten.
+  const Index size = filling_.cells.size(from_);
+  keys_.resize(std::max(places, static_cast<std::size_t>(size)));
+  if (filled > 0) keys_of(filling_.cells.block(from_), size, keys_.data());
+  as_block();
+  keys_of(block_.data(), static_cast<Index>(waiting_.size()), keys_.data() + filled);
+  choose(moved, places);
+  // From the last place to the first, so that filling a gap does not move a chosen point.
+  std::sort(choices_.begin(), choices_.end(),
+            [](const Choice& a, const Choice& b) { return a.place > b.place; });
+  const std::size_t dimension = normal_.size();
+  for (const Choice& choice : choices_) {
+    if (choice.place >= filled) {
+      const auto w = static_cast<std::size_t>(choice.place - filled);
+      Scalar* const x = &waiting_x_[w * dimension];
+      filling_.add(to, waiting_[w], x);
+      waiting_[w] = waiting_.back();
+      waiting_.pop_back();
+      std::copy_n(waiting_x_.end() - static_cast<std::ptrdiff_t>(dimension), dimension, x);
+      waiting_x_.resize(waiting_x_.size() - dimension);
+    } else {
+      filling_.cells.get(from_, choice.place, moving_.data());
+      filling_.add(to, filling_.take(from_, choice.place), moving_.data());
+    }
+  }
+  return static_cast<Index>(moved);
+}
+
+/// Chooses the best `wanted` of all places; of equal keys the first place is better. Places are
+/// dealt out to columns: of the columns with the highest keys, as many as are wanted, the lowest
+/// of these keys is one that no chosen place can be below, and few columns have a place above.
+template <class Scalar>
+void Mover<Scalar>::choose(std::size_t wanted, std::size_t places) {
+  choices_.clear();
+  if (wanted == 0) return;
+  std::array<Scalar, kColumns> highest;
+  highest.fill(-std::numeric_limits<Scalar>::infinity());
+  const std::size_t whole = places - places % kColumns;
+  for (std::size_t row = 0; row < whole; row += kColumns) {
+    for (std::size_t c = 0; c < kColumns; ++c) highest[c] = std::max(highest[c], keys_[row + c]);
+  }
+  for (std::size_t k = whole; k < places; ++k) {
+    highest[k - whole] = std::max(highest[k - whole], keys_[k]);
+  }
+  Scalar floor = -std::numeric_limits<Scalar>::infinity();
+  if (wanted <= kColumns) {
+    std::array<Scalar, kColumns> sorted = highest;
+    const auto last = sorted.begin() + static_cast<std::ptrdiff_t>(wanted) - 1;
+    std::nth_element(sorted.begin(), last, sorted.end(), std::greater<>());
+    floor = *last;
+  }
+  for (std::size_t c = 0; c < kColumns; ++c) {
+    if (highest[c] < floor) continue;
+    for (std::size_t k = c; k < places; k += kColumns) {
+      if (keys_[k] >= floor) choices_.push_back({keys_[k], static_cast<Index>(k)});
+    }
+  }
+  if (choices_.size() < wanted) throw std::logic_error("balance: a key is not a number");
+  if (choices_.size() == wanted) return;
+  std::nth_element(choices_.begin(), choices_.begin() + static_cast<std::ptrdiff_t>(wanted),
+                   choices_.end(), Better());
+  choices_.resize(wanted);
+}
+
+/// The points that wait, with a stream for each dimension.
+template <class Scalar>
+void Mover<Scalar>::as_block() {
+  const std::size_t dimension = normal_.size();
+  block_.resize(waiting_x_.size());
+  for (std::size_t w = 0; w < waiting_.size(); ++w) {
+    for (std::size_t d = 0; d < dimension; ++d) {
+      block_[d * waiting_.size() + w] = waiting_x_[w * dimension + d];
+    }
+  }
+}
+
+template <class Scalar>
+void Mover<Scalar>::place_cut(Index from, Index to) {
+  const double* a = sites_.at(from);
+  const double* b = sites_.at(to);
+  for (std::size_t d = 0; d < middle_.size(); ++d) {
+    const double u = metric_.wrap(b[d] - a[d], static_cast<int>(d));
+    normal_[d] = static_cast<Scalar>(u);
+    middle_[d] = static_cast<Scalar>(a[d] + u / 2);
+    if (!metric_.periodic()) continue;
+    const Metric::Unrolled frame = metric_.unrolled(a[d] + u / 2, static_cast<int>(d));
+    middle_[d] = static_cast<Scalar>(frame.origin);
+    turn_[d] = static_cast<Scalar>(frame.turn);
+  }
+}
+
+template <class Scalar>
+void Mover<Scalar>::keys_of(const Scalar* block, Index count, Scalar* keys) {
+  const int dimension = metric_.dimension();
+  if (metric_.periodic()) {
+    kernels::keys(
+        block, count, dimension,
+        kernels::WrappedCut<Scalar>{middle_.data(), normal_.data(), turn_.data(), extent_.data()},
+        keys);
+  } else {
+    kernels::keys(block, count, dimension, kernels::Cut<Scalar>{middle_.data(), normal_.data()},
+                  keys);
+  }
+}
+
+template class Mover<float>;
+template class Mover<double>;
+
+}  // namespace ccvt

@@ -1,0 +1,66 @@
+#include "relax/pair_lists.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "relax/screen.h"
+
+namespace ccvt {
+namespace {
+
+/// Full passes over all pairs before the list of meeting ones is tried again.
+constexpr int kDensePasses = 4;
+
+/// A list of meeting pairs longer than this is not worth having.
+std::size_t list_limit(Index sites) {
+  const auto n = static_cast<std::size_t>(sites);
+  return std::min({n * (n - 1) / 4, 256 * n, static_cast<std::size_t>(INT32_MAX)});
+}
+
+}  // namespace
+
+bool PairLists::refresh(const Metric& metric, const SiteState& sites, const Tiling& tiling,
+                        const Arena& arena) {
+  const auto charge = arena.phase(Phase::lists);
+  // Spheres shrink as the relaxation goes on: a list may pay by now.
+  const bool retry = dense_ && !screening_pays(metric) && ++dense_passes_ % kDensePasses == 0;
+  if (dense_ && !retry) return false;
+  const auto schedule = [&](std::span<const Pair> pairs) {
+    const auto own_charge = arena.phase(Phase::schedule);
+    return schedule_pairs(pairs, tiling, arena);
+  };
+  switch (meeting_.refresh(metric, sites, arena, list_limit(sites.count()))) {
+    case MeetingPairs::Refreshed::unchanged:
+      break;
+    case MeetingPairs::Refreshed::extended:
+      added_ = schedule(meeting_.added());
+      break;
+    case MeetingPairs::Refreshed::rebuilt:
+      dense_ = false;
+      first_ = schedule(meeting_.pairs());
+      added_ = {};
+      break;
+    case MeetingPairs::Refreshed::too_many:
+      dense_ = true;
+      break;
+  }
+  return !dense_;
+}
+
+void PairLists::forget() {
+  meeting_.forget();
+  first_ = {};
+  added_ = {};
+  dense_ = false;
+}
+
+Buffer<Pair> PairLists::pairs() const {
+  const auto first = meeting_.pairs();
+  const auto added = meeting_.added();
+  Buffer<Pair> all(first.size() + added.size());
+  std::copy(first.begin(), first.end(), all.begin());
+  std::copy(added.begin(), added.end(), all.begin() + first.size());
+  return all;
+}
+
+}  // namespace ccvt

@@ -1,0 +1,87 @@
+#include "relax/subsets.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "parallel/loops.h"
+
+namespace ccvt {
+
+/// Where the last key of a subset is looked for: from `low` to `high`.
+struct NestedSubsets::Window {
+  std::uint64_t low;
+  std::uint64_t high;
+
+  /// Around the key expected to be the last of `size`, `deviations` standard deviations on each
+  /// side.
+  static Window around(std::size_t size, std::size_t points, double deviations) {
+    const auto all = static_cast<double>(points);
+    const double share = static_cast<double>(size) / all;
+    const double room = deviations * std::sqrt(share * (1 - share) / all) + 2 * deviations / all;
+    const auto key = [](double part) {
+      if (part <= 0) return std::uint64_t{0};
+      return part < 1 ? static_cast<std::uint64_t>(part * 0x1p64) : ~std::uint64_t{0};
+    };
+    return {key(share - room), key(share + room)};
+  }
+};
+
+NestedSubsets::NestedSubsets(std::uint64_t seed, std::uint64_t stream, std::size_t points,
+                             std::span<const std::size_t> sizes, const Arena& arena)
+    : start_(Random(seed, stream).next()), last_(sizes.size()) {
+  std::vector<Window> windows;
+  double deviations = 8;
+  do {
+    windows.clear();
+    for (const std::size_t size : sizes)
+      windows.push_back(Window::around(size, points, deviations));
+    deviations *= 8;
+  } while (!search(points, sizes, windows, arena));
+}
+
+/// Keys below a subset's window are counted, those inside collected; of these, the one with the
+/// right rank is the last. Windows of larger subsets lie higher, so that most points are done with
+/// after one comparison. False when one is outside its window.
+bool NestedSubsets::search(std::size_t points, std::span<const std::size_t> sizes,
+                           const std::vector<Window>& windows, const Arena& arena) {
+  struct Found {
+    std::uint64_t key;
+    std::size_t subset;
+    std::size_t block;
+  };
+  const std::size_t subsets = sizes.size();
+  count_.assign(((points - 1) / kBlock + 1) * subsets, 0);
+  const Buffer<Found> inside =
+      collect<Found>(arena, points, kBlock,
+                     [&](std::size_t begin, std::size_t end, std::vector<Found>& found, int) {
+                       std::size_t* const below = &count_[begin / kBlock * subsets];
+                       for (std::size_t p = begin; p < end; ++p) {
+                         const std::uint64_t key = key_of(p);
+                         for (std::size_t s = subsets; s-- > 0 && key <= windows[s].high;) {
+                           if (key < windows[s].low) {
+                             ++below[s];
+                           } else {
+                             found.push_back({key, s, begin / kBlock});
+                           }
+                         }
+                       }
+                     });
+  for (std::size_t s = 0; s < subsets; ++s) {
+    std::size_t before = 0;
+    for (std::size_t k = s; k < count_.size(); k += subsets) before += count_[k];
+    std::vector<std::uint64_t> keys;
+    for (const Found& found : inside) {
+      if (found.subset == s) keys.push_back(found.key);
+    }
+    if (before >= sizes[s] || sizes[s] - before > keys.size()) return false;
+    const auto rank = keys.begin() + static_cast<std::ptrdiff_t>(sizes[s] - before - 1);
+    std::nth_element(keys.begin(), rank, keys.end());
+    last_[s] = *rank;
+  }
+  for (const auto& [key, subset, block] : inside) {
+    if (key <= last_[subset]) ++count_[block * subsets + subset];
+  }
+  return true;
+}
+
+}  // namespace ccvt

@@ -1,0 +1,67 @@
+#include "run_record.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "normalize.h"
+#include "precision.h"
+
+namespace ccvt {
+
+void RunRecord::begin(double energy, bool finest) {
+  summary_.energy = energy;
+  if (finest) summary_.initial_energy = energy;
+}
+
+bool RunRecord::add(const PassCount& pass, int level, Index points, double energy,
+                    const Options& options) {
+  IterationRecord record;
+  record.iteration = ++summary_.iterations;
+  record.level = level;
+  record.levels = summary_.levels;
+  record.points = points;
+  record.full = pass.full;
+  record.pairs = pass.pairs;
+  record.swaps = pass.swaps;
+  record.exchanged = pass.exchanged;
+  record.active_sites = pass.active_sites;
+  record.energy = energy;
+  record.seconds = summary_.seconds_total;
+  summary_.pairs += pass.pairs;
+  summary_.swaps += pass.swaps;
+  summary_.exchanged += pass.exchanged;
+  summary_.energy = energy;
+  summary_.iterations_log.push_back(record);
+  return !options.on_iteration || options.on_iteration(summary_.iterations_log.back());
+}
+
+template <class Scalar>
+void RunRecord::end(Termination termination, const Problem<Scalar>& problem, const Box& box) {
+  summary_.termination = termination;
+  normalize_energy(box, summary_);
+  double capacity_error_sum = 0;
+  const double n = problem.site_count();
+  const double mean = problem.point_count() / n;
+  for (const Index c : problem.capacities()) {
+    capacity_error_sum += std::pow(c / mean - 1, 2);
+  }
+  summary_.capacity_error = capacity_error_sum / n;
+  const double spacing = std::min(
+      spacing_in_box(box, summary_.points),
+      spacing_in_cells(summary_.energy, summary_.points, summary_.sites, summary_.dimension));
+  const std::string warning = coarse_coordinates<Scalar>("points", problem.points(), spacing);
+  if (!warning.empty()) summary_.warnings.push_back(warning);
+  clock_.charge();
+  summary_.phases.clear();
+  for (std::size_t k = 0; k < kPhases; ++k) {
+    const Recorder::Share& share = clock_.shares()[k];
+    summary_.phases.push_back({name_of(static_cast<Phase>(k)), share.seconds, share.work_seconds,
+                               share.loops, share.tasks});
+  }
+}
+
+template void RunRecord::end(Termination, const Problem<float>&, const Box&);
+template void RunRecord::end(Termination, const Problem<double>&, const Box&);
+
+}  // namespace ccvt

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <optional>
+
+#include "ccvt/options.h"
+#include "ccvt/problem.h"
+#include "ccvt/summary.h"
+#include "parallel/recorder.h"
+#include "relax/relaxer.h"
+#include "stopwatch.h"
+
+namespace ccvt {
+
+/// Keeps the summary of a run of the solver.
+class RunRecord {
+ public:
+  [[nodiscard]] Summary& summary() { return summary_; }
+  [[nodiscard]] const Summary& summary() const { return summary_; }
+  /// Charges phases.
+  [[nodiscard]] Recorder& clock() { return clock_; }
+
+  [[nodiscard]] bool ended() const { return summary_.termination != Termination::running; }
+  [[nodiscard]] int iterations() const { return summary_.iterations; }
+  [[nodiscard]] double energy() const { return summary_.energy; }
+
+  /// What is done until the result is destroyed counts as that; once, where these are nested.
+  class Timed {
+   public:
+    Timed(RunRecord& record, double& seconds) : record_(record) {
+      if (record.timed_) return;
+      record.timed_ = true;
+      total_.emplace(record.summary_.seconds_total);
+      part_.emplace(seconds);
+    }
+    ~Timed() {
+      if (total_) record_.timed_ = false;
+    }
+    Timed(const Timed&) = delete;
+    Timed& operator=(const Timed&) = delete;
+
+   private:
+    RunRecord& record_;
+    std::optional<Stopwatch> total_;
+    std::optional<Stopwatch> part_;
+  };
+  [[nodiscard]] Timed initializing() { return {*this, summary_.seconds_initialization}; }
+  [[nodiscard]] Timed relaxing() { return {*this, summary_.seconds_relaxation}; }
+
+  /// A level begins with this energy; the finest one with the run's initial energy.
+  void begin(double energy, bool finest);
+  /// A pass has been made. What Options::on_iteration says of it.
+  bool add(const PassCount& pass, int level, Index points, double energy, const Options& options);
+  template <class Scalar>
+  void end(Termination termination, const Problem<Scalar>& problem, const Box& box);
+
+ private:
+  Summary summary_;
+  Recorder clock_;
+  bool timed_ = false;
+};
+
+}  // namespace ccvt

@@ -1,0 +1,316 @@
+// The phases of the solver, each by itself: against brute force, and the same for any threads.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <numeric>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "random.h"
+#include "relax/all_pairs.h"
+#include "relax/balance.h"
+#include "relax/meeting_pairs.h"
+#include "relax/site_graph.h"
+#include "relax/site_order.h"
+#include "relax/subsets.h"
+#include "support/generate.h"
+
+using ccvt::Arena;
+using ccvt::Box;
+using ccvt::Buffer;
+using ccvt::Domain;
+using ccvt::Index;
+using ccvt::Metric;
+using ccvt::Pair;
+using ccvt::Random;
+using ccvt::SiteGraph;
+using ccvt::SiteState;
+using ccvt::Tile;
+using ccvt::Tiling;
+using namespace ccvt::test;
+
+namespace {
+
+SiteState make_sites(Layout layout, const Box& box, Index count) {
+  const auto places = make_points<double>(layout, box, count, 3);
+  SiteState sites(static_cast<int>(box.dimension()), count);
+  std::copy_n(places.data(), places.size(), sites.position.begin());
+  return sites;
+}
+
+std::vector<Pair> all_pairs_of(Index count) {
+  std::vector<Pair> pairs;
+  for (Index i = 0; i < count; ++i) {
+    for (Index j = i + 1; j < count; ++j) pairs.emplace_back(i, j);
+  }
+  return pairs;
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("phases");
+
+TEST_CASE("subsets of points are exact, nested and the same for any threads") {
+  for (const std::size_t points : {1, 2, 1000, 300000}) {
+    std::vector<std::size_t> sizes;
+    for (const std::size_t divisor : {1000, 16, 4, 1}) {
+      if (points >= divisor) sizes.push_back(points / divisor);
+    }
+    std::vector<std::vector<std::size_t>> expected;
+    for (const int threads : {1, 3}) {
+      const ccvt::NestedSubsets subsets(7, 1, points, sizes, Arena(threads));
+      std::vector<std::vector<std::size_t>> members(sizes.size());
+      for (std::size_t p = 0; p < points; ++p) {
+        for (std::size_t s = subsets.smallest_with(p); s < sizes.size(); ++s) {
+          members[s].push_back(p);
+        }
+      }
+      for (std::size_t s = 0; s < sizes.size(); ++s) {
+        CHECK(members[s].size() == sizes[s]);
+        std::size_t counted = 0;
+        for (std::size_t b = 0; b * subsets.kBlock < points; ++b) counted += subsets.count(b, s);
+        CHECK(counted == sizes[s]);
+      }
+      if (threads == 1) expected = members;
+      CHECK(members == expected);
+    }
+  }
+  CHECK(ccvt::NestedSubsets(7, 1, 10, {}, Arena(1)).smallest_with(3) == 0);
+}
+
+TEST_CASE("tiles cover the sites in runs, and hold no more points than fit the cache") {
+  for (const Index sites : {1, 5, 64, 65, 1000}) {
+    for (const Index most : {1, 7, 64, 2000}) {
+      const Tiling tiling(sites, most);
+      Index next = 0;
+      for (std::size_t t = 0; t < tiling.count(); ++t) {
+        const Tile tile{static_cast<Index>(t)};
+        CHECK(tiling.begin(tile) == next);
+        next = tiling.end(tile);
+        CHECK((next > tiling.begin(tile) && next - tiling.begin(tile) <= most));
+        CHECK(tiling.tile_of(next - 1) == tile);
+        CHECK(tiling.tile_of(tiling.begin(tile)) == tile);
+      }
+      CHECK(next == sites);
+    }
+  }
+  CHECK(Tiling::of_points(1000, 256000, 64).sites_per_tile() == 64);
+  CHECK(Tiling::of_points(1000, 16384000, 64).sites_per_tile() == 4);
+  CHECK(Tiling::of_points(10, 1 << 30, 64).sites_per_tile() == 1);
+}
+
+TEST_CASE("the spatial order is a permutation whose runs lie apart") {
+  for (const int dimension : {1, 2, 3}) {
+    const Box box = uneven_box(dimension);
+    for (const Layout layout : all_layouts) {
+      for (const Index count : {1, 2, 3, 64, 100, 1000}) {
+        const SiteState sites = make_sites(layout, box, count);
+        const auto order = ccvt::spatial_order(sites.position, dimension, 16);
+        CHECK(order == ccvt::spatial_order(sites.position, dimension, 16, Arena(3)));
+        std::vector<Index> sorted(order);
+        std::sort(sorted.begin(), sorted.end());
+        for (Index k = 0; k < count; ++k) REQUIRE(sorted[static_cast<std::size_t>(k)] == k);
+        if (layout != Layout::random) continue;
+        // Of two runs of four sites there is a dimension along which they do not overlap.
+        const auto range = [&](std::size_t run, int d) {
+          double low = INFINITY;
+          double high = -INFINITY;
+          for (std::size_t k = 4 * run; k < std::min(4 * run + 4, order.size()); ++k) {
+            low = std::min(low, sites.at(order[k])[d]);
+            high = std::max(high, sites.at(order[k])[d]);
+          }
+          return std::pair(low, high);
+        };
+        const std::size_t runs = (order.size() + 3) / 4;
+        for (std::size_t a = 0; a < runs; ++a) {
+          for (std::size_t b = a + 1; b < runs; ++b) {
+            bool apart = false;
+            for (int d = 0; d < dimension; ++d) {
+              const auto x = range(a, d);
+              const auto y = range(b, d);
+              apart = apart || x.second < y.first || y.second < x.first;
+            }
+            REQUIRE(apart);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("all pairs come once, and no site twice in a batch") {
+  for (const Index sites : {1, 2, 9, 64, 130}) {
+    for (const Index tile : {1, 8, 64}) {
+      ccvt::AllPairs all({sites, tile});
+      std::vector<Pair> seen;
+      for (std::size_t b = 0; b < all.batch_count(); ++b) {
+        std::set<Index> tiles;
+        for (const auto& task : all.batch(b)) {
+          CHECK(tiles.insert(task.a.number).second);
+          if (task.a != task.b) CHECK(tiles.insert(task.b.number).second);
+          all.for_pairs(task, [&](Index i, Index j) { seen.emplace_back(i, j); });
+        }
+      }
+      std::sort(seen.begin(), seen.end());
+      CHECK(seen == all_pairs_of(sites));
+    }
+  }
+}
+
+TEST_CASE("Gabriel pairs are those whose ball is empty") {
+  for (const int dimension : {1, 2, 3}) {
+    const Box box = uneven_box(dimension);
+    const SiteState sites = make_sites(Layout::random, box, 60);
+    const Metric metric(dimension, Domain());
+    std::vector<Pair> expected;
+    for (const auto& [a, b] : all_pairs_of(60)) {
+      std::vector<double> middle(static_cast<std::size_t>(dimension));
+      for (int d = 0; d < dimension; ++d) {
+        middle[static_cast<std::size_t>(d)] = (sites.at(a)[d] + sites.at(b)[d]) / 2;
+      }
+      const double squared = metric.squared_distance(sites.at(a), sites.at(b)) / 4;
+      bool empty = true;
+      for (Index k = 0; k < 60; ++k) {
+        if (k != a && k != b && metric.squared_distance(sites.at(k), middle.data()) < squared) {
+          empty = false;
+        }
+      }
+      if (empty) expected.emplace_back(a, b);
+    }
+    for (const int threads : {1, 3}) {
+      auto found = ccvt::gabriel_pairs(metric, sites, all_pairs_of(60), Arena(threads));
+      std::sort(found.begin(), found.end());
+      CHECK(std::equal(found.begin(), found.end(), expected.begin(), expected.end()));
+    }
+  }
+}
+
+TEST_CASE("a graph of sites is connected, and its tree spans it") {
+  Random random(4);
+  for (const Index edges : {0, 20, 300}) {
+    std::set<Pair> drawn;
+    while (static_cast<Index>(drawn.size()) < edges) {
+      const auto a = static_cast<Index>(random.below(100));
+      const auto b = static_cast<Index>(random.below(100));
+      if (a != b) drawn.emplace(std::min(a, b), std::max(a, b));
+    }
+    const SiteGraph graph(100, std::vector<Pair>(drawn.begin(), drawn.end()));
+    for (const auto& [a, b] : drawn) {
+      const auto of_a = graph.neighbours(a);
+      const auto of_b = graph.neighbours(b);
+      CHECK(std::binary_search(of_a.begin(), of_a.end(), b));
+      CHECK(std::binary_search(of_b.begin(), of_b.end(), a));
+    }
+    const auto& tree = graph.spanning_tree();
+    REQUIRE(tree.order.size() == 100);
+    std::set<Index> seen;
+    for (const Index s : tree.order) {
+      const Index parent = tree.parent[static_cast<std::size_t>(s)];
+      CHECK((parent < 0) == seen.empty());
+      if (parent >= 0) {
+        CHECK(seen.count(parent) == 1);
+        const auto near = graph.neighbours(s);
+        CHECK(std::binary_search(near.begin(), near.end(), parent));
+      }
+      CHECK(seen.insert(s).second);
+    }
+  }
+}
+
+TEST_CASE("every pair that meets is listed, as spheres move and grow") {
+  for (const bool periodic : {false, true}) {
+    for (const int dimension : {2, 3, 6}) {
+      CAPTURE(periodic);
+      CAPTURE(dimension);
+      const Box box = uneven_box(dimension);
+      const Metric metric(dimension, periodic ? Domain::periodic(box) : Domain());
+      constexpr Index kSites = 200;
+      SiteState sites = make_sites(Layout::random, box, kSites);
+      for (double& radius : sites.radius) radius = 0.4 * std::pow(1.0 / kSites, 1.0 / dimension);
+      ccvt::MeetingPairs meeting;
+      Random random(11, static_cast<std::uint64_t>(dimension));
+      bool extended = false;
+      for (int pass = 0; pass < 12; ++pass) {
+        const auto done = meeting.refresh(metric, sites, Arena(1 + pass % 3), 1 << 20);
+        REQUIRE(done != ccvt::MeetingPairs::Refreshed::too_many);
+        extended = extended || done == ccvt::MeetingPairs::Refreshed::extended;
+        std::set<Pair> listed(meeting.pairs().begin(), meeting.pairs().end());
+        CHECK(listed.size() == meeting.pairs().size());
+        listed.insert(meeting.added().begin(), meeting.added().end());
+        CHECK(listed.size() == meeting.pairs().size() + meeting.added().size());
+        for (const auto& [i, j] : all_pairs_of(kSites)) {
+          const double reach =
+              sites.radius[static_cast<std::size_t>(i)] + sites.radius[static_cast<std::size_t>(j)];
+          if (metric.squared_distance(sites.at(i), sites.at(j)) <= reach * reach) {
+            REQUIRE(listed.count({i, j}) == 1);
+          }
+        }
+        // A few sites go far, or grow.
+        for (int k = 0; k < 4; ++k) {
+          const auto s = static_cast<Index>(random.below(kSites));
+          for (int d = 0; d < dimension; ++d) {
+            sites.at(s)[d] = metric.into_box(sites.at(s)[d] + 0.1 * (random.uniform() - 0.5), d);
+          }
+          sites.radius[static_cast<std::size_t>(s)] *= 1 + random.uniform();
+        }
+      }
+      CHECK(extended);
+      meeting.forget();
+      CHECK(meeting.refresh(metric, sites, Arena(1), 10) ==
+            ccvt::MeetingPairs::Refreshed::too_many);
+    }
+  }
+}
+
+TEST_CASE("balance fills every cell, whatever flows, with the same bits for any threads") {
+  for (const Layout layout : all_layouts) {
+    for (const auto& capacities :
+         {std::vector<Index>(150, 8), unequal_capacities(60), std::vector<Index>(200, 1)}) {
+      // All points with the first site, or with random ones.
+      for (const bool far : {true, false}) {
+        CAPTURE(name_of(layout));
+        CAPTURE(far);
+        const Box box = uneven_box(2);
+        const Metric metric(2, Domain());
+        const auto count = static_cast<Index>(capacities.size());
+        const SiteState sites = make_sites(layout, box, count);
+        const auto points = make_points<float>(layout, box, sum_of(capacities), 8);
+        const auto view = ccvt::view_points(points);
+        std::vector<Pair> near;
+        for (Index s = 0; s + 1 < count; ++s) near.emplace_back(s, s + 1);
+        std::vector<Index> expected;
+        for (const int threads : {1, 2, 3, 8}) {
+          ccvt::Cells<float> cells(2, capacities);
+          ccvt::Filling<float> filling(cells, view, Tiling(count, 16));
+          Random random(2);
+          for (Index p = 0; p < points.cols(); ++p) {
+            const auto site = random.below(static_cast<std::uint64_t>(count));
+            filling.add(far ? 0 : static_cast<Index>(site), p);
+          }
+          ccvt::balance(metric, sites, near, Arena(threads), filling);
+          std::vector<Index> order;
+          for (Index s = 0; s < count; ++s) {
+            REQUIRE(filling.surplus(s) == 0);
+            REQUIRE(filling.waiting(s) == 0);
+            order.insert(order.end(), cells.points(s), cells.points(s) + cells.size(s));
+          }
+          if (threads == 1) {
+            std::vector<Index> sorted(order);
+            std::sort(sorted.begin(), sorted.end());
+            for (Index p = 0; p < points.cols(); ++p) {
+              REQUIRE(sorted[static_cast<std::size_t>(p)] == p);
+            }
+            expected = order;
+          }
+          CHECK(order == expected);
+        }
+      }
+    }
+  }
+}
+
+TEST_SUITE_END();
