@@ -9,6 +9,13 @@
 
 namespace ccvt {
 
+RunRecord::RunRecord(const Options& options) {
+  if (!options.on_loop) return;
+  clock_.listen([tell = options.on_loop](const Recorder::Loop& loop) {
+    tell({name_of(loop.phase), loop.begin, loop.end, loop.tasks});
+  });
+}
+
 void RunRecord::begin(double energy, bool finest) {
   summary_.energy = energy;
   if (finest) summary_.initial_energy = energy;

@@ -14,6 +14,8 @@ namespace ccvt {
 /// Keeps the summary of a run of the solver.
 class RunRecord {
  public:
+  explicit RunRecord(const Options& options);
+
   [[nodiscard]] Summary& summary() { return summary_; }
   [[nodiscard]] const Summary& summary() const { return summary_; }
   /// Charges phases.

@@ -90,6 +90,7 @@ Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Op
       warm(!problem.initial_owners().empty()),
       options(resolved(std::move(given_options), problem.dimension(), warm)),
       stop(options.cancelled),
+      record(options),
       arena(options.threads, &stop, &record.clock()),
       metric(problem.dimension(), problem.domain()) {
   const auto timed = record.initializing();

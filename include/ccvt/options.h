@@ -100,6 +100,10 @@ struct CCVT_EXPORT Options {
   /// capacities are exact, but sites are not the centroids of their cells, and the energy says so.
   std::function<bool()> cancelled = {};
 
+  /// Called after each parallel loop from the thread that runs the solver, for measurements: how
+  /// evenly the work of a problem can be shared.
+  std::function<void(const LoopRecord&)> on_loop = {};
+
   /// Throws InvalidInput naming the first field outside its bounds.
   void validate() const;
 

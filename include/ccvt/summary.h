@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,14 @@ struct PhaseRecord {
   double work_seconds = 0;  ///< of these, work in parallel loops: of all threads together
   std::int64_t loops = 0;   ///< parallel loops, one after the other
   std::int64_t tasks = 0;   ///< in these
+};
+
+/// A parallel loop: its tasks ran at the same time as far as there were threads.
+struct LoopRecord {
+  const char* phase = "";  ///< as in PhaseRecord
+  double begin = 0;        ///< seconds since the start of the run
+  double end = 0;
+  std::span<const float> tasks;  ///< seconds that each took, in their order; valid during the call
 };
 
 /// What happened in a run. Energies are sums of squared distances in the units of the points.

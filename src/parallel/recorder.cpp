@@ -33,7 +33,7 @@ void Recorder::end_loop() {
   share.work_seconds += std::accumulate(loop_.tasks.begin(), loop_.tasks.end(), 0.0);
   ++share.loops;
   share.tasks += static_cast<std::int64_t>(loop_.tasks.size());
-  if (keeping_) loops_.push_back(loop_);
+  if (listener_) listener_(loop_);
 }
 
 }  // namespace ccvt

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <utility>
 #include <vector>
 
 namespace ccvt {
@@ -53,9 +55,8 @@ class Recorder {
   /// Charges the current phase with the time up to now.
   void charge() { enter(phase_); }
 
-  /// Keeps all loops from now on, for a replay: a few bytes a task.
-  void keep_loops() { keeping_ = true; }
-  [[nodiscard]] const std::vector<Loop>& loops() const { return loops_; }
+  /// Tells of each loop when it has ended.
+  void listen(std::function<void(const Loop&)> listener) { listener_ = std::move(listener); }
 
   /// Charges a phase until it is destroyed, and then the one before.
   class Scope {
@@ -90,8 +91,7 @@ class Recorder {
   Phase phase_ = Phase::other;
   std::array<Share, kPhases> shares_{};
   Loop loop_;
-  bool keeping_ = false;
-  std::vector<Loop> loops_;
+  std::function<void(const Loop&)> listener_;
 };
 
 }  // namespace ccvt

@@ -15,6 +15,10 @@ namespace {
 constexpr std::uint64_t kOrderStream = 3;
 constexpr std::size_t kBetweenChecks = 1 << 12;
 constexpr std::size_t kSitesPerGrain = 64;
+/// One point is looked up ahead for so many sites with room: few of these have it no more when the
+/// point comes.
+constexpr Index kSitesAPointAhead = 16;
+constexpr std::size_t kQueriesPerGrain = 8;
 /// Points found at once, per site: bounds the memory, yet leaves each bin many points.
 constexpr std::size_t kPointsPerSite = 32;
 constexpr std::size_t kLeastPoints = std::size_t{1} << 18;
@@ -95,13 +99,25 @@ void join_coherent(const Metric& metric, const SiteState& sites, std::span<const
   for (Index s = 0; s < sites.count(); ++s) {
     if (filling.surplus(s) == 0) available.remove(s);
   }
-  std::vector<double> query(static_cast<std::size_t>(metric.dimension()));
-  for (const Index point : shuffled(joining, seed, arena)) {
-    arena.check();
+  const auto nearest = [&](Index point) {
+    std::vector<double> query(static_cast<std::size_t>(metric.dimension()));
     std::copy_n(filling.points[point], query.size(), query.begin());
-    const Index site = available.nearest(query.data());
-    filling.add(site, point);
-    if (filling.surplus(site) == 0) available.remove(site);
+    return available.nearest(query.data());
+  };
+  const std::vector<Index> order = shuffled(joining, seed, arena);
+  std::vector<Index> expected;
+  for (std::size_t begin = 0; begin < order.size(); begin += expected.size()) {
+    // Where each of the next points goes unless one before it takes the last room there.
+    const auto ahead = static_cast<std::size_t>(available.available() / kSitesAPointAhead) + 1;
+    expected.resize(std::min(ahead, order.size() - begin));
+    arena.for_each(expected.size(), kQueriesPerGrain,
+                   [&](std::size_t k) { expected[k] = nearest(order[begin + k]); });
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+      const Index point = order[begin + k];
+      const Index site = filling.surplus(expected[k]) < 0 ? expected[k] : nearest(point);
+      filling.add(site, point);
+      if (filling.surplus(site) == 0) available.remove(site);
+    }
   }
 }
 

@@ -20,7 +20,8 @@ namespace ccvt {
 /// are some of the joining ones, each once, and the sites as they were.
 
 /// Each point, in a seeded random order, takes the nearest site with room left [Program 6].
-/// O(m log n): the tree forgets sites as they fill up.
+/// O(m log n): the tree forgets sites as they fill up. Points take their sites one by one; what is
+/// nearest is looked up ahead, for several at the same time.
 template <class Scalar>
 void join_coherent(const Metric& metric, const SiteState& sites, std::span<const Index> joining,
                    std::uint64_t seed, Filling<Scalar>& filling, const Arena& arena = Arena(1));
