@@ -11,9 +11,19 @@ namespace ccvt {
 
 RunRecord::RunRecord(const Options& options) {
   if (!options.on_loop) return;
-  clock_.listen([tell = options.on_loop](const Recorder::Loop& loop) {
-    tell({name_of(loop.phase), loop.begin, loop.end, loop.tasks});
+  clock_.listen([this, tell = options.on_loop](const Recorder::Loop& loop) {
+    if (failure_) return;
+    try {
+      tell({name_of(loop.phase), loop.begin, loop.end, loop.tasks});
+    } catch (...) {
+      failure_ = std::current_exception();
+    }
   });
+}
+
+/// A phase must not be left in the middle: what the callback threw is passed on here.
+void RunRecord::rethrow() {
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
 void RunRecord::begin(double energy, bool finest) {
@@ -40,6 +50,7 @@ bool RunRecord::add(const PassCount& pass, int level, Index points, double energ
   summary_.exchanged += pass.exchanged;
   summary_.energy = energy;
   summary_.iterations_log.push_back(record);
+  rethrow();
   return !options.on_iteration || options.on_iteration(summary_.iterations_log.back());
 }
 
@@ -60,12 +71,14 @@ void RunRecord::end(Termination termination, const Problem<Scalar>& problem, con
   const std::string warning = coarse_coordinates<Scalar>("points", problem.points(), spacing);
   if (!warning.empty()) summary_.warnings.push_back(warning);
   clock_.charge();
+  clock_.listen({});
   summary_.phases.clear();
   for (std::size_t k = 0; k < kPhases; ++k) {
     const Recorder::Share& share = clock_.shares()[k];
     summary_.phases.push_back({name_of(static_cast<Phase>(k)), share.seconds, share.work_seconds,
                                share.loops, share.tasks});
   }
+  rethrow();
 }
 
 template void RunRecord::end(Termination, const Problem<float>&, const Box&);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <exception>
 #include <optional>
+#include <utility>
 
 #include "ccvt/options.h"
 #include "ccvt/problem.h"
@@ -56,8 +58,12 @@ class RunRecord {
   void end(Termination termination, const Problem<Scalar>& problem, const Box& box);
 
  private:
+  void rethrow();
+
   Summary summary_;
   Recorder clock_;
+  std::exception_ptr
+      failure_;  ///< of Options::on_loop, until the pass or the run has been recorded
   bool timed_ = false;
 };
 

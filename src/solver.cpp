@@ -63,6 +63,10 @@ struct Solver<Scalar>::Implementation {
   void join(std::span<const Index> joining, std::span<const Pair> near, Filling<Scalar>& filling);
   void deal(const Cells<Scalar>& owned, std::span<const Index> filled);
   void begin_level();
+  [[nodiscard]] double energy_of_sites() {
+    const Stop::Pause pause(stop);
+    return total_energy(state.sites, arena);
+  }
   [[nodiscard]] bool on_finest_level() const { return level + 1 == levels.size(); }
 
   Problem<Scalar> problem;
@@ -137,7 +141,7 @@ bool Solver<Scalar>::Implementation::step() {
     const auto timed = record.relaxing();
     pass = relaxer->step(state);
   }
-  const double energy = total_energy(state.sites, arena);
+  const double energy = energy_of_sites();
   const bool go_on =
       record.add(pass, static_cast<int>(level), state.cells.point_count(), energy, options);
 
@@ -239,6 +243,7 @@ void Solver<Scalar>::Implementation::enter_level(std::size_t next) {
   Filling<Scalar> filling(larger, problem.points(), state.tiling);
   if (level < next) {
     const auto charge = arena.phase(Phase::join);
+    const Stop::Pause pause(stop);
     arena.for_each(larger.sizes().size(), 1,
                    [&](std::size_t s) { filling.add_cell(state.cells, static_cast<Index>(s)); });
   }
@@ -281,9 +286,11 @@ template <class Scalar>
 void Solver<Scalar>::Implementation::begin_level() {
   relaxer = std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, problem.site_count(),
                                               largest_coordinate(box));
-  const Stop::Pause pause(stop);
-  update_all(metric, state, arena);
-  record.begin(total_energy(state.sites, arena), on_finest_level());
+  {
+    const Stop::Pause pause(stop);
+    update_all(metric, state, arena);
+  }
+  record.begin(energy_of_sites(), on_finest_level());
 }
 
 template <class Scalar>
@@ -339,11 +346,11 @@ std::vector<Index> Solver<Scalar>::owners() const {
   const Implementation& i = *implementation_;
   std::vector<Index> owners(static_cast<std::size_t>(i.problem.point_count()), -1);
   const auto given = [&](Index site) { return i.site_of[static_cast<std::size_t>(site)]; };
-  const Stop::Pause pause(implementation_->stop);
-  i.arena.for_each(i.dealt.size(), kPointsPerGrain,
-                   [&](std::size_t p) { owners[p] = given(i.dealt[p]); });
+  const Arena arena(i.options.threads);  // not the run's: nothing of this belongs to it
+  arena.for_each(i.dealt.size(), kPointsPerGrain,
+                 [&](std::size_t p) { owners[p] = given(i.dealt[p]); });
   const std::size_t tiles = i.dealt.empty() ? i.state.tiling.count() : 0;
-  i.arena.for_each(tiles, 1, [&](std::size_t t) {
+  arena.for_each(tiles, 1, [&](std::size_t t) {
     const Tile tile{static_cast<Index>(t)};
     for (Index k = i.state.tiling.begin(tile); k < i.state.tiling.end(tile); ++k) {
       const Index* points = i.state.cells.points(k);

@@ -184,6 +184,30 @@ TEST_CASE_TEMPLATE("coherent: no point passes over a nearer site with room", Sca
   }
 }
 
+TEST_CASE("coherent: the look-ahead changes nothing, with any number of threads") {
+  for (const auto& capacities : {std::vector<Index>(200, 10), std::vector<Index>(3, 400),
+                                 std::vector<Index>(500, 1), unequal_capacities(40)}) {
+    for (const int dimension : {2, 9}) {
+      Start<double> start(Layout::random, dimension, false, capacities);
+      const auto owners = start.owners(Initialization::coherent);
+      CHECK(some_order_explains(start, owners));
+      const auto view = ccvt::view_points(start.points);
+      std::vector<Index> joining(static_cast<std::size_t>(start.points.cols()));
+      std::iota(joining.begin(), joining.end(), 0);
+      for (const int threads : {2, 3, 8}) {
+        Cells<double> cells(dimension, capacities);
+        Filling<double> filling(cells, view);
+        ccvt::join_coherent(start.metric, start.sites, joining, 1, filling, Arena(threads));
+        for (Index s = 0; s < cells.site_count(); ++s) {
+          for (Index k = 0; k < cells.size(s); ++k) {
+            REQUIRE(owners[static_cast<std::size_t>(cells.points(s)[k])] == s);
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST_CASE_TEMPLATE("where capacities allow it, every point gets its nearest site", Scalar, float,
                    double) {
   for (const int dimension : {1, 2, 3, 9}) {

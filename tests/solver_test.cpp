@@ -4,7 +4,9 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +23,7 @@ using ccvt::Index;
 using ccvt::Options;
 using ccvt::Points;
 using ccvt::Problem;
+using ccvt::Solver;
 using ccvt::Termination;
 using namespace ccvt::test;
 
@@ -308,6 +311,48 @@ TEST_CASE_TEMPLATE("points on both faces of a periodic box", Scalar, float, doub
   const auto result = ccvt::tessellate(one_place);
   CHECK(result.summary.energy == 0);
   CHECK(result.sites.isZero());
+}
+
+TEST_CASE("phases add up to the run, and on_loop tells of their loops") {
+  const auto points = make_points<float>(Layout::random, Box::unit(2), 30000);
+  std::int64_t loops = 0;
+  std::int64_t tasks = 0;
+  Options options{.threads = 2};
+  options.on_loop = [&](const ccvt::LoopRecord& loop) {
+    ++loops;
+    tasks += std::ssize(loop.tasks);
+    REQUIRE(loop.end >= loop.begin);
+  };
+  const auto result = ccvt::tessellate(points, 300, options);
+  double seconds = 0;
+  for (const auto& phase : result.summary.phases) {
+    CAPTURE(phase.name);
+    CHECK(phase.work_seconds <= 2 * phase.seconds + 1e-3);
+    seconds += phase.seconds;
+    loops -= phase.loops;
+    tasks -= phase.tasks;
+  }
+  CHECK(loops == 0);
+  CHECK(tasks == 0);
+  CHECK(seconds >= result.summary.seconds_total * 0.95);
+  CHECK(result.summary.full().find("    swap") != std::string::npos);
+}
+
+TEST_CASE("what on_loop throws is passed on when the pass has been recorded") {
+  const auto points = make_points<float>(Layout::random, Box::unit(2), 3000);
+  Options options;
+  bool fails = false;
+  options.on_loop = [&](const ccvt::LoopRecord&) {
+    if (std::exchange(fails, false)) throw std::runtime_error("from on_loop");
+  };
+  Solver<float> solver(Problem<float>(points, 50), options);
+  solver.step();
+  fails = true;
+  CHECK_THROWS_WITH_AS(solver.step(), "from on_loop", std::runtime_error);
+  CHECK(solver.summary().iterations == 2);
+  solver.run();
+  const auto whole = ccvt::tessellate(points, 50);
+  CHECK(solver.owners() == whole.owners);
 }
 
 TEST_SUITE_END();

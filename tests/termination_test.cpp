@@ -2,8 +2,10 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -225,6 +227,25 @@ TEST_CASE("the energy tolerance ends a run as soon as an iteration gains less") 
   }
   options.energy_tolerance = 0;
   CHECK(ccvt::tessellate(problem, options).summary.energy < result.summary.energy);
+}
+
+TEST_CASE("Options::cancelled is heard wherever it is asked, also when levels change") {
+  const auto points = make_points<float>(Layout::random, Box::unit(2), 700);
+  const Problem<float> problem(points, 10);
+  for (const int stop : {1, 2, 3, 5, 8, 13, 21, 34, 55, 89}) {
+    CAPTURE(stop);
+    int asked = 0;
+    Options options{.threads = 1};
+    options.cancelled = [&] {
+      // So slowly that each check is due again.
+      std::this_thread::sleep_for(std::chrono::milliseconds(21));
+      return ++asked >= stop;
+    };
+    const auto result = ccvt::tessellate(problem, options);
+    CHECK(ccvt::capacity_error(result.owners, 10) == 0);
+    CHECK(result.summary.termination ==
+          (asked >= stop ? Termination::cancelled : Termination::stable));
+  }
 }
 
 TEST_CASE("step by step is the same as at once") {

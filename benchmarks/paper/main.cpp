@@ -26,6 +26,7 @@ constexpr Experiment kExperiments[] = {
     {"clusters", "Figure 2: how many pairs there are in a batch", ccvt::bench::clusters},
     {"quality", "Figure 4: spectra by points per site and kind of points", ccvt::bench::quality},
     {"scaling", "Time against sites, points per site, threads, dimensions", ccvt::bench::scaling},
+    {"parallel", "Threads: phase by phase, and predicted for more of them", ccvt::bench::parallel},
 };
 
 struct Arguments {
@@ -75,9 +76,10 @@ int run(int argc, char** argv) {
   for (const Experiment& experiment : kExperiments) {
     CLI::App* const command = app.add_subcommand(experiment.name, experiment.description);
     add_arguments(*command, arguments);
-    if (std::string(experiment.name) != "table1") continue;
-    command->add_option("--only", arguments.scale.only, "One column, such as 1024x256")
-        ->type_name("COLUMN");
+    const std::string name = experiment.name;
+    if (name != "table1" && name != "parallel") continue;
+    command->add_option("--only", arguments.scale.only, "One size, such as 1024x256")
+        ->type_name("SIZE");
   }
   add_arguments(*app.add_subcommand("all", "All of these, and the report"), arguments);
   CLI::App* const report = app.add_subcommand("report", "Tables and plots of what was measured");

@@ -176,7 +176,8 @@ std::string report(const fs::path& directory) {
   const std::pair<const char*, Part> parts[] = {{"table1", report_table1},
                                                 {"clusters", report_clusters},
                                                 {"quality", report_quality},
-                                                {"scaling", report_scaling}};
+                                                {"scaling", report_scaling},
+                                                {"parallel", report_parallel}};
   std::string text;
   std::string last_machine;
   for (const auto& [name, part] : parts) {

@@ -50,9 +50,12 @@ std::string read_all(int file) {
   ::_exit(0);
 }
 
-}  // namespace
+struct Child {
+  pid_t id;
+  int answer;  ///< what it writes comes here
+};
 
-Json run_in_child(const std::function<Json()>& work) {
+Child start(const std::function<Json()>& work) {
   std::array<int, 2> pipe{};
   if (::pipe(pipe.data()) != 0) fail("pipe");
   std::fflush(nullptr);
@@ -63,11 +66,15 @@ Json run_in_child(const std::function<Json()>& work) {
     be_child(pipe[1], work);
   }
   ::close(pipe[1]);
-  const std::string text = read_all(pipe[0]);
-  ::close(pipe[0]);
+  return {id, pipe[0]};
+}
+
+Json finish(const Child& child) {
+  const std::string text = read_all(child.answer);
+  ::close(child.answer);
   int status = 0;
   rusage usage{};
-  while (::wait4(id, &status, 0, &usage) < 0) {
+  while (::wait4(child.id, &status, 0, &usage) < 0) {
     if (errno != EINTR) fail("wait4");
   }
   if (WIFSIGNALED(status)) {
@@ -79,6 +86,16 @@ Json run_in_child(const std::function<Json()>& work) {
   Json value = std::move(answer["value"]);
   value["peak_memory_bytes"] = static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
   return value;
+}
+
+}  // namespace
+
+Json run_in_child(const std::function<Json()>& work) { return finish(start(work)); }
+
+std::array<Json, 2> run_side_by_side(const std::function<Json()>& work) {
+  const Child first = start(work);
+  const Child second = start(work);
+  return {finish(first), finish(second)};
 }
 
 }  // namespace ccvt::bench

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <nlohmann/json.hpp>
 
@@ -12,5 +13,8 @@ using Json = nlohmann::ordered_json;
 /// keep no more than the points. This process must have no threads. Throws std::runtime_error when
 /// `work` throws, with its message, or when the process dies.
 Json run_in_child(const std::function<Json()>& work);
+
+/// The same in two processes at the same time.
+std::array<Json, 2> run_side_by_side(const std::function<Json()>& work);
 
 }  // namespace ccvt::bench

@@ -101,7 +101,8 @@ struct CCVT_EXPORT Options {
   std::function<bool()> cancelled = {};
 
   /// Called after each parallel loop from the thread that runs the solver, for measurements: how
-  /// evenly the work of a problem can be shared.
+  /// evenly the work of a problem can be shared. What it throws is passed on at the end of the
+  /// pass, or of the run.
   std::function<void(const LoopRecord&)> on_loop = {};
 
   /// Throws InvalidInput naming the first field outside its bounds.

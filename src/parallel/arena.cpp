@@ -37,17 +37,12 @@ void Arena::run(std::size_t count, std::size_t grain, RangeFunction function, vo
   if (working.arena == this) return run_here(range, working.worker, nullptr);
   Recorder::Loop* const timing =
       recorder_ != nullptr ? &recorder_->begin_loop(range.ranges()) : nullptr;
-  struct End {
-    Recorder* recorder;
-    ~End() {
-      if (recorder != nullptr) recorder->end_loop();
-    }
-  } const end{recorder_};
   if (threads_ == 1 || range.ranges() == 1) {
     run_here(range, 0, timing);
   } else {
     run_on_all(range, timing);
   }
+  if (recorder_ != nullptr) recorder_->end_loop();
 }
 
 }  // namespace ccvt

@@ -139,31 +139,32 @@ struct Groups {
 template <class Item, class Prepare, class Key>
 Groups<Item> group_by_key(const Arena& arena, Buffer<Item> items, std::size_t keys,
                           const Prepare& prepare, const Key& key) {
-  constexpr std::size_t kSlice = std::size_t{1} << 15;
   constexpr std::size_t kMostBuckets = 1024;
   const std::size_t count = items.size();
+  // Enough slices for many workers, each with more items than there are buckets.
+  const std::size_t slice = std::clamp(count / 128, std::size_t{1} << 12, std::size_t{1} << 15);
   int shift = 0;
   while ((keys - 1) >> shift >= kMostBuckets) ++shift;
   const std::size_t buckets = ((keys - 1) >> shift) + 1;
-  const std::size_t slices = (count + kSlice - 1) / kSlice;
+  const std::size_t slices = (count + slice - 1) / slice;
 
   // Of the items of a slice in a bucket, the first place: by bucket, and in it by slice.
   std::vector<std::size_t> place(buckets * slices + 1, 0);
-  arena.for_ranges(count, kSlice, [&](std::size_t begin, std::size_t end, int) {
+  arena.for_ranges(count, slice, [&](std::size_t begin, std::size_t end, int) {
     std::vector<std::size_t> held(buckets, 0);
     for (std::size_t k = begin; k < end; ++k) {
       prepare(k, items[k]);
       ++held[key(items[k]) >> shift];
     }
-    for (std::size_t b = 0; b < buckets; ++b) place[b * slices + begin / kSlice] = held[b];
+    for (std::size_t b = 0; b < buckets; ++b) place[b * slices + begin / slice] = held[b];
   });
   exclusive_scan(arena, std::span(place));
   const auto begin_of = [&](std::size_t b) { return place[b * slices]; };
 
   Buffer<Item> placed(count);
-  arena.for_ranges(count, kSlice, [&](std::size_t begin, std::size_t end, int) {
+  arena.for_ranges(count, slice, [&](std::size_t begin, std::size_t end, int) {
     std::vector<std::size_t> next(buckets);
-    for (std::size_t b = 0; b < buckets; ++b) next[b] = place[b * slices + begin / kSlice];
+    for (std::size_t b = 0; b < buckets; ++b) next[b] = place[b * slices + begin / slice];
     for (std::size_t k = begin; k < end; ++k) placed[next[key(items[k]) >> shift]++] = items[k];
   });
 

@@ -55,7 +55,7 @@ class Recorder {
   /// Charges the current phase with the time up to now.
   void charge() { enter(phase_); }
 
-  /// Tells of each loop when it has ended.
+  /// Tells of each loop when it has ended. The listener must not throw, nor start loops.
   void listen(std::function<void(const Loop&)> listener) { listener_ = std::move(listener); }
 
   /// Charges a phase until it is destroyed, and then the one before.
@@ -75,7 +75,8 @@ class Recorder {
     Phase before_ = Phase::other;
   };
 
-  /// For Arena: a loop of so many tasks begins; its task times go into the result; it has ended.
+  /// For Arena: a loop of so many tasks begins; its task times go into the result; it has ended,
+  /// and not by an exception.
   Loop& begin_loop(std::size_t tasks);
   void end_loop();
 

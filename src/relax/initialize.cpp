@@ -15,9 +15,11 @@ namespace {
 constexpr std::uint64_t kOrderStream = 3;
 constexpr std::size_t kBetweenChecks = 1 << 12;
 constexpr std::size_t kSitesPerGrain = 64;
-/// One point is looked up ahead for so many sites with room: few of these have it no more when the
-/// point comes.
-constexpr Index kSitesAPointAhead = 16;
+/// One point is looked up ahead for so many sites with room, or points that have none yet: few find
+/// that it is gone when they come. When an eighth of them does, it is time to look anew.
+constexpr std::size_t kSitesAPointAhead = 16;
+constexpr std::size_t kPointsAPointAhead = 64;
+constexpr std::size_t kMostAhead = std::size_t{1} << 14;
 constexpr std::size_t kQueriesPerGrain = 8;
 /// Points found at once, per site: bounds the memory, yet leaves each bin many points.
 constexpr std::size_t kPointsPerSite = 32;
@@ -106,16 +108,23 @@ void join_coherent(const Metric& metric, const SiteState& sites, std::span<const
   };
   const std::vector<Index> order = shuffled(joining, seed, arena);
   std::vector<Index> expected;
-  for (std::size_t begin = 0; begin < order.size(); begin += expected.size()) {
-    // Where each of the next points goes unless one before it takes the last room there.
-    const auto ahead = static_cast<std::size_t>(available.available() / kSitesAPointAhead) + 1;
-    expected.resize(std::min(ahead, order.size() - begin));
+  for (std::size_t next = 0; next < order.size();) {
+    // Where each of the next points goes unless those before it take the last room there.
+    const std::size_t left = order.size() - next;
+    const auto sites_left = static_cast<std::size_t>(available.available());
+    const std::size_t ahead = std::max(sites_left / kSitesAPointAhead, left / kPointsAPointAhead);
+    expected.resize(std::min(left, std::clamp(ahead, std::size_t{1}, kMostAhead)));
+    const std::size_t begin = next;
     arena.for_each(expected.size(), kQueriesPerGrain,
                    [&](std::size_t k) { expected[k] = nearest(order[begin + k]); });
-    for (std::size_t k = 0; k < expected.size(); ++k) {
-      const Index point = order[begin + k];
-      const Index site = filling.surplus(expected[k]) < 0 ? expected[k] : nearest(point);
-      filling.add(site, point);
+    for (std::size_t k = 0, missed = 0; k < expected.size() && 8 * missed <= k + 8; ++k, ++next) {
+      Index site = expected[k];
+      if (filling.surplus(site) >= 0) {
+        arena.check();
+        site = nearest(order[next]);
+        ++missed;
+      }
+      filling.add(site, order[next]);
       if (filling.surplus(site) == 0) available.remove(site);
     }
   }

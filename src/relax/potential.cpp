@@ -16,7 +16,7 @@ constexpr std::size_t kCoarsest = 32;
 constexpr int kCoarsestSweeps = 8;
 /// Consecutive nodes that are smoothed one after the other; the blocks at the same time.
 constexpr std::size_t kBlock = 512;
-constexpr std::size_t kNodesPerGrain = 4 * kBlock;
+constexpr std::size_t kNodesPerGrain = 2 * kBlock;
 
 using Vector = std::vector<double>;
 

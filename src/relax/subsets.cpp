@@ -29,6 +29,7 @@ struct NestedSubsets::Window {
 NestedSubsets::NestedSubsets(std::uint64_t seed, std::uint64_t stream, std::size_t points,
                              std::span<const std::size_t> sizes, const Arena& arena)
     : start_(Random(seed, stream).next()), last_(sizes.size()) {
+  if (sizes.empty()) return;
   std::vector<Window> windows;
   double deviations = 8;
   do {

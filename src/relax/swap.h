@@ -34,7 +34,8 @@ struct Exchange {
 
 /// Reduces the candidates to those that move: the k points of cell i with the highest keys and the
 /// k points of cell j with the lowest, for the greatest k at which each exchange still gains more
-/// than `margin`. Expected linear time for SwapMethod::median.
+/// than `margin`. Expected linear time for SwapMethod::median [4.1, Program 3]; SwapMethod::heap is
+/// the swap of 2009 [Program 1].
 void select_exchange(SwapMethod method, double margin, Exchange& candidates);
 
 /// Makes pairs of cells optimal [Programs 1 and 3]. One per worker: it owns scratch memory.

@@ -1,6 +1,7 @@
 #include "spatial/site_bins.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -44,7 +45,9 @@ std::optional<SiteBins> SiteBins::sort(const Metric& metric, std::span<const dou
     if (!std::isfinite(2 * bins.inverse_width_[d])) return std::nullopt;  // halves of bins, too
     all *= along;
   }
-  if (!(width > 0) || all > 4 * static_cast<double>(count)) return std::nullopt;
+  constexpr double kMostBins = std::numeric_limits<std::uint32_t>::max();
+  if (!(width > 0) || all > std::min(4 * static_cast<double>(count), kMostBins))
+    return std::nullopt;
   bins.rounding_ = 1e-9 * width + 1e-15 * farthest;
 
   struct Placed {

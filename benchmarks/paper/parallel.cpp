@@ -1,0 +1,175 @@
+// How much of a run is parallel: two threads against one beside what two runs side by side show the
+// machine to give, phase by phase; and what the tasks of one thread would take on more workers.
+
+#include <chrono>
+
+#include "ccvt/sampling.h"
+#include "ccvt/solver.h"
+#include "paper/experiments.h"
+#include "parallel/arena.h"
+#include "random.h"
+#include "support/replay.h"
+#include "support/statistics.h"
+
+namespace ccvt::bench {
+namespace {
+
+struct ParallelCase {
+  const char* name;
+  Case size;
+  bool periodic = false;
+  bool unequal = false;  ///< capacities, from 1 to 1000
+};
+
+std::vector<ParallelCase> make_cases(const Scale& scale) {
+  if (scale.quick) return {{"box", {2, 512, 64}}, {"torus", {3, 512, 64}, true}};
+  std::vector<ParallelCase> cases{{"box", {2, 4096, 256}}};
+  for (const Index sites : {16384, 65536}) {
+    for (const int dimension : {2, 3}) {
+      cases.push_back({"box", {dimension, sites, 256}});
+      cases.push_back({"torus", {dimension, sites, 256}, true});
+    }
+  }
+  cases.push_back({"box, capacities 1 to 1000", {2, 16384, 256}, false, true});
+  cases.push_back({"box", {16, 4096, 64}});
+  if (scale.is_long) {
+    cases.push_back({"box", {2, 262144, 256}});
+    cases.push_back({"box", {3, 262144, 256}});
+  }
+  return cases;
+}
+
+/// From 1 to 1000, of the given sum.
+std::vector<Index> unequal_capacities(Index sites, Index sum) {
+  Random random(1);
+  std::vector<Index> capacities(static_cast<std::size_t>(sites));
+  std::int64_t drawn = 0;
+  for (Index& c : capacities) {
+    const double u = random.uniform();
+    drawn += c = 1 + static_cast<Index>(999 * u * u * u);
+  }
+  for (std::size_t s = 0; drawn != sum; s = (s + 1) % capacities.size()) {
+    const Index step = drawn < sum ? 1 : -1;
+    if (capacities[s] + step < 1 || capacities[s] + step > 1000) continue;
+    capacities[s] += step;
+    drawn += step;
+  }
+  return capacities;
+}
+
+Problem<float> make_problem(const ParallelCase& which, const Points<float>& points) {
+  Problem<float> problem(points, which.size.sites);
+  if (which.periodic) problem.set_domain(Domain::periodic(Box::unit(which.size.dimension)));
+  if (which.unequal) {
+    problem.set_capacities(
+        unequal_capacities(which.size.sites, which.size.sites * which.size.points_per_site));
+  }
+  return problem;
+}
+
+/// Seconds, and those of each phase.
+Json run_once(const ParallelCase& which, const Points<float>& points, const Options& options) {
+  const Summary summary = tessellate(make_problem(which, points), options).summary;
+  Json json{{"seconds", summary.seconds_total}, {"energy", summary.normalized_energy}};
+  for (const PhaseRecord& phase : summary.phases) {
+    json["phases"][phase.name] = {
+        {"seconds", phase.seconds}, {"work", phase.work_seconds}, {"tasks", phase.tasks}};
+  }
+  return json;
+}
+
+/// What a loop costs two workers beside its tasks.
+double barrier_seconds() {
+  const Json json = run_in_child([] {
+    const Arena arena(2);
+    constexpr int kLoops = 2000;
+    const auto start = std::chrono::steady_clock::now();
+    for (int k = 0; k < kLoops; ++k) arena.for_each(4, 1, [](std::size_t) {});
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+    return Json{{"seconds", passed.count() / kLoops}};
+  });
+  return json["seconds"].get<double>();
+}
+
+/// One thread, with every task timed, and what comes of its tasks on more workers.
+Json replay_once(const ParallelCase& which, const Points<float>& points, std::uint64_t seed,
+                 double barrier, double slowdown) {
+  return run_in_child([&] {
+    Replay replay;
+    Options options{.threads = 1, .seed = seed};
+    options.on_loop = [&](const LoopRecord& loop) { replay.listen(loop); };
+    Json json = run_once(which, points, options);
+    double seconds = 0;  // without those of listening
+    for (const auto& [name, phase] : json["phases"].items()) {
+      seconds += phase["seconds"].get<double>();
+    }
+    for (std::size_t k = 0; k < Replay::kWorkers.size(); ++k) {
+      json["predicted"][std::to_string(Replay::kWorkers[k])] =
+          seconds / replay.seconds_on(k, seconds, barrier, 1);
+    }
+    // For the check against a measurement, tasks are as slow as runs side by side.
+    json["predicted_seconds"] = replay.seconds_on(0, seconds, barrier, slowdown);
+    for (auto& [name, phase] : json["phases"].items()) {
+      phase["serial"] = phase["seconds"].get<double>() - replay.work_in(name);
+      phase["on_16"] = replay.parallel_in(name, 3);
+    }
+    return json;
+  });
+}
+
+}  // namespace
+
+void parallel(const Scale& scale, const std::filesystem::path& directory) {
+  Record record("parallel", scale, directory);
+  record.json["parameters"] = {
+      {"points", "white noise, float"}, {"options", "default"}, {"seeds", "1 .. repetitions"}};
+  const double barrier = barrier_seconds();
+  record.json["barrier_seconds"] = barrier;
+  for (const ParallelCase& which : make_cases(scale)) {
+    const std::string size = size_name(which.size.sites, which.size.points_per_site);
+    if (!scale.only.empty() && size != scale.only) continue;
+    std::vector<double> one;
+    std::vector<double> two;
+    std::vector<double> ceilings;
+    std::vector<double> shares;
+    std::vector<double> predictions;
+    Json last_two;
+    Json last_replay;
+    for (int r = 0; r < scale.repetitions; ++r) {
+      const auto seed = static_cast<std::uint64_t>(r + 1);
+      const Points<float> points = white_points(which.size, seed);
+      const auto run = [&](int threads) {
+        return run_once(which, points, {.threads = threads, .seed = seed});
+      };
+      const auto [left, right] = run_side_by_side([&] { return run(1); });
+      const double beside = (left["seconds"].get<double>() + right["seconds"].get<double>()) / 2;
+      one.push_back(run_in_child([&] { return run(1); })["seconds"].get<double>());
+      last_two = run_in_child([&] { return run(2); });
+      two.push_back(last_two["seconds"].get<double>());
+      ceilings.push_back(2 * one.back() / beside);
+      shares.push_back(one.back() / two.back() / ceilings.back());
+      last_replay = replay_once(which, points, seed, barrier, beside / one.back());
+      predictions.push_back(last_replay["predicted_seconds"].get<double>() / two.back());
+      say(std::string(which.name) + ", " + std::to_string(which.size.dimension) + "D " + size +
+          ": " + std::to_string(one.back()) + " s, " + std::to_string(two.back()) +
+          " s on two threads, share " + std::to_string(shares.back()));
+    }
+    Json run;
+    run["name"] = which.name;
+    run["dimension"] = which.size.dimension;
+    run["sites"] = which.size.sites;
+    run["points_per_site"] = which.size.points_per_site;
+    run["one"] = repeated(one);
+    run["two"] = repeated(two);
+    run["ceiling"] = repeated(ceilings);
+    run["share"] = repeated(shares);
+    run["predicted_over_measured"] = repeated(predictions);
+    run["predicted"] = last_replay["predicted"];
+    run["phases"] = last_replay["phases"];
+    run["phases_on_two"] = last_two["phases"];
+    record.json["runs"].push_back(std::move(run));
+    record.save();
+  }
+}
+
+}  // namespace ccvt::bench
