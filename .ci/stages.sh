@@ -95,7 +95,7 @@ tidy_all() {
 }
 
 # The sources that differ from where this branch left the main one; on that itself, those of the
-# last commits. The first 40 of them: time is short where this is used.
+# last commits. The first 30 of them: time is short where this is used.
 changed_sources() {
   local base
   base=$(git merge-base HEAD origin/main 2>/dev/null || git merge-base HEAD main 2>/dev/null ||
@@ -103,7 +103,7 @@ changed_sources() {
   if [ "$base" = "$(git rev-parse HEAD)" ]; then
     base=$(git rev-list --max-count=20 HEAD | tail -n 1)
   fi
-  git diff --name-only --diff-filter=d "$base" -- 'src/*.cpp' | sed -n 1,40p
+  git diff --name-only --diff-filter=d "$base" -- 'src/*.cpp' | sed -n 1,30p
 }
 
 tidy_changed() {

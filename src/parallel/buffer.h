@@ -31,7 +31,10 @@ class Buffer {
   Buffer(const Buffer& other) : Buffer(other.size_) {
     std::copy(other.begin(), other.end(), begin());
   }
-  Buffer& operator=(const Buffer& other) { return *this = Buffer(other); }
+  Buffer& operator=(const Buffer& other) {
+    Buffer(other).swap(*this);
+    return *this;
+  }
   ~Buffer() = default;
 
   /// Makes it this large; what it held is lost. Allocates when it has never been as large.

@@ -1,6 +1,7 @@
 #include "parallel/pages.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 

@@ -93,8 +93,8 @@ class FlowRounds {
     left_.reset(edges.size());
     arena.for_each(schedule_.tasks.size(), 16, [&](std::size_t t) {
       const Schedule::Task& task = schedule_.tasks[t];
-      const auto begin = schedule_.pairs.begin() + task.begin;
-      const auto end = schedule_.pairs.begin() + task.end;
+      auto* const begin = schedule_.pairs.begin() + task.begin;
+      auto* const end = schedule_.pairs.begin() + task.end;
       std::sort(begin, end, [&](const Pair& x, const Pair& y) {
         const double high = flow.potential_at(x.first);
         const double low = flow.potential_at(y.first);

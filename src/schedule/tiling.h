@@ -32,7 +32,7 @@ class Tiling {
   [[nodiscard]] Index sites() const { return sites_; }
   [[nodiscard]] Index sites_per_tile() const { return sites_per_tile_; }
   [[nodiscard]] std::size_t count() const {
-    return static_cast<std::size_t>((sites_ - 1) / sites_per_tile_ + 1);
+    return static_cast<std::size_t>((sites_ - 1) / sites_per_tile_) + 1;
   }
   [[nodiscard]] Tile tile_of(Index site) const { return {site / sites_per_tile_}; }
   /// The sites of a tile are those from begin(tile) to end(tile) - 1.
