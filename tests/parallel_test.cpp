@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <cstdlib>
+#include <initializer_list>
 #include <numeric>
 #include <span>
 #include <stdexcept>
@@ -38,8 +39,8 @@ TEST_SUITE_BEGIN("parallel");
 TEST_CASE("ranges cover every item once, each no longer than the grain") {
   for (const int threads : thread_counts) {
     const Arena arena(threads);
-    for (const std::size_t count : {0, 1, 7, 1000}) {
-      for (const std::size_t grain : {1, 3, 1000, 5000}) {
+    for (const std::size_t count : std::initializer_list<std::size_t>{0, 1, 7, 1000}) {
+      for (const std::size_t grain : std::initializer_list<std::size_t>{1, 3, 1000, 5000}) {
         std::vector<std::atomic<int>> times(count);
         std::atomic<bool> fits{true};
         arena.for_ranges(count, grain, [&](std::size_t begin, std::size_t end, int worker) {
@@ -100,7 +101,7 @@ TEST_CASE("an exception ends the loop, and is passed on; the arena goes on worki
 }
 
 TEST_CASE("reduce combines blocks in an order that threads do not change") {
-  for (const std::size_t count : {0, 1, 5, 64, 1000, 4097}) {
+  for (const std::size_t count : std::initializer_list<std::size_t>{0, 1, 5, 64, 1000, 4097}) {
     const auto values = numbers(count, 1000);
     double expected = 0;
     for (const int threads : thread_counts) {
@@ -128,7 +129,7 @@ TEST_CASE("reduce combines blocks in an order that threads do not change") {
 TEST_CASE("an exclusive scan sums what comes before") {
   for (const int threads : thread_counts) {
     const Arena arena(threads);
-    for (const std::size_t count : {0, 1, 100, 200000}) {
+    for (const std::size_t count : std::initializer_list<std::size_t>{0, 1, 100, 200000}) {
       auto values = numbers(count, 50);
       std::vector<std::uint64_t> expected(count);
       std::exclusive_scan(values.begin(), values.end(), expected.begin(), std::uint64_t{0});
@@ -142,7 +143,7 @@ TEST_CASE("an exclusive scan sums what comes before") {
 TEST_CASE("collect keeps the order of the items") {
   for (const int threads : thread_counts) {
     const Arena arena(threads);
-    for (const std::size_t count : {0, 1, 100, 30000}) {
+    for (const std::size_t count : std::initializer_list<std::size_t>{0, 1, 100, 30000}) {
       const auto values = numbers(count, 4);
       std::vector<std::size_t> expected;
       for (std::size_t k = 0; k < count; ++k) {
@@ -167,8 +168,9 @@ TEST_CASE("grouping by key is a stable sort") {
   };
   for (const int threads : thread_counts) {
     const Arena arena(threads);
-    for (const std::size_t count : {0, 1, 500, 100000}) {
-      for (const std::size_t keys : {1, 2, 1000, 1024, 1025, 70000}) {
+    for (const std::size_t count : std::initializer_list<std::size_t>{0, 1, 500, 100000}) {
+      for (const std::size_t keys :
+           std::initializer_list<std::size_t>{1, 2, 1000, 1024, 1025, 70000}) {
         CAPTURE(count);
         CAPTURE(keys);
         const auto values = numbers(count, keys);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <initializer_list>
 #include <numeric>
 #include <set>
 #include <span>
@@ -55,9 +56,9 @@ std::vector<Pair> all_pairs_of(Index count) {
 TEST_SUITE_BEGIN("phases");
 
 TEST_CASE("subsets of points are exact, nested and the same for any threads") {
-  for (const std::size_t points : {1, 2, 1000, 300000}) {
+  for (const std::size_t points : std::initializer_list<std::size_t>{1, 2, 1000, 300000}) {
     std::vector<std::size_t> sizes;
-    for (const std::size_t divisor : {1000, 16, 4, 1}) {
+    for (const std::size_t divisor : std::initializer_list<std::size_t>{1000, 16, 4, 1}) {
       if (points >= divisor) sizes.push_back(points / divisor);
     }
     std::vector<std::vector<std::size_t>> expected;
