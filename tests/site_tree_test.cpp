@@ -148,7 +148,11 @@ std::vector<ccvt::Near<Scalar, 0>> found_by(const NearestSites<Scalar>& nearest,
                                             const std::vector<Index>& which, const Arena& arena) {
   return ccvt::with_dimension(nearest.dimension_of_copies(), [&]<std::size_t Dimension>() {
     std::vector<ccvt::Near<Scalar, 0>> all;
-    for (const auto& near : nearest.template find<Dimension>(points, which, arena)) {
+    typename NearestSites<Scalar>::template Found<Dimension> found;
+    for (int twice = 0; twice < 2; ++twice) {  // also with memory of the last time
+      nearest.template find<Dimension>(points, which, arena, found);
+    }
+    for (const auto& near : found.points) {
       all.push_back({near.site, near.point});
       if constexpr (Dimension > 0) {
         REQUIRE(std::equal(near.x.begin(), near.x.end(), points[near.point]));

@@ -132,13 +132,14 @@ struct Groups {
 
 /// Groups items by their key < keys, in their order inside a group: the stable counting sort, in
 /// two passes where there are many keys. Calls prepare(k, items[k]) for each once before its key.
-/// O(items + keys), and the memory of another copy of the items.
+/// O(items + keys), and the memory of another copy of the items: `spare`, which is swapped with
+/// theirs as need be, when loops do the same many times.
 ///
 /// Items go into buckets of consecutive keys first, so many that the ends of all are in the cache,
 /// and then into groups.
 template <class Item, class Prepare, class Key>
 Groups<Item> group_by_key(const Arena& arena, Buffer<Item> items, std::size_t keys,
-                          const Prepare& prepare, const Key& key) {
+                          const Prepare& prepare, const Key& key, Buffer<Item>& spare) {
   constexpr std::size_t kMostBuckets = 1024;
   const std::size_t count = items.size();
   // Enough slices for many workers, each with more items than there are buckets.
@@ -161,17 +162,17 @@ Groups<Item> group_by_key(const Arena& arena, Buffer<Item> items, std::size_t ke
   exclusive_scan(arena, std::span(place));
   const auto begin_of = [&](std::size_t b) { return place[b * slices]; };
 
-  Buffer<Item> placed(count);
+  spare.reset(count);
   arena.for_ranges(count, slice, [&](std::size_t begin, std::size_t end, int) {
     std::vector<std::size_t> next(buckets);
     for (std::size_t b = 0; b < buckets; ++b) next[b] = place[b * slices + begin / slice];
-    for (std::size_t k = begin; k < end; ++k) placed[next[key(items[k]) >> shift]++] = items[k];
+    for (std::size_t k = begin; k < end; ++k) spare[next[key(items[k]) >> shift]++] = items[k];
   });
 
   Groups<Item> groups{{}, Buffer<std::size_t>(keys + 1)};
   groups.first[keys] = count;
   if (shift == 0) {
-    groups.items = std::move(placed);
+    groups.items = std::exchange(spare, std::move(items));
     for (std::size_t b = 0; b < buckets; ++b) groups.first[b] = begin_of(b);
     return groups;
   }
@@ -180,7 +181,7 @@ Groups<Item> group_by_key(const Arena& arena, Buffer<Item> items, std::size_t ke
   arena.for_each(buckets, grain, [&](std::size_t b) {
     const std::size_t first_key = b << shift;
     const std::size_t own = std::min(std::size_t{1} << shift, keys - first_key);
-    const auto here = placed.span().subspan(begin_of(b), begin_of(b + 1) - begin_of(b));
+    const auto here = spare.span().subspan(begin_of(b), begin_of(b + 1) - begin_of(b));
     std::size_t* const next = groups.first.data() + first_key;
     std::fill_n(next, own, std::size_t{0});
     for (const Item& i : here) ++next[key(i) - first_key];
@@ -198,14 +199,17 @@ Groups<Item> group_by_key(const Arena& arena, Buffer<Item> items, std::size_t ke
 template <class Item, class Key>
 Groups<Item> group_by_key(const Arena& arena, Buffer<Item> items, std::size_t keys,
                           const Key& key) {
+  Buffer<Item> spare;
   return group_by_key(
-      arena, std::move(items), keys, [](std::size_t, const Item&) {}, key);
+      arena, std::move(items), keys, [](std::size_t, const Item&) {}, key, spare);
 }
 template <class Item, class MakeItem, class Key>
 Groups<Item> group_by_key(const Arena& arena, std::size_t count, std::size_t keys,
                           const MakeItem& item, const Key& key) {
+  Buffer<Item> spare;
   return group_by_key(
-      arena, Buffer<Item>(count), keys, [&](std::size_t k, Item& made) { made = item(k); }, key);
+      arena, Buffer<Item>(count), keys, [&](std::size_t k, Item& made) { made = item(k); }, key,
+      spare);
 }
 
 }  // namespace ccvt

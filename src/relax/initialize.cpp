@@ -67,29 +67,35 @@ Buffer<Pair> nearest_neighbours(const Metric& metric, const SiteState& sites, co
                        });
 }
 
-/// Adds the points to the sites that they are nearest to, in the order of these.
-template <class Scalar, std::size_t Dimension>
-void add_to_nearest(const NearestSites<Scalar>& nearest, std::span<const Index> which,
+/// Adds points to the sites that they are nearest to, part by part.
+template <std::size_t Dimension, class Scalar>
+void add_to_nearest(const NearestSites<Scalar>& nearest, std::span<const Index> joining,
                     const Arena& arena, Filling<Scalar>& filling) {
   using Item = Near<Scalar, Dimension>;
   const auto sites = static_cast<std::size_t>(filling.cells.site_count());
-  Buffer<Item> found = nearest.template find<Dimension>(filling.points, which, arena);
-  const auto charge = arena.phase(Phase::join);
-  const Groups<Item> by_site = group_by_key(arena, std::move(found), sites, [](const Item& item) {
-    return static_cast<std::size_t>(item.site);
-  });
-  arena.for_each(filling.tiles.count(), 1, [&](std::size_t t) {
-    const Tile tile{static_cast<Index>(t)};
-    for (Index s = filling.tiles.begin(tile); s < filling.tiles.end(tile); ++s) {
-      for (const Item& item : by_site[static_cast<std::size_t>(s)]) {
-        if constexpr (Dimension > 0) {
-          filling.add(s, item.point, item.x.data());
-        } else {
-          filling.add(s, item.point);
+  const std::size_t part = std::max(kLeastPoints, kPointsPerSite * sites);
+  typename NearestSites<Scalar>::template Found<Dimension> found;
+  for (std::size_t begin = 0; begin < joining.size(); begin += part) {
+    const auto which = joining.subspan(begin, std::min(part, joining.size() - begin));
+    nearest.template find<Dimension>(filling.points, which, arena, found);
+    const auto charge = arena.phase(Phase::join);
+    auto by_site = group_by_key(
+        arena, std::move(found.points), sites, [](std::size_t, const Item&) {},
+        [](const Item& item) { return static_cast<std::size_t>(item.site); }, found.spare);
+    arena.for_each(filling.tiles.count(), 1, [&](std::size_t t) {
+      const Tile tile{static_cast<Index>(t)};
+      for (Index s = filling.tiles.begin(tile); s < filling.tiles.end(tile); ++s) {
+        for (const Item& item : by_site[static_cast<std::size_t>(s)]) {
+          if constexpr (Dimension > 0) {
+            filling.add(s, item.point, item.x.data());
+          } else {
+            filling.add(s, item.point);
+          }
         }
       }
-    }
-  });
+    });
+    found.points = std::move(by_site.items);
+  }
 }
 
 }  // namespace
@@ -137,13 +143,9 @@ void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
   {
     const auto charge = arena.phase(Phase::nearest);
     const NearestSites<Scalar> nearest(metric, sites, box, arena);
-    const std::size_t chunk = std::max(kLeastPoints, kPointsPerSite * sites.radius.size());
-    for (std::size_t begin = 0; begin < joining.size(); begin += chunk) {
-      const auto which = joining.subspan(begin, std::min(chunk, joining.size() - begin));
-      with_dimension(nearest.dimension_of_copies(), [&]<std::size_t Dimension>() {
-        add_to_nearest<Scalar, Dimension>(nearest, which, arena, filling);
-      });
-    }
+    with_dimension(nearest.dimension_of_copies(), [&]<std::size_t Dimension>() {
+      add_to_nearest<Dimension>(nearest, joining, arena, filling);
+    });
   }
   if (near.empty()) {
     const auto charge = arena.phase(Phase::graph);

@@ -255,38 +255,36 @@ void NearestSites<Scalar>::find_in_bin(std::size_t bin, Worker& worker,
 
 template <class Scalar>
 template <std::size_t Dimension>
-Buffer<Near<Scalar, Dimension>> NearestSites<Scalar>::find(const PointsView<Scalar>& points,
-                                                           std::span<const Index> which,
-                                                           const Arena& arena) const {
+void NearestSites<Scalar>::find(const PointsView<Scalar>& points, std::span<const Index> which,
+                                const Arena& arena, Found<Dimension>& found) const {
   using Item = Near<Scalar, Dimension>;
+  found.points.reset(which.size());
   if constexpr (Dimension == 0) {
-    Buffer<Item> found(which.size());
     arena.for_ranges(which.size(), kPointsPerGrain, [&](std::size_t begin, std::size_t end, int) {
       std::vector<double> query(dimension_);
       for (std::size_t k = begin; k < end; ++k) {
         std::copy_n(points[which[k]], dimension_, query.begin());
-        found[k] = {tree().nearest(query.data()), which[k]};
+        found.points[k] = {tree().nearest(query.data()), which[k]};
       }
     });
-    return found;
   } else {
     const std::size_t bins = bins_->bin_count();
-    auto by_cell = group_by_key<Item>(
-        arena, which.size(), bins << Dimension,
-        [&](std::size_t k) {
+    auto by_cell = group_by_key(
+        arena, std::move(found.points), bins << Dimension,
+        [&](std::size_t k, Item& item) {
           const Scalar* x = points[which[k]];
-          Item item{cell_of<Dimension>(x), which[k], {}};
+          item.site = cell_of<Dimension>(x);
+          item.point = which[k];
           std::copy_n(x, Dimension, item.x.begin());
-          return item;
         },
-        [](const Item& item) { return static_cast<std::size_t>(item.site); });
+        [](const Item& item) { return static_cast<std::size_t>(item.site); }, found.spare);
     PerWorker<Worker> workers(arena);
     arena.for_ranges(bins, kBinsPerGrain, [&](std::size_t begin, std::size_t end, int w) {
       for (std::size_t bin = begin; bin < end; ++bin) {
         find_in_bin<Dimension>(bin, workers[w], by_cell);
       }
     });
-    return std::move(by_cell.items);
+    found.points = std::move(by_cell.items);
   }
 }
 
@@ -298,17 +296,19 @@ Buffer<Index> NearestSites<Scalar>::owners(const PointsView<Scalar>& points,
   arena.for_each(count, kPointsPerGrain, [&](std::size_t p) { all[p] = static_cast<Index>(p); });
   Buffer<Index> owners(count);
   with_dimension(dimension_of_copies(), [&]<std::size_t Dimension>() {
-    const auto found = find<Dimension>(points, all, arena);
+    Found<Dimension> found;
+    find<Dimension>(points, all, arena, found);
     arena.for_each(count, kPointsPerGrain, [&](std::size_t k) {
-      owners[static_cast<std::size_t>(found[k].point)] = found[k].site;
+      owners[static_cast<std::size_t>(found.points[k].point)] = found.points[k].site;
     });
   });
   return owners;
 }
 
-#define CCVT_INSTANTIATE(Scalar, Dimension)                                       \
-  template Buffer<Near<Scalar, Dimension>> NearestSites<Scalar>::find<Dimension>( \
-      const PointsView<Scalar>&, std::span<const Index>, const Arena&) const;
+#define CCVT_INSTANTIATE(Scalar, Dimension)                            \
+  template void NearestSites<Scalar>::find<Dimension>(                 \
+      const PointsView<Scalar>&, std::span<const Index>, const Arena&, \
+      NearestSites<Scalar>::Found<Dimension>&) const;
 
 CCVT_INSTANTIATE(float, 0)
 CCVT_INSTANTIATE(float, 2)

@@ -46,11 +46,16 @@ class NearestSites {
   /// The number of dimensions whose coordinates come along: 2 or 3 with a grid, else 0.
   [[nodiscard]] std::size_t dimension_of_copies() const { return bins_ ? dimension_ : 0; }
 
+  /// What find() finds, and memory that it needs: both last from one call to the next.
+  template <std::size_t Dimension>
+  struct Found {
+    Buffer<Near<Scalar, Dimension>> points;
+    Buffer<Near<Scalar, Dimension>> spare;
+  };
   /// `Dimension` is dimension_of_copies(). Of points in a grid, neighbours are near each other.
   template <std::size_t Dimension>
-  [[nodiscard]] Buffer<Near<Scalar, Dimension>> find(const PointsView<Scalar>& points,
-                                                     std::span<const Index> which,
-                                                     const Arena& arena) const;
+  void find(const PointsView<Scalar>& points, std::span<const Index> which, const Arena& arena,
+            Found<Dimension>& found) const;
 
   /// The site nearest to each of all points, by point.
   [[nodiscard]] Buffer<Index> owners(const PointsView<Scalar>& points, const Arena& arena) const;
