@@ -244,8 +244,12 @@ void Solver<Scalar>::Implementation::enter_level(std::size_t next) {
   if (level < next) {
     const auto charge = arena.phase(Phase::join);
     const Stop::Pause pause(stop);
-    arena.for_each(larger.sizes().size(), 1,
-                   [&](std::size_t s) { filling.add_cell(state.cells, static_cast<Index>(s)); });
+    arena.for_each(state.tiling.count(), 1, [&](std::size_t t) {
+      const Tile tile{static_cast<Index>(t)};
+      for (Index s = state.tiling.begin(tile); s < state.tiling.end(tile); ++s) {
+        filling.add_cell(state.cells, s);
+      }
+    });
   }
   state.cells = {};
   level = next;

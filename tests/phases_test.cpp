@@ -29,6 +29,7 @@ using ccvt::Metric;
 using ccvt::Pair;
 using ccvt::Random;
 using ccvt::SiteGraph;
+using ccvt::SpanningTree;
 using ccvt::SiteState;
 using ccvt::Tile;
 using ccvt::Tiling;
@@ -207,10 +208,10 @@ TEST_CASE("a graph of sites is connected, and its tree spans it") {
       CHECK(std::binary_search(of_b.begin(), of_b.end(), a));
     }
     const auto& tree = graph.spanning_tree();
-    REQUIRE(tree.order.size() == 100);
+    REQUIRE(tree.size() == 100);
     std::set<Index> seen;
-    for (const Index s : tree.order) {
-      const Index parent = tree.parent[static_cast<std::size_t>(s)];
+    for (const Index s : tree.order()) {
+      const Index parent = tree.parent(s);
       CHECK((parent < 0) == seen.empty());
       if (parent >= 0) {
         CHECK(seen.count(parent) == 1);
@@ -218,6 +219,52 @@ TEST_CASE("a graph of sites is connected, and its tree spans it") {
         CHECK(std::binary_search(near.begin(), near.end(), parent));
       }
       CHECK(seen.insert(s).second);
+    }
+  }
+}
+
+TEST_CASE("a spanning tree of many blocks: parents, sums of subtrees, the same for any threads") {
+  constexpr Index kNodes = 5000;  // five blocks
+  Random random(7);
+  for (const bool connected : {true, false}) {
+    std::vector<Pair> edges;
+    for (Index s = 1; s < kNodes; ++s) {
+      // To one before it, most of them near; else some parts stay apart.
+      const Index back = 1 + static_cast<Index>(random.below(s % 50 == 0 ? 4000 : 40));
+      if (s - back >= 0 || connected) edges.emplace_back(std::max(s - back, 0), s);
+    }
+    const SiteGraph joined(kNodes, edges);
+    const SpanningTree& tree = joined.spanning_tree();
+    REQUIRE(tree.size() == kNodes);
+    const std::vector<Index> order = tree.order();
+    std::vector<bool> seen(kNodes, false);
+    for (const Index s : order) {
+      CHECK_FALSE(seen[static_cast<std::size_t>(s)]);
+      seen[static_cast<std::size_t>(s)] = true;
+      const Index parent = tree.parent(s);
+      if (s == order[0]) {
+        CHECK(parent == -1);
+      } else {
+        REQUIRE(parent >= 0);
+        CHECK(seen[static_cast<std::size_t>(parent)]);
+        const auto near = joined.neighbours(s);
+        CHECK(std::binary_search(near.begin(), near.end(), parent));
+      }
+    }
+    std::vector<std::int64_t> values(kNodes);
+    for (auto& v : values) v = static_cast<std::int64_t>(random.below(2001)) - 1000;
+    std::vector<std::int64_t> expected = values;
+    for (std::size_t k = order.size(); k-- > 1;) {
+      expected[static_cast<std::size_t>(tree.parent(order[k]))] +=
+          expected[static_cast<std::size_t>(order[k])];
+    }
+    for (const int threads : {1, 2, 3, 8}) {
+      const Arena arena(threads);
+      const SpanningTree again(joined.all_neighbours(), arena);
+      CHECK(again.order() == order);
+      std::vector<std::int64_t> sums = values;
+      again.add_subtrees(sums, arena);
+      CHECK(sums == expected);
     }
   }
 }

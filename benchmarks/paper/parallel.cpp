@@ -67,15 +67,21 @@ Problem<float> make_problem(const ParallelCase& which, const Points<float>& poin
   return problem;
 }
 
-/// Seconds, and those of each phase.
-Json run_once(const ParallelCase& which, const Points<float>& points, const Options& options) {
-  const Summary summary = tessellate(make_problem(which, points), options).summary;
-  Json json{{"seconds", summary.seconds_total}, {"energy", summary.normalized_energy}};
+Json phases_of(const Summary& summary) {
+  Json json;
   for (const PhaseRecord& phase : summary.phases) {
-    json["phases"][phase.name] = {
+    json[phase.name] = {
         {"seconds", phase.seconds}, {"work", phase.work_seconds}, {"tasks", phase.tasks}};
   }
   return json;
+}
+
+/// Seconds, and those of each phase.
+Json run_once(const ParallelCase& which, const Points<float>& points, const Options& options) {
+  const Summary summary = tessellate(make_problem(which, points), options).summary;
+  return {{"seconds", summary.seconds_total},
+          {"energy", summary.normalized_energy},
+          {"phases", phases_of(summary)}};
 }
 
 /// What a loop costs two workers beside its tasks.
@@ -91,27 +97,30 @@ double barrier_seconds() {
   return json["seconds"].get<double>();
 }
 
-/// One thread, with every task timed, and what comes of its tasks on more workers.
-Json replay_once(const ParallelCase& which, const Points<float>& points, std::uint64_t seed,
-                 double barrier, double slowdown) {
+/// Runs of one thread with every task timed, and what comes of their tasks on more workers.
+Json replay_runs(const ParallelCase& which, int repetitions, double barrier, double slowdown) {
   return run_in_child([&] {
-    Replay replay;
-    Options options{.threads = 1, .seed = seed};
-    options.on_loop = [&](const LoopRecord& loop) { replay.listen(loop); };
-    Json json = run_once(which, points, options);
-    double seconds = 0;  // without those of listening
-    for (const auto& [name, phase] : json["phases"].items()) {
-      seconds += phase["seconds"].get<double>();
+    const Points<float> points = white_points(which.size, 1);
+    std::vector<RecordedRun> runs(static_cast<std::size_t>(repetitions));
+    Json json;
+    for (RecordedRun& run : runs) {
+      Options options{.threads = 1, .seed = 1};
+      options.on_loop = [&](const LoopRecord& loop) { run.listen(loop); };
+      const Summary summary = tessellate(make_problem(which, points), options).summary;
+      run.phases = summary.phases;
+      json["phases"] = phases_of(summary);
     }
+    const Replay replay(runs);
     for (std::size_t k = 0; k < Replay::kWorkers.size(); ++k) {
       json["predicted"][std::to_string(Replay::kWorkers[k])] =
-          seconds / replay.seconds_on(k, seconds, barrier, 1);
+          replay.seconds() / replay.seconds_on(k, barrier, 1);
     }
     // For the check against a measurement, tasks are as slow as runs side by side.
-    json["predicted_seconds"] = replay.seconds_on(0, seconds, barrier, slowdown);
+    json["predicted_seconds"] = replay.seconds_on(0, barrier, slowdown);
     for (auto& [name, phase] : json["phases"].items()) {
-      phase["serial"] = phase["seconds"].get<double>() - replay.work_in(name);
+      phase["serial"] = replay.serial_in(name);
       phase["on_16"] = replay.parallel_in(name, 3);
+      phase["on_64"] = replay.parallel_in(name, 5);
     }
     return json;
   });
@@ -132,9 +141,8 @@ void parallel(const Scale& scale, const std::filesystem::path& directory) {
     std::vector<double> two;
     std::vector<double> ceilings;
     std::vector<double> shares;
-    std::vector<double> predictions;
+    std::vector<double> slowdowns;
     Json last_two;
-    Json last_replay;
     for (int r = 0; r < scale.repetitions; ++r) {
       const auto seed = static_cast<std::uint64_t>(r + 1);
       const Points<float> points = white_points(which.size, seed);
@@ -148,12 +156,12 @@ void parallel(const Scale& scale, const std::filesystem::path& directory) {
       two.push_back(last_two["seconds"].get<double>());
       ceilings.push_back(2 * one.back() / beside);
       shares.push_back(one.back() / two.back() / ceilings.back());
-      last_replay = replay_once(which, points, seed, barrier, beside / one.back());
-      predictions.push_back(last_replay["predicted_seconds"].get<double>() / two.back());
+      slowdowns.push_back(beside / one.back());
       say(std::string(which.name) + ", " + std::to_string(which.size.dimension) + "D " + size +
           ": " + std::to_string(one.back()) + " s, " + std::to_string(two.back()) +
           " s on two threads, share " + std::to_string(shares.back()));
     }
+    const Json replay = replay_runs(which, scale.repetitions, barrier, median(slowdowns));
     Json run;
     run["name"] = which.name;
     run["dimension"] = which.size.dimension;
@@ -163,9 +171,9 @@ void parallel(const Scale& scale, const std::filesystem::path& directory) {
     run["two"] = repeated(two);
     run["ceiling"] = repeated(ceilings);
     run["share"] = repeated(shares);
-    run["predicted_over_measured"] = repeated(predictions);
-    run["predicted"] = last_replay["predicted"];
-    run["phases"] = last_replay["phases"];
+    run["predicted_over_measured"] = replay["predicted_seconds"].get<double>() / median(two);
+    run["predicted"] = replay["predicted"];
+    run["phases"] = replay["phases"];
     run["phases_on_two"] = last_two["phases"];
     record.json["runs"].push_back(std::move(run));
     record.save();

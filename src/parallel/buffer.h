@@ -37,10 +37,13 @@ class Buffer {
   }
   ~Buffer() = default;
 
-  /// Makes it this large; what it held is lost. Allocates when it has never been as large.
-  void reset(std::size_t size) {
-    if (size > room_) *this = Buffer(size);
+  /// Makes it this large; what it held is lost. Allocates when it has never been as large, and
+  /// tells whether it did.
+  bool reset(std::size_t size) {
+    const bool grows = size > room_;
+    if (grows) *this = Buffer(size);
     size_ = size;
+    return grows;
   }
 
   [[nodiscard]] std::size_t size() const { return size_; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
@@ -115,6 +116,15 @@ Buffer<T> collect(const Arena& arena, std::size_t count, std::size_t grain, cons
   return all;
 }
 
+/// Has the workers touch memory that is not written to in order, a part each: whoever comes first
+/// would wait for the system to clear nearly all of it.
+template <class T>
+void touch(const Arena& arena, Buffer<T>& buffer) {
+  constexpr std::size_t kPage = 4096 / sizeof(T) + 1;
+  arena.for_each(buffer.size() / kPage, 64,
+                 [&](std::size_t k) { std::memset(&buffer[k * kPage], 0, sizeof(T)); });
+}
+
 /// Items in groups: those of group g are items[first[g]] to items[first[g + 1] - 1].
 template <class Item>
 struct Groups {
@@ -162,7 +172,7 @@ Groups<Item> group_by_key(const Arena& arena, Buffer<Item> items, std::size_t ke
   exclusive_scan(arena, std::span(place));
   const auto begin_of = [&](std::size_t b) { return place[b * slices]; };
 
-  spare.reset(count);
+  if (spare.reset(count)) touch(arena, spare);
   arena.for_ranges(count, slice, [&](std::size_t begin, std::size_t end, int) {
     std::vector<std::size_t> next(buckets);
     for (std::size_t b = 0; b < buckets; ++b) next[b] = place[b * slices + begin / slice];

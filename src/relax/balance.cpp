@@ -43,16 +43,13 @@ class Flow {
         if (!in_tree(s, t)) to_parent_[k] -= drop(s, t);
       }
     });
-    for (std::size_t k = tree_.order.size(); k-- > 1;) {
-      const auto s = static_cast<std::size_t>(tree_.order[k]);
-      to_parent_[static_cast<std::size_t>(tree_.parent[s])] += to_parent_[s];
-    }
+    tree_.add_subtrees(to_parent_, arena);
     if (to_parent_[0] != 0) throw std::logic_error("balance: surpluses do not sum to zero");
   }
 
   [[nodiscard]] std::int64_t operator()(Index from, Index to) const {
-    if (parent(from) == to) return to_parent_[static_cast<std::size_t>(from)];
-    if (parent(to) == from) return -to_parent_[static_cast<std::size_t>(to)];
+    if (tree_.parent(from) == to) return to_parent_[static_cast<std::size_t>(from)];
+    if (tree_.parent(to) == from) return -to_parent_[static_cast<std::size_t>(to)];
     return drop(from, to);
   }
   [[nodiscard]] double potential_at(Index site) const {
@@ -60,13 +57,14 @@ class Flow {
   }
 
  private:
-  [[nodiscard]] Index parent(Index s) const { return tree_.parent[static_cast<std::size_t>(s)]; }
-  [[nodiscard]] bool in_tree(Index s, Index t) const { return parent(s) == t || parent(t) == s; }
+  [[nodiscard]] bool in_tree(Index s, Index t) const {
+    return tree_.parent(s) == t || tree_.parent(t) == s;
+  }
   [[nodiscard]] std::int64_t drop(Index from, Index to) const {
     return static_cast<std::int64_t>(std::nearbyint(potential_at(from) - potential_at(to)));
   }
 
-  const SiteGraph::SpanningTree& tree_;
+  const SpanningTree& tree_;
   std::vector<double> phi_;
   std::vector<std::int64_t> to_parent_;
 };
@@ -155,7 +153,8 @@ void flow_along_tree(const Metric& metric, const SiteState& sites, const SiteGra
                      const Arena& arena, Filling<Scalar>& filling) {
   std::vector<Index> subtree = surpluses(filling, arena);
   if (std::all_of(subtree.begin(), subtree.end(), [](Index s) { return s == 0; })) return;
-  const SiteGraph::SpanningTree& tree = graph.spanning_tree();
+  const SpanningTree& tree = graph.spanning_tree();
+  const std::vector<Index> order = tree.order();
   Mover<Scalar> mover(metric, sites, filling);
   const auto pass = [&](Index from, Index to, Index count) {
     arena.check();
@@ -163,15 +162,15 @@ void flow_along_tree(const Metric& metric, const SiteState& sites, const SiteGra
     mover.move(to, count);
     mover.stay();
   };
-  for (std::size_t k = tree.order.size(); k-- > 1;) {
-    const auto s = static_cast<std::size_t>(tree.order[k]);
-    const Index parent = tree.parent[s];
-    subtree[static_cast<std::size_t>(parent)] += subtree[s];
-    if (subtree[s] > 0) pass(tree.order[k], parent, subtree[s]);
+  for (std::size_t k = order.size(); k-- > 1;) {
+    const Index count = subtree[static_cast<std::size_t>(order[k])];
+    const Index parent = tree.parent(order[k]);
+    subtree[static_cast<std::size_t>(parent)] += count;
+    if (count > 0) pass(order[k], parent, count);
   }
-  for (std::size_t k = 1; k < tree.order.size(); ++k) {
-    const auto s = static_cast<std::size_t>(tree.order[k]);
-    if (subtree[s] < 0) pass(tree.parent[s], tree.order[k], -subtree[s]);
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    const Index count = subtree[static_cast<std::size_t>(order[k])];
+    if (count < 0) pass(tree.parent(order[k]), order[k], -count);
   }
 }
 

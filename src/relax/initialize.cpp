@@ -40,7 +40,7 @@ Buffer<Pair> nearest_neighbours(const Metric& metric, const SiteState& sites, co
   const SiteTree tree(metric, sites.position);
   const auto count = static_cast<std::size_t>(sites.count());
   PerWorker<std::vector<Index>> scratch(arena);
-  const Buffer<Pair> found =
+  Buffer<Pair> found =
       collect<Pair>(arena, count, kSitesPerGrain,
                     [&](std::size_t begin, std::size_t end, std::vector<Pair>& pairs, int w) {
                       for (std::size_t s = begin; s < end; ++s) {
@@ -53,18 +53,7 @@ Buffer<Pair> nearest_neighbours(const Metric& metric, const SiteState& sites, co
                         }
                       }
                     });
-  auto by_first = group_by_key<Pair>(
-      arena, found.size(), count, [&](std::size_t k) { return found[k]; },
-      [](const Pair& pair) { return static_cast<std::size_t>(pair.first); });
-  return collect<Pair>(arena, count, kSitesPerGrain,
-                       [&](std::size_t begin, std::size_t end, std::vector<Pair>& pairs, int) {
-                         for (std::size_t s = begin; s < end; ++s) {
-                           const auto own = by_first[s];
-                           std::sort(own.begin(), own.end());
-                           pairs.insert(pairs.end(), own.begin(),
-                                        std::unique(own.begin(), own.end()));
-                         }
-                       });
+  return sorted_pairs(arena, std::move(found), count);
 }
 
 /// Adds points to the sites that they are nearest to, part by part.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <iterator>
+#include <utility>
 
 namespace ccvt {
 namespace {
@@ -10,14 +12,17 @@ namespace {
 constexpr double kSkin = 0.2;
 /// Of the sites: so many may be entered anew before the list is made again.
 constexpr Index kMovedShare = 8;
-/// Of the sites: so many are searched apart when a sphere is entered anew.
-constexpr Index kFarShare = 32;
+/// Of the sites: so many, or about, are searched apart when a sphere is entered anew.
+constexpr std::size_t kFarShare = 32;
+/// Of how many sites that share is taken.
+constexpr std::size_t kMostSampled = 4096;
 /// Of the sites: so many may be looked at while spheres are entered anew.
 constexpr std::size_t kMostNear = 16;
 /// Rounding in distances must not lose a pair.
 constexpr double kRounding = 1 + 1e-12;
 constexpr std::size_t kSitesPerGrain = 1024;
 constexpr std::size_t kSitesPerSearch = 64;
+constexpr std::size_t kMovedPerSearch = 8;
 
 /// Pairs are searched from the site with the larger reach, so that one far-reaching site does not
 /// make every search wide.
@@ -25,6 +30,16 @@ bool searches(const std::vector<double>& reach, Index site, Index other) {
   const double own = reach[static_cast<std::size_t>(site)];
   const double others = reach[static_cast<std::size_t>(other)];
   return own != others ? own > others : site < other;
+}
+
+/// What all of `reach` but a share of 1 / kFarShare, or about, are at most.
+double usual(const std::vector<double>& reach) {
+  const std::size_t step = (reach.size() + kMostSampled - 1) / kMostSampled;
+  std::vector<double> sample;
+  for (std::size_t s = 0; s < reach.size(); s += step) sample.push_back(reach[s]);
+  const auto rank = sample.end() - 1 - std::ssize(sample) / std::ptrdiff_t{kFarShare};
+  std::nth_element(sample.begin(), rank, sample.end());
+  return *rank;
 }
 
 }  // namespace
@@ -46,21 +61,27 @@ Buffer<Index> MeetingPairs::outgrown(const Metric& metric, const SiteState& site
 }
 
 void MeetingPairs::enter(const SiteState& sites, Index site) {
-  std::copy_n(sites.at(site), dimension_,
-              position_.begin() + static_cast<std::ptrdiff_t>(site) * dimension_);
-  reach_[static_cast<std::size_t>(site)] =
-      sites.radius[static_cast<std::size_t>(site)] * (1 + kSkin);
+  const auto s = static_cast<std::size_t>(site);
+  std::copy_n(sites.at(site), dimension_, &position_[s * dimension_]);
+  reach_[s] = sites.radius[s] * (1 + kSkin);
 }
 
 /// Some of the sites, to be searched where they have been entered.
 MeetingPairs::Group MeetingPairs::group(const Metric& metric, std::span<const Index> sites,
                                         const Arena& arena) const {
-  std::vector<double> positions;
-  double largest_reach = 0;
-  for (const Index s : sites) {
-    positions.insert(positions.end(), at(s), at(s) + dimension_);
-    largest_reach = std::max(largest_reach, reach_[static_cast<std::size_t>(s)]);
-  }
+  std::vector<double> positions(sites.size() * dimension_);
+  arena.for_each(sites.size(), kSitesPerGrain, [&](std::size_t k) {
+    std::copy_n(at(sites[k]), dimension_, &positions[k * dimension_]);
+  });
+  const double largest_reach = reduce(
+      arena, sites.size(), kSitesPerGrain, 0.0,
+      [&](std::size_t begin, std::size_t end) {
+        double largest = 0;
+        for (std::size_t k = begin; k < end; ++k)
+          largest = std::max(largest, reach_[static_cast<std::size_t>(sites[k])]);
+        return largest;
+      },
+      [](double x, double y) { return std::max(x, y); });
   return {SiteSearch(metric, positions, arena), largest_reach};
 }
 
@@ -86,7 +107,7 @@ MeetingPairs::Refreshed MeetingPairs::refresh(const Metric& metric, const SiteSt
 bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Arena& arena,
                          std::size_t limit) {
   const auto count = static_cast<std::size_t>(sites.count());
-  dimension_ = sites.dimension;
+  dimension_ = static_cast<std::size_t>(sites.dimension);
   position_.resize(sites.position.size());
   reach_.resize(count);
   arena.for_each(count, kSitesPerGrain,
@@ -96,10 +117,7 @@ bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Are
   moved_.clear();
   search_.emplace(metric, sites.position, arena);
 
-  std::vector<double> sorted = reach_;
-  const auto rank = static_cast<std::ptrdiff_t>(count - 1 - count / kFarShare);
-  std::nth_element(sorted.begin(), sorted.begin() + rank, sorted.end());
-  usual_reach_ = sorted[static_cast<std::size_t>(rank)];
+  usual_reach_ = usual(reach_);
   far_ = collect<Index>(arena, count, kSitesPerGrain,
                         [&](std::size_t begin, std::size_t end, std::vector<Index>& far, int) {
                           for (std::size_t s = begin; s < end; ++s) {
@@ -132,12 +150,7 @@ bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Are
     search_.reset();
     return false;
   }
-  pairs_ = group_by_key(arena, std::move(found), count,
-                        [](const Pair& pair) { return static_cast<std::size_t>(pair.first); });
-  arena.for_each(count, kSitesPerGrain, [&](std::size_t s) {
-    const auto own = pairs_[s];
-    std::sort(own.begin(), own.end());
-  });
+  pairs_ = pairs_by_first(arena, std::move(found), count);
   return true;
 }
 
@@ -151,9 +164,10 @@ bool MeetingPairs::listed(const Pair& pair) const {
 bool MeetingPairs::extend(const Metric& metric, const SiteState& sites, std::span<const Index> left,
                           const Arena& arena) {
   arena.for_each(left.size(), kSitesPerGrain, [&](std::size_t k) { enter(sites, left[k]); });
-  moved_.insert(moved_.end(), left.begin(), left.end());
-  std::sort(moved_.begin(), moved_.end());
-  moved_.erase(std::unique(moved_.begin(), moved_.end()), moved_.end());
+  std::vector<Index> moved_before;
+  moved_before.swap(moved_);
+  std::set_union(moved_before.begin(), moved_before.end(), left.begin(), left.end(),
+                 std::back_inserter(moved_));
 
   const Group moved = group(metric, moved_, arena);
   struct Scratch {
@@ -182,8 +196,8 @@ bool MeetingPairs::extend(const Metric& metric, const SiteState& sites, std::spa
     add_from(moved_, moved);
   };
   const std::size_t most_near = kMostNear * reach_.size();
-  const Buffer<Pair> fresh =
-      collect<Pair>(arena, left.size(), kSitesPerSearch,
+  Buffer<Pair> fresh =
+      collect<Pair>(arena, left.size(), kMovedPerSearch,
                     [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int w) {
                       if (near > most_near) return;
                       scratch[w].near = 0;
@@ -192,9 +206,11 @@ bool MeetingPairs::extend(const Metric& metric, const SiteState& sites, std::spa
                     });
   // Whether that is so does not depend on who looked where: every task looks at as many.
   if (near > most_near) return false;
-  added_.insert(added_.end(), fresh.begin(), fresh.end());
-  std::sort(added_.begin(), added_.end());
-  added_.erase(std::unique(added_.begin(), added_.end()), added_.end());
+  fresh = sorted_pairs(arena, std::move(fresh), reach_.size());
+  std::vector<Pair> added_before;
+  added_before.swap(added_);
+  std::set_union(added_before.begin(), added_before.end(), fresh.begin(), fresh.end(),
+                 std::back_inserter(added_));
   return true;
 }
 

@@ -52,10 +52,10 @@ class MeetingPairs {
               const Arena& arena);
   [[nodiscard]] bool listed(const Pair& pair) const;
   [[nodiscard]] const double* at(Index site) const {
-    return position_.data() + static_cast<std::ptrdiff_t>(site) * dimension_;
+    return &position_[static_cast<std::size_t>(site) * dimension_];
   }
 
-  int dimension_ = 0;
+  std::size_t dimension_ = 0;
   Groups<Pair> pairs_;  ///< by their first site
   std::vector<Pair> added_;
   std::vector<double> position_;      ///< of each sphere when it was entered

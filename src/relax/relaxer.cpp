@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "relax/all_pairs.h"
 #include "relax/screen.h"
@@ -33,7 +34,7 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
     worker.count = {};
     worker.swapped.clear();
   }
-  std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
+  if (touched_tile_.empty()) touched_tile_.assign(state.tiling.count(), 1);
   cached_passes_ = full ? 0 : cached_passes_ + 1;
   try {
     if (full) {
@@ -47,15 +48,16 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
   } catch (...) {
     // Swaps have been made: whoever goes on must find the sites where their cells are.
     forget_pairs();
+    std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
     const Stop::Pause pause(stop_);
     update_all(metric_, state, arena_);
     throw;
   }
   // What is left takes a pass over the cells that have changed.
   if (stopped_) stop_.off();
-  const PassCount result = count(full);
+  PassCount result = count(full);
   const Stop::Pause pause(stop_);
-  update_changed(state, full && !stopped_);
+  result.active_sites = update_changed(state, full && !stopped_);
   stable_ = full && !stopped_ && result.swaps == 0;
   return result;
 }
@@ -63,15 +65,6 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
 /// Each pair that may gain comes from the cheapest source that has it.
 template <class Scalar>
 void Relaxer<Scalar>::full_pass(LevelState<Scalar>& state) {
-  touched_tile_.assign(state.tiling.count(), 0);
-  for (std::size_t t = 0; t < touched_tile_.size(); ++t) {
-    const Tile tile{static_cast<Index>(t)};
-    const auto first = touched_.begin();
-    touched_tile_[t] = std::any_of(first + state.tiling.begin(tile), first + state.tiling.end(tile),
-                                   [](std::uint8_t touched) { return touched != 0; })
-                           ? 1
-                           : 0;
-  }
   if (options_.pairs == PairSelection::all) return run(AllPairs(state.tiling), true, state);
   if (lists_.refresh(metric_, state.sites, state.tiling, arena_)) {
     for (const Schedule* schedule : lists_.schedules()) run(*schedule, true, state);
@@ -142,23 +135,29 @@ PassCount Relaxer<Scalar>::count(bool full) {
   }
   // Which worker met a pair is chance; the schedule must not depend on it.
   std::sort(cache_.begin(), cache_.end());
-  count.active_sites =
-      static_cast<Index>(std::count(changed_.begin(), changed_.end(), std::uint8_t{1}));
   return count;
 }
 
-/// Moves the sites whose cells have changed, and notes them for the next full pass.
+/// Moves the sites whose cells have changed, and notes them for the next full pass. How many.
 template <class Scalar>
-void Relaxer<Scalar>::update_changed(LevelState<Scalar>& state, bool full) {
+Index Relaxer<Scalar>::update_changed(LevelState<Scalar>& state, bool full) {
   const auto charge = arena_.phase(Phase::update);
-  arena_.for_each(state.tiling.count(), 1, [&](std::size_t t) {
+  PerWorker<Index> active(arena_);
+  arena_.for_ranges(state.tiling.count(), 1, [&](std::size_t t, std::size_t, int worker) {
     const Tile tile{static_cast<Index>(t)};
+    std::uint8_t any = 0;
     for (Index site = state.tiling.begin(tile); site < state.tiling.end(tile); ++site) {
       const auto s = static_cast<std::size_t>(site);
-      if (changed_[s] != 0) update_site(metric_, state.cells, state.sites, site);
-      touched_[s] = full ? changed_[s] : touched_[s] | changed_[s];
+      const std::uint8_t changed = std::exchange(changed_[s], std::uint8_t{0});
+      if (changed != 0) update_site(metric_, state.cells, state.sites, site);
+      active[worker] += changed;
+      any |= touched_[s] = full ? changed : touched_[s] | changed;
     }
+    touched_tile_[t] = any;
   });
+  Index all = 0;
+  for (int w = 0; w < arena_.threads(); ++w) all += active[w];
+  return all;
 }
 
 /// A pass was left in the middle: what is listed may be incomplete.
@@ -167,6 +166,7 @@ void Relaxer<Scalar>::forget_pairs() {
   cache_.clear();
   lists_.forget();
   std::fill(touched_.begin(), touched_.end(), std::uint8_t{1});
+  std::fill(touched_tile_.begin(), touched_tile_.end(), std::uint8_t{1});
 }
 
 template <class Scalar>

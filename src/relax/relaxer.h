@@ -57,7 +57,7 @@ class Relaxer {
   template <class Source>
   void run(Source&& source, bool full, LevelState<Scalar>& state);
   void examine(LevelState<Scalar>& state, Worker& worker, Index i, Index j);
-  void update_changed(LevelState<Scalar>& state, bool full);
+  Index update_changed(LevelState<Scalar>& state, bool full);
   PassCount count(bool full);
   void forget_pairs();
   bool cancelled() { return stopped_ = stopped_ || stop_.requested(); }

@@ -181,14 +181,9 @@ Buffer<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells, con
       }
     }
   };
-  const auto sites_count = static_cast<std::size_t>(sites.count());
-  auto by_first = group_by_key(arena, collect<Pair>(arena, work.size(), 1, screen), sites_count,
-                               [](const Pair& p) { return static_cast<std::size_t>(p.first); });
-  arena.for_each(sites_count, kBlockSites, [&](std::size_t s) {
-    const auto own = by_first[s];
-    std::sort(own.begin(), own.end());
-  });
-  return std::move(by_first.items);
+  return std::move(pairs_by_first(arena, collect<Pair>(arena, work.size(), 1, screen),
+                                  static_cast<std::size_t>(sites.count()))
+                       .items);
 }
 
 template Buffer<Pair> gaining_pairs(const Metric&, const Cells<float>&, const SiteState&,

@@ -55,25 +55,6 @@ Groups<Index> neighbours_in(Index sites, std::span<const Pair> pairs, const Aren
   return neighbours;
 }
 
-/// Of the sites that site 0 is connected with.
-SiteGraph::SpanningTree tree_of(const Groups<Index>& neighbours) {
-  SiteGraph::SpanningTree tree;
-  tree.parent.assign(neighbours.count(), -2);
-  tree.order.reserve(neighbours.count());
-  tree.order.push_back(0);
-  tree.parent[0] = -1;
-  for (std::size_t k = 0; k < tree.order.size(); ++k) {
-    const Index s = tree.order[k];
-    for (const Index t : neighbours[static_cast<std::size_t>(s)]) {
-      Index& parent = tree.parent[static_cast<std::size_t>(t)];
-      if (parent != -2) continue;
-      parent = s;
-      tree.order.push_back(t);
-    }
-  }
-  return tree;
-}
-
 }  // namespace
 
 /// With a as the origin, k is in the diametral ball of a and b when |k|^2 < k . b.
@@ -125,8 +106,8 @@ Buffer<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
 }
 
 SiteGraph::SiteGraph(Index sites, std::span<const Pair> edges, const Arena& arena)
-    : neighbours_(neighbours_in(sites, edges, arena)), tree_(tree_of(neighbours_)) {
-  if (tree_.order.size() == neighbours_.count()) return;
+    : neighbours_(neighbours_in(sites, edges, arena)), tree_(neighbours_, arena) {
+  if (tree_.size() == neighbours_.count()) return;
   std::vector<Pair> all(edges.begin(), edges.end());
   DisjointSets sets(sites);
   for (const auto& [a, b] : edges) sets.join(a, b);
@@ -134,7 +115,7 @@ SiteGraph::SiteGraph(Index sites, std::span<const Pair> edges, const Arena& aren
     if (sets.join(s, s + 1)) all.emplace_back(s, s + 1);
   }
   neighbours_ = neighbours_in(sites, all, arena);
-  tree_ = tree_of(neighbours_);
+  tree_ = SpanningTree(neighbours_, arena);
 }
 
 }  // namespace ccvt

@@ -7,6 +7,7 @@
 #include "geometry/metric.h"
 #include "parallel/loops.h"
 #include "relax/site_state.h"
+#include "relax/spanning_tree.h"
 #include "schedule/schedule.h"
 
 namespace ccvt {
@@ -31,11 +32,6 @@ class SiteGraph {
   }
   [[nodiscard]] const Groups<Index>& all_neighbours() const { return neighbours_; }
 
-  struct SpanningTree {
-    std::vector<Index> order;   ///< every site after its parent; the root, site 0, first
-    std::vector<Index> parent;  ///< of each site; of the root -1
-  };
-  /// Breadth first.
   [[nodiscard]] const SpanningTree& spanning_tree() const { return tree_; }
 
  private:

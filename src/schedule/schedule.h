@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <compare>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -9,19 +8,10 @@
 #include "ccvt/types.h"
 #include "parallel/arena.h"
 #include "parallel/buffer.h"
+#include "schedule/pair.h"
 #include "schedule/tiling.h"
 
 namespace ccvt {
-
-/// Two nodes of a graph: sites, where nothing else is said.
-struct Pair {
-  Pair() = default;
-  constexpr Pair(Index a, Index b) : first(a), second(b) {}
-  friend auto operator<=>(const Pair&, const Pair&) = default;
-
-  Index first;
-  Index second;
-};
 
 /// Batches of pairs of nodes: within a batch no two pairs share a node, so its pairs can run at
 /// the same time. Every pair is in exactly one batch.
@@ -90,7 +80,7 @@ Schedule schedule_rounds(std::span<const Pair> pairs, Index sites, const Arena& 
 template <class Body>
 void Schedule::run_batch(const Arena& arena, std::span<const Task> tasks, const Body& body) {
   // About as many pairs as make the start of a task negligible.
-  constexpr std::size_t kPairsPerGrain = 64;
+  constexpr std::size_t kPairsPerGrain = 24;
   std::size_t pairs = 1;
   for (const Task& task : tasks) pairs += task.size();
   const std::size_t grain = 1 + kPairsPerGrain * tasks.size() / pairs;
