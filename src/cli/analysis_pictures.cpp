@@ -26,24 +26,18 @@ struct Panel {
 
 /// The central plane of axes a and b of a grid.
 Panel plane_of(const Spectrum& spectrum, std::size_t a, std::size_t b) {
-  std::vector<std::size_t> stride(spectrum.half.size() + 1, 1);
-  std::size_t centre = 0;
+  std::vector<std::ptrdiff_t> stride(spectrum.half.size() + 1, 1);
+  const double* centre = spectrum.power.data();
   for (std::size_t d = 0; d < spectrum.half.size(); ++d) {
-    const auto half = static_cast<std::size_t>(spectrum.half[d]);
-    centre += half * stride[d];
-    stride[d + 1] = stride[d] * (2 * half + 1);
+    centre += spectrum.half[d] * stride[d];
+    stride[d + 1] = stride[d] * (2 * spectrum.half[d] + 1);
   }
   const int half_a = std::min(spectrum.half[a], kMostFrequencies);
   const int half_b = std::min(spectrum.half[b], kMostFrequencies);
   Panel panel{2 * half_a + 1, 2 * half_b + 1, {}};
-  const auto offset = [](int k, std::size_t step) {
-    return static_cast<std::ptrdiff_t>(k) * static_cast<std::ptrdiff_t>(step);
-  };
   for (int y = -half_b; y <= half_b; ++y) {
     for (int x = -half_a; x <= half_a; ++x) {
-      const auto at =
-          static_cast<std::ptrdiff_t>(centre) + offset(x, stride[a]) + offset(y, stride[b]);
-      panel.power.push_back(spectrum.power[static_cast<std::size_t>(at)]);
+      panel.power.push_back(centre[x * stride[a] + y * stride[b]]);
     }
   }
   return panel;
@@ -62,7 +56,7 @@ Panel projected_plane(const AnalyzedSet& set, int threads) {
     runs.emplace_back(
         points, first.domain().is_periodic() ? Domain::periodic(face) : Domain::euclidean(face));
   }
-  if (runs.empty()) return {1, 1, {static_cast<double>(first.count())}};
+  if (runs.empty()) return {1, 1, {1.0 * first.count()}};
   SpectrumOptions options;
   options.threads = threads;
   // As many frequencies as an image shows and as are visited in seconds.
@@ -106,19 +100,18 @@ Image spectrum_image(const AnalyzedSet& set, int threads) {
   image.height = height * scale;
   for (const Panel& panel : panels) image.width += panel.width * scale + gap;
   image.width -= gap;
-  image.values.assign(
-      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height), 1.0F);
+  const std::ptrdiff_t width = image.width;
+  image.values.assign(static_cast<std::size_t>(width * image.height), 1.0F);
   int left = 0;
   for (const Panel& panel : panels) {
     for (int y = 0; y < panel.height * scale; ++y) {
       // Rows of an image go down, frequencies up.
-      const int row = panel.height - 1 - y / scale;
+      const std::ptrdiff_t row = panel.height - 1 - y / scale;
+      const double* const powers = panel.power.data() + row * panel.width;
+      float* const values = image.values.data() + y * width + left;
       for (int x = 0; x < panel.width * scale; ++x) {
-        const double p =
-            panel.power[static_cast<std::size_t>(row) * static_cast<std::size_t>(panel.width) +
-                        static_cast<std::size_t>(x / scale)];
-        image.values[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                     static_cast<std::size_t>(left + x)] = static_cast<float>(p / (1 + p));
+        const double p = powers[x / scale];
+        values[x] = static_cast<float>(p / (1 + p));
       }
     }
     left += panel.width * scale + gap;

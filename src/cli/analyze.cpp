@@ -127,8 +127,7 @@ AnalyzedSet read_set(const AnalyzeArguments& arguments, const PointFiles& given,
                                                    arguments.sets.front().files.front().string());
   for (const fs::path& path : given.files) {
     const PointsHeader header = inspect_and_tell(path, arguments.reading, arguments.quiet);
-    check_memory(path.string(), header.count, static_cast<std::uint64_t>(header.dimension),
-                 sizeof(double));
+    check_memory(path.string(), header.count, header.dimension, sizeof(double));
     Points<double> points = read_points<double>(path, arguments.reading);
     if (points.rows() != dimension) {
       throw InvalidInput(path.string() + ": points have " + std::to_string(points.rows()) +

@@ -15,17 +15,17 @@ template <class Visit>
 void for_values(int width, int height, int side, Visit visit) {
   const int across = (width + side - 1) / side;
   const int down = (height + side - 1) / side;
-  for (Eigen::Index block = 0; block < Eigen::Index{across} * down; ++block) {
-    const auto left = static_cast<int>(block % across) * side;
-    const auto top = static_cast<int>(block / across) * side;
-    Eigen::Index value = 0;
-    for (int y = top; y < top + side; ++y) {
-      for (int x = left; x < left + side; ++x) {
-        const std::size_t pixel =
-            static_cast<std::size_t>(std::min(y, height - 1)) * static_cast<std::size_t>(width) +
-            static_cast<std::size_t>(std::min(x, width - 1));
-        for (std::size_t c = 0; c < 3; ++c) {
-          visit(3 * pixel + c, block, value++, x < width && y < height);
+  Eigen::Index block = 0;
+  for (int row = 0; row < down; ++row) {
+    for (int column = 0; column < across; ++column, ++block) {
+      Eigen::Index value = 0;
+      for (int y = row * side; y < (row + 1) * side; ++y) {
+        for (int x = column * side; x < (column + 1) * side; ++x) {
+          const std::ptrdiff_t above = std::min(y, height - 1);
+          const std::ptrdiff_t pixel = above * width + std::min(x, width - 1);
+          for (int c = 0; c < 3; ++c) {
+            visit(3 * pixel + c, block, value++, x < width && y < height);
+          }
         }
       }
     }
@@ -48,19 +48,18 @@ Points<float> blocks_of(const ColourImage& image, int side) {
   const Eigen::Index down = (image.height + side - 1) / side;
   Points<float> blocks(Eigen::Index{3} * side * side, across * down);
   for_values(image.width, image.height, side,
-             [&](std::size_t from, Eigen::Index block, Eigen::Index value, bool) {
-               blocks(value, block) = static_cast<float>(image.rgb[from]);
+             [&](std::ptrdiff_t from, Eigen::Index block, Eigen::Index value, bool) {
+               blocks(value, block) = image.rgb.data()[from];
              });
   return blocks;
 }
 
 ColourImage picture_of(const Points<double>& blocks, int width, int height, int side) {
-  ColourImage image{width, height,
-                    std::vector<std::uint8_t>(3 * static_cast<std::size_t>(width) *
-                                              static_cast<std::size_t>(height))};
+  const std::int64_t pixels = std::int64_t{width} * height;
+  ColourImage image{width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(3 * pixels))};
   for_values(width, height, side,
-             [&](std::size_t to, Eigen::Index block, Eigen::Index value, bool inside) {
-               if (inside) image.rgb[to] = to_byte(blocks(value, block));
+             [&](std::ptrdiff_t to, Eigen::Index block, Eigen::Index value, bool inside) {
+               if (inside) image.rgb.data()[to] = to_byte(blocks(value, block));
              });
   return image;
 }

@@ -30,8 +30,7 @@ std::string describe(const Codebook& codebook, const Points<Scalar>& vectors,
 
 template <class Scalar>
 int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header) {
-  check_memory(arguments.vectors.string(), header.count,
-               static_cast<std::uint64_t>(header.dimension), sizeof(Scalar));
+  check_memory(arguments.vectors.string(), header.count, header.dimension, sizeof(Scalar));
   const Codebook codebook = Codebook::load(arguments.codebook, arguments.weights);
   const Points<Scalar> vectors = read_points<Scalar>(arguments.vectors, arguments.reading);
   const auto start = std::chrono::steady_clock::now();

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "ccvt/types.h"
 #include "cli/values.h"
 
 namespace ccvt::cli {
@@ -26,16 +25,23 @@ std::string bytes_text(double bytes) {
 
 }  // namespace
 
-std::string check_memory(const std::string& what, std::uint64_t points, std::uint64_t dimension,
+std::string check_memory(Index sites, Index points_per_site, int dimension,
+                         std::size_t scalar_bytes, std::uint64_t other_bytes) {
+  const std::int64_t points = std::int64_t{sites} * points_per_site;
+  return check_memory("--sites " + std::to_string(sites), static_cast<std::uint64_t>(points),
+                      dimension, scalar_bytes, other_bytes);
+}
+
+std::string check_memory(const std::string& what, std::uint64_t points, int dimension,
                          std::size_t scalar_bytes, std::uint64_t other_bytes) {
   // In double, which no product of three such numbers overflows.
-  const double needed = 4.0 * static_cast<double>(points) * static_cast<double>(dimension) *
-                            static_cast<double>(scalar_bytes) +
-                        100e6 + static_cast<double>(other_bytes);
+  const double needed =
+      4.0 * static_cast<double>(points) * dimension * static_cast<double>(scalar_bytes) + 100e6 +
+      static_cast<double>(other_bytes);
   const std::string would_need = what + ": " + std::to_string(points) + " points in " +
                                  std::to_string(dimension) + " dimensions would need about " +
                                  bytes_text(needed) + " of memory";
-  if (points > static_cast<std::uint64_t>(std::numeric_limits<Index>::max())) {
+  if (points > std::numeric_limits<Index>::max()) {
     throw InvalidInput(would_need + ", and are more than the 2147483647 points supported");
   }
   const auto pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES));

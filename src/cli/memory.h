@@ -4,13 +4,18 @@
 #include <cstdint>
 #include <string>
 
+#include "ccvt/types.h"
+
 namespace ccvt::cli {
 
 /// How much memory tessellating `points` points takes, such as "1.2 GiB": four times their
 /// coordinates, 100 MB, and `other_bytes`. Throws InvalidInput when that is more than the machine
 /// has, or the points are too many to be numbered. Either message starts with `what` and says how
 /// much memory it is.
-std::string check_memory(const std::string& what, std::uint64_t points, std::uint64_t dimension,
+std::string check_memory(const std::string& what, std::uint64_t points, int dimension,
+                         std::size_t scalar_bytes, std::uint64_t other_bytes = 0);
+/// The same for points that are drawn; the message starts with --sites.
+std::string check_memory(Index sites, Index points_per_site, int dimension,
                          std::size_t scalar_bytes, std::uint64_t other_bytes = 0);
 
 /// The most memory that this process has held so far.

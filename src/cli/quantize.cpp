@@ -120,8 +120,7 @@ int finish_training(const QuantizeArguments& arguments, Publication& outputs,
 
 template <class Scalar>
 int quantize_vectors(const QuantizeArguments& arguments, const PointsHeader& header) {
-  check_memory(arguments.vectors.string(), header.count,
-               static_cast<std::uint64_t>(header.dimension), sizeof(Scalar));
+  check_memory(arguments.vectors.string(), header.count, header.dimension, sizeof(Scalar));
   const Points<Scalar> vectors = read_points<Scalar>(arguments.vectors, arguments.reading);
   const Training training = train(arguments, arguments.vectors.string(), vectors);
   Publication outputs;

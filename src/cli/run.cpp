@@ -79,7 +79,7 @@ Options make_options(const CommonArguments& common, Index sites, Progress& progr
 }
 
 Box make_box(const std::vector<double>& numbers, int dimension, const std::string& file) {
-  const auto given = static_cast<Eigen::Index>(numbers.size());
+  const std::ptrdiff_t given = std::ssize(numbers);
   if (given != 2 * Eigen::Index{dimension}) {
     throw InvalidInput("--box: has " + std::to_string(given) + " numbers, but the points in " +
                        file + " have " + std::to_string(dimension) + " dimensions; " +

@@ -1,4 +1,3 @@
-#include <cstdint>
 
 #include "ccvt/io.h"
 #include "ccvt/problem.h"
@@ -14,13 +13,11 @@ namespace {
 
 template <class Scalar>
 int sample(const SampleArguments& arguments) {
-  const std::uint64_t count = static_cast<std::uint64_t>(arguments.sites) *
-                              static_cast<std::uint64_t>(arguments.points_per_site);
-  check_memory("--sites " + std::to_string(arguments.sites), count,
-               static_cast<std::uint64_t>(arguments.dimension), sizeof(Scalar));
+  check_memory(arguments.sites, arguments.points_per_site, arguments.dimension, sizeof(Scalar));
+  const Index count = arguments.sites * arguments.points_per_site;
   const Box box = Box::unit(arguments.dimension);
-  const Points<Scalar> points = sample_uniform<Scalar>(box, static_cast<Index>(count),
-                                                       arguments.seed, arguments.distribution);
+  const Points<Scalar> points =
+      sample_uniform<Scalar>(box, count, arguments.seed, arguments.distribution);
 
   Problem<Scalar> problem(points, arguments.sites);
   problem.set_domain(arguments.periodic ? Domain::periodic(box) : Domain::euclidean(box));

@@ -13,9 +13,7 @@ namespace {
 
 template <class Scalar>
 int stipple_file(const StippleArguments& arguments) {
-  const std::uint64_t count = static_cast<std::uint64_t>(arguments.sites) *
-                              static_cast<std::uint64_t>(arguments.points_per_site);
-  check_memory("--sites " + std::to_string(arguments.sites), count, 2, sizeof(Scalar));
+  check_memory(arguments.sites, arguments.points_per_site, 2, sizeof(Scalar));
   const Image image = read_image(arguments.image);
 
   StippleOptions options;

@@ -20,14 +20,13 @@ Domain make_domain(const TessellateArguments& arguments, int dimension) {
 
 template <class Scalar>
 int tessellate_file(const TessellateArguments& arguments, const PointsHeader& header) {
-  check_memory(arguments.points.string(), header.count,
-               static_cast<std::uint64_t>(header.dimension), sizeof(Scalar));
+  check_memory(arguments.points.string(), header.count, header.dimension, sizeof(Scalar));
   Domain domain = make_domain(arguments, header.dimension);
   Points<Scalar> initial_sites;
   Index sites = arguments.sites;
   if (!arguments.initial_sites.empty()) {
     initial_sites = read_points<Scalar>(arguments.initial_sites);
-    if (initial_sites.rows() != static_cast<Eigen::Index>(header.dimension)) {
+    if (initial_sites.rows() != header.dimension) {
       throw InvalidInput(arguments.initial_sites.string() + ": initial sites have " +
                          std::to_string(initial_sites.rows()) + " coordinates, points have " +
                          std::to_string(header.dimension) + ": the two must be equal");

@@ -17,10 +17,8 @@ namespace {
 template <class Scalar>
 int sample(const VolumeArguments& arguments, const VolumeHeader& header,
            const std::optional<VolumeHeader>& mask_header) {
-  const std::uint64_t count = static_cast<std::uint64_t>(arguments.sites) *
-                              static_cast<std::uint64_t>(arguments.points_per_site);
   const std::uint64_t mask_bytes = mask_header ? header.cells() + mask_header->bytes() : 0;
-  const std::string needed = check_memory("--sites " + std::to_string(arguments.sites), count, 3,
+  const std::string needed = check_memory(arguments.sites, arguments.points_per_site, 3,
                                           sizeof(Scalar), header.bytes() + mask_bytes);
   if (!arguments.quiet) print("needs about " + needed + " of memory\n");
 

@@ -28,9 +28,8 @@ void check_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
                        arguments.volume.string() + " has " + shape(volume));
   }
   const double cell = volume.grid.spacing().minCoeff();
-  const Eigen::Vector3d last(static_cast<double>(mask.grid.shape[0]),
-                             static_cast<double>(mask.grid.shape[1]),
-                             static_cast<double>(mask.grid.shape[2]));
+  const Eigen::Map<const Eigen::Vector3<std::int64_t>> cells(mask.grid.shape.data());
+  const Eigen::Vector3d last = cells.cast<double>();
   const Eigen::Vector3d near = volume.grid.origin.eigen() - mask.grid.origin.eigen();
   const Eigen::Vector3d far = near + (volume.grid.axes.eigen() - mask.grid.axes.eigen()) * last;
   if (near.norm() > 0.1 * cell || far.norm() > 0.1 * cell) {

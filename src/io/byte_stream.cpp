@@ -91,10 +91,9 @@ void ByteStream::read(void* data, std::size_t count) {
 }
 
 void ByteStream::skip(std::uint64_t count) {
-  std::vector<unsigned char> block(
-      static_cast<std::size_t>(std::min<std::uint64_t>(kBlock, count)));
+  std::vector<unsigned char> block(std::min<std::uint64_t>(kBlock, count));
   while (count > 0) {
-    const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), count));
+    const std::size_t part = std::min<std::uint64_t>(block.size(), count);
     read(block.data(), part);
     count -= part;
   }

@@ -12,13 +12,6 @@ namespace ccvt::io {
 
 namespace {
 
-std::string in_lower_case(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return name;
-}
-
 /// "its columns are 'x', 'y'": as many as a line bears.
 std::string list_of(const std::vector<std::string>& names, std::size_t count) {
   if (names.empty()) {

@@ -13,6 +13,9 @@ struct TableColumns {
   std::vector<std::size_t> at;        ///< from 0
   std::vector<std::string> names;     ///< of them; empty where columns have none
   std::vector<std::string> left_out;  ///< names of the others, where the names alone decided
+
+  /// Of the points.
+  [[nodiscard]] int dimension() const { return static_cast<int>(at.size()); }
 };
 
 /// `wanted`: names, or numbers from 1; a name that is a number goes first. Empty: the columns named

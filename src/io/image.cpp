@@ -45,8 +45,9 @@ template <int Depth>
 void to_grey(const io::PictureLayout& layout, const std::uint8_t* row, float* values) {
   constexpr std::uint64_t weights[3] = {2126, 7152, 722};  // Rec. 709, sum 10000
   constexpr std::uint64_t full = (1U << Depth) - 1;
-  const auto channels = static_cast<std::size_t>(layout.channels);
-  const auto size = static_cast<std::size_t>(layout.width) * channels;
+  constexpr double white = 10000 * full * full;
+  const std::size_t channels = layout.channels;
+  const std::size_t size = layout.width * channels;
   const bool colour = channels >= 3;
   const bool alpha = channels % 2 == 0;
   for (std::size_t at = 0; at < size; at += channels) {
@@ -55,8 +56,7 @@ void to_grey(const io::PictureLayout& layout, const std::uint8_t* row, float* va
     if (!colour) grey = 10000 * sample<Depth>(row, at);
     const std::uint64_t opaque = alpha ? sample<Depth>(row, at + channels - 1) : full;
     const std::uint64_t composited = grey * opaque + 10000 * full * (full - opaque);
-    *values++ = static_cast<float>(static_cast<double>(composited) /
-                                   static_cast<double>(10000 * full * full));
+    *values++ = static_cast<float>(static_cast<double>(composited) / white);
   }
 }
 
@@ -64,8 +64,8 @@ void to_grey(const io::PictureLayout& layout, const std::uint8_t* row, float* va
 template <int Depth>
 void to_colour(const io::PictureLayout& layout, const std::uint8_t* row, std::uint8_t* rgb) {
   constexpr std::uint64_t full = (1U << Depth) - 1;
-  const auto channels = static_cast<std::size_t>(layout.channels);
-  const auto size = static_cast<std::size_t>(layout.width) * channels;
+  const std::size_t channels = layout.channels;
+  const std::size_t size = layout.width * channels;
   const bool alpha = channels % 2 == 0;
   for (std::size_t at = 0; at < size; at += channels) {
     const std::uint64_t opaque = alpha ? sample<Depth>(row, at + channels - 1) : full;
@@ -87,46 +87,44 @@ std::unique_ptr<io::PictureDecoder> open_picture(const io::InputFile& file,
   file.fail("is neither PNG nor JPEG");
 }
 
-/// Calls append(layout, row) with each row. Memory for rows that do not come is not touched.
-template <class Value, class Append>
-io::PictureLayout read_rows(const std::filesystem::path& path, std::size_t values_per_pixel,
-                            std::vector<Value>& values, Append append) {
+/// Calls append(layout, row, values) with each row. Memory for rows that do not come is not
+/// touched. `values` are those of the image.
+template <class AnyImage, class Value, class Append>
+void read_rows(const std::filesystem::path& path, std::size_t values_per_pixel, AnyImage& image,
+               std::vector<Value>& values, Append append) {
   io::InputFile file(path);
   if (file.size() > (std::uint64_t{1} << 31) - 1) file.fail("is larger than 2 GiB");
   std::vector<unsigned char> bytes(file.size());
   file.read(bytes.data(), bytes.size());
   const auto decoder = open_picture(file, bytes);
   const io::PictureLayout layout = decoder->layout();
-  const std::size_t row_size = values_per_pixel * static_cast<std::size_t>(layout.width);
-  values.reserve(row_size * static_cast<std::size_t>(layout.height));
-  for (int y = 0; y < layout.height; ++y) {
+  const std::size_t row_size = values_per_pixel * layout.width;
+  values.reserve(row_size * layout.height);
+  for (std::size_t y = 0; y < layout.height; ++y) {
     const std::uint8_t* const row = decoder->next_row();
     values.resize(values.size() + row_size);
     append(layout, row, values.data() + values.size() - row_size);
   }
   decoder->finish();
-  return layout;
+  image.width = static_cast<int>(layout.width);
+  image.height = static_cast<int>(layout.height);
 }
 
 }  // namespace
 
 Image read_image(const std::filesystem::path& path) {
   Image image;
-  const auto layout = read_rows(path, 1, image.values, [](const auto& rows, auto row, auto out) {
+  read_rows(path, 1, image, image.values, [](const auto& rows, auto row, auto out) {
     rows.depth == 8 ? to_grey<8>(rows, row, out) : to_grey<16>(rows, row, out);
   });
-  image.width = layout.width;
-  image.height = layout.height;
   return image;
 }
 
 ColourImage read_colour_image(const std::filesystem::path& path) {
   ColourImage image;
-  const auto layout = read_rows(path, 3, image.rgb, [](const auto& rows, auto row, auto out) {
+  read_rows(path, 3, image, image.rgb, [](const auto& rows, auto row, auto out) {
     rows.depth == 8 ? to_colour<8>(rows, row, out) : to_colour<16>(rows, row, out);
   });
-  image.width = layout.width;
-  image.height = layout.height;
   return image;
 }
 

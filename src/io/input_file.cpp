@@ -10,12 +10,16 @@
 
 namespace ccvt::io {
 
-std::string extension_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](char c) {
+std::string in_lower_case(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(), [](char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   });
-  return extension;
+  return result;
+}
+
+std::string extension_of(const std::filesystem::path& path) {
+  return in_lower_case(path.extension().string());
 }
 
 std::string quoted(std::string_view text) {

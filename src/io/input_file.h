@@ -10,6 +10,9 @@
 
 namespace ccvt::io {
 
+/// The text with a to z for A to Z, whatever the locale.
+std::string in_lower_case(std::string_view text);
+
 /// The extension in lower case, with its dot.
 std::string extension_of(const std::filesystem::path& path);
 

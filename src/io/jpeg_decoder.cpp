@@ -119,8 +119,8 @@ class JpegDecoder final : public PictureDecoder {
   JpegDecoder(const InputFile& file, std::span<const unsigned char> bytes);
 
   [[nodiscard]] PictureLayout layout() const override {
-    return {static_cast<int>(jpeg_.output_width), static_cast<int>(jpeg_.output_height),
-            jpeg_.output_components, 8};
+    return {jpeg_.output_width, jpeg_.output_height,
+            static_cast<std::size_t>(jpeg_.output_components), 8};
   }
   const std::uint8_t* next_row() override {
     attempt([&](jpeg_decompress_struct& jpeg) {
@@ -165,8 +165,8 @@ JpegDecoder::JpegDecoder(const InputFile& file, std::span<const unsigned char> b
     jpeg_start_decompress(&jpeg);     // reads all scans if there are several
   });
   check_components();
-  row_.resize(static_cast<std::size_t>(jpeg_.output_width) *
-              static_cast<std::size_t>(jpeg_.output_components));
+  const PictureLayout rows = JpegDecoder::layout();
+  row_.resize(rows.width * rows.channels);
 }
 
 void JpegDecoder::check_header() const {

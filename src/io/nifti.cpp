@@ -5,6 +5,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "format.h"
@@ -22,7 +23,7 @@ class Fields {
   template <class Value>
   [[nodiscard]] Value at(std::size_t offset) const {
     std::array<std::byte, sizeof(Value)> raw{};
-    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), sizeof(Value), raw.begin());
+    std::memcpy(raw.data(), bytes_.data() + offset, sizeof(Value));
     if (swapped_) std::reverse(raw.begin(), raw.end());
     Value value{};
     std::memcpy(&value, raw.data(), sizeof(Value));
@@ -47,7 +48,7 @@ struct Nifti {
   int sform_code = 0;
   std::array<double, 3> quaternion{};
   std::array<double, 3> qoffset{};
-  Eigen::Matrix<double, 3, 4> sform;
+  Eigen::Matrix<double, 3, 4, Eigen::RowMajor> sform;
 };
 
 constexpr int kHeader1 = 348;
@@ -57,23 +58,20 @@ Nifti parse_version1(const Fields& f) {
   Nifti n;
   for (std::size_t i = 0; i < 8; ++i) {
     n.dim[i] = f.at<std::int16_t>(40 + 2 * i);
-    n.pixdim[i] = static_cast<double>(f.at<float>(76 + 4 * i));
+    n.pixdim[i] = f.at<float>(76 + 4 * i);
   }
   n.datatype = f.at<std::int16_t>(70);
   n.bitpix = f.at<std::int16_t>(72);
-  n.data_offset = static_cast<double>(f.at<float>(108));
-  n.slope = static_cast<double>(f.at<float>(112));
-  n.intercept = static_cast<double>(f.at<float>(116));
+  n.data_offset = f.at<float>(108);
+  n.slope = f.at<float>(112);
+  n.intercept = f.at<float>(116);
   n.qform_code = f.at<std::int16_t>(252);
   n.sform_code = f.at<std::int16_t>(254);
   for (std::size_t i = 0; i < 3; ++i) {
-    n.quaternion[i] = static_cast<double>(f.at<float>(256 + 4 * i));
-    n.qoffset[i] = static_cast<double>(f.at<float>(268 + 4 * i));
-    for (std::size_t k = 0; k < 4; ++k) {
-      n.sform(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
-          static_cast<double>(f.at<float>(280 + 16 * i + 4 * k));
-    }
+    n.quaternion[i] = f.at<float>(256 + 4 * i);
+    n.qoffset[i] = f.at<float>(268 + 4 * i);
   }
+  for (std::size_t k = 0; k < 12; ++k) n.sform.data()[k] = f.at<float>(280 + 4 * k);
   return n;
 }
 
@@ -93,11 +91,8 @@ Nifti parse_version2(const Fields& f) {
   for (std::size_t i = 0; i < 3; ++i) {
     n.quaternion[i] = f.at<double>(352 + 8 * i);
     n.qoffset[i] = f.at<double>(376 + 8 * i);
-    for (std::size_t k = 0; k < 4; ++k) {
-      n.sform(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
-          f.at<double>(400 + 32 * i + 8 * k);
-    }
   }
+  for (std::size_t k = 0; k < 12; ++k) n.sform.data()[k] = f.at<double>(400 + 8 * k);
   return n;
 }
 
@@ -118,7 +113,7 @@ VoxelType type_of(const InputFile& file, int datatype, int bitpix) {
                                            {1280, VoxelType::uint64}}};
   for (const Code& code : codes) {
     if (code.datatype != datatype) continue;
-    if (bitpix == static_cast<int>(8 * bytes_of(code.type))) return code.type;
+    if (std::cmp_equal(bitpix, 8 * bytes_of(code.type))) return code.type;
     file.fail("has values of type " + std::string(to_string(code.type)) + ", but of " +
               std::to_string(bitpix) + " bits (bitpix)");
   }
@@ -139,7 +134,7 @@ std::vector<std::int64_t> shape_of(const InputFile& file, const Nifti& n) {
   if (n.dim[0] < 3) {
     file.fail("has " + std::to_string(n.dim[0]) + " dimensions; a volume needs 3");
   }
-  for (std::size_t d = 1; d <= static_cast<std::size_t>(n.dim[0]); ++d) {
+  for (std::size_t d = 1; std::cmp_less_equal(d, n.dim[0]); ++d) {
     if (n.dim[d] < 1) {
       file.fail("has dim[" + std::to_string(d) + "] = " + std::to_string(n.dim[d]) +
                 "; must be at least 1");

@@ -99,7 +99,7 @@ class HeaderParser {
       const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
       if (error == std::errc::result_out_of_range) file_.fail("has a shape beyond 64 bits");
       if (error != std::errc() || result.size() == kMostDimensions) malformed();
-      rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()));
+      rest_ = {end, rest_.data() + rest_.size()};
       accept('L');  // as Python 2 wrote them
       result.push_back(value);
       if (!accept(',') && peek() != ')') malformed();

@@ -73,9 +73,7 @@ class NpyPoints {
 
  private:
   void check();
-  [[nodiscard]] std::size_t extent(std::size_t axis) const {
-    return static_cast<std::size_t>(npy_.shape[axis]);
-  }
+  [[nodiscard]] std::size_t extent(std::size_t axis) const { return npy_.shape[axis]; }
   /// Of each column of the file, which coordinate it is, or kNone.
   [[nodiscard]] std::vector<std::size_t> targets() const;
   template <class Scalar>

@@ -22,14 +22,6 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return result;
-}
-
 /// The words of a value; a vector in brackets, blanks included, is one.
 std::vector<std::string_view> words(std::string_view text) {
   std::vector<std::string_view> result;
@@ -62,7 +54,7 @@ class Header {
       const std::size_t colon = line.find(':');
       if (colon == std::string::npos) fail("is not of the form 'field: value'");
       if (line.compare(colon, 2, ":=") == 0) continue;  // a key and value of the user's
-      const std::string field = lower(trimmed(std::string_view(line).substr(0, colon)));
+      const std::string field = in_lower_case(trimmed(std::string_view(line).substr(0, colon)));
       check_known(field);
       if (!fields_.emplace(field, trimmed(std::string_view(line).substr(colon + 1))).second) {
         fail("gives the field " + io::quoted(field) + " a second time");
@@ -246,7 +238,7 @@ VoxelType type_of(const InputFile& file, const std::string& name) {
       {"uint64_t", VoxelType::uint64},
       {"float", VoxelType::float32},
       {"double", VoxelType::float64}};
-  const auto found = types.find(lower(name));
+  const auto found = types.find(in_lower_case(name));
   if (found == types.end()) {
     file.fail("has values of type " + io::quoted(name) +
               "; whole numbers and floats of 8 to 64 bits can be read");
@@ -265,7 +257,7 @@ void check_kinds(const InputFile& file, const Header& header) {
   const std::string& kinds = header.value("kinds");
   if (kinds.empty()) return;
   for (const std::string_view kind : header.three("kinds", kinds)) {
-    const std::string name = lower(kind);
+    const std::string name = in_lower_case(kind);
     if (name == "domain" || name == "space" || name == "none" || name == "???") continue;
     file.fail("has an axis of kind " + io::quoted(kind) +
               "; three axes of kind 'domain' or 'space' are needed");
@@ -279,17 +271,19 @@ void place(const InputFile& file, const Header& header, Grid& grid) {
   const std::string& spacings = header.value("spacings");
   if (!directions.empty()) {
     const auto columns = header.three("space directions", directions);
-    for (std::size_t d = 0; d < 3; ++d) {
-      grid.axes.eigen().col(static_cast<Eigen::Index>(d)) =
-          header.vector("space directions", columns[d]);
+    Eigen::Index d = 0;
+    for (const std::string_view column : columns) {
+      grid.axes.eigen().col(d) = header.vector("space directions", column);
+      ++d;
     }
   } else if (!spacings.empty()) {
     const auto entries = header.three("spacings", spacings);
-    for (std::size_t d = 0; d < 3; ++d) {
-      const double spacing = header.number("spacings", entries[d]);
+    Eigen::Index d = 0;
+    for (const std::string_view entry : entries) {
+      const double spacing = header.number("spacings", entry);
       if (spacing == 0) file.fail("field 'spacings': is 0; spacings must not be");
-      const auto e = static_cast<Eigen::Index>(d);
-      grid.axes(e, e) = spacing;
+      grid.axes(d, d) = spacing;
+      ++d;
     }
   } else if (!header.value("axis mins", "axismins").empty() ||
              !header.value("axis maxs", "axismaxs").empty()) {
@@ -316,12 +310,12 @@ VolumeFile open_nrrd(const std::filesystem::path& path) {
   check_kinds(file, header);
   place(file, header, result.header.grid);
 
-  const std::string encoding = lower(header.required("encoding"));
+  const std::string encoding = in_lower_case(header.required("encoding"));
   result.gzip = encoding == "gzip" || encoding == "gz";
   if (!result.gzip && encoding != "raw") {
     file.fail("has the encoding " + io::quoted(encoding) + "; raw and gzip can be read");
   }
-  const std::string endian = lower(header.value("endian"));
+  const std::string endian = in_lower_case(header.value("endian"));
   if (bytes_of(result.header.type) > 1 && endian != "little" && endian != "big") {
     file.fail(endian.empty() ? std::string("has no field 'endian' in its header")
                              : "has the byte order " + io::quoted(endian) + ", not little or big");

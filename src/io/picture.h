@@ -16,10 +16,10 @@ inline constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;
 
 /// How a decoded row is laid out: samples interleaved, two bytes of one are big endian.
 struct PictureLayout {
-  int width = 0;
-  int height = 0;
-  int channels = 0;  ///< 1 grey, 2 grey and alpha, 3 colour, 4 colour and alpha
-  int depth = 0;     ///< 8 or 16 bits
+  std::size_t width = 0;
+  std::size_t height = 0;
+  std::size_t channels = 0;  ///< 1 grey, 2 grey and alpha, 3 colour, 4 colour and alpha
+  int depth = 0;             ///< 8 or 16 bits
 };
 
 /// A picture that is decoded row by row. Its functions throw InvalidInput, which names the file.

@@ -125,6 +125,7 @@ class PlyFile {
       for (std::uint64_t i = 0; i < element.count; ++i) read_item(element, i, [](int, double) {});
     }
     PointsMap<Scalar> points = allocate(allocation, header);
+    Scalar* vertex = points.data();
     for (std::uint64_t i = 0; i < header.count; ++i) {
       read_item(vertices(), i, [&](int axis, double value) {
         const auto x = static_cast<Scalar>(value);
@@ -135,8 +136,9 @@ class PlyFile {
                      (std::isfinite(value) ? ", out of the range of float32"
                                            : "; coordinates must be finite"));
         }
-        points(axis, static_cast<Eigen::Index>(i)) = x;
+        vertex[axis] = x;
       });
+      vertex += header.dimension;
     }
   }
 
@@ -247,9 +249,8 @@ void PlyFile::choose_axes(Element& element) const {
     wanted.resize(given[2] == 1 ? 3 : 2);
   }
   const TableColumns columns = choose_columns(file_, wanted, names, names.size());
-  for (std::size_t axis = 0; axis < columns.at.size(); ++axis) {
-    properties[columns.at[axis]]->axis = static_cast<int>(axis);
-  }
+  int axis = 0;
+  for (const std::size_t at : columns.at) properties[at]->axis = axis++;
 }
 
 const std::string& PlyFile::name_of(int axis) const {
@@ -276,7 +277,7 @@ void PlyFile::check_vertices() {
                  : bytes_of(property.list ? property.length : property.type);
   }
   if (found->count == 0) file_.fail("has no vertices");
-  if (found->count > static_cast<std::uint64_t>(std::numeric_limits<Index>::max())) {
+  if (found->count > std::numeric_limits<Index>::max()) {
     file_.fail("has " + std::to_string(found->count) +
                " vertices; at most 2147483647 are supported");
   }
@@ -306,7 +307,7 @@ double PlyFile::read_number(Type type) {
   file_.read(bytes.data(), size);
   static_assert(std::endian::native == std::endian::little);
   if (encoding_ == Encoding::big) {
-    std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    std::reverse(bytes.data(), bytes.data() + size);
   }
   const auto as = [&bytes](auto value) {
     std::memcpy(&value, bytes.data(), sizeof value);

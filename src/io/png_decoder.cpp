@@ -176,12 +176,12 @@ void PngDecoder::prepare_rows() {
   });
   auto* const png = reading_.png();
   auto* const info = reading_.info();
-  layout_.width = static_cast<int>(png_get_image_width(png, info));
-  layout_.height = static_cast<int>(png_get_image_height(png, info));
+  layout_.width = png_get_image_width(png, info);
+  layout_.height = png_get_image_height(png, info);
   layout_.channels = png_get_channels(png, info);
   layout_.depth = png_get_bit_depth(png, info);
   row_bytes_ = png_get_rowbytes(png, info);
-  rows_.resize(row_bytes_ * (source_.interlaced ? static_cast<std::size_t>(layout_.height) : 1));
+  rows_.resize(row_bytes_ * (source_.interlaced ? layout_.height : 1));
 }
 
 void PngDecoder::read_all_rows() {

@@ -66,10 +66,8 @@ class Writing {
                  channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_write_info(png_, info_);
-    const std::size_t row = static_cast<std::size_t>(width) * static_cast<std::size_t>(channels);
-    for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y) {
-      png_write_row(png_, samples + y * row);
-    }
+    const std::ptrdiff_t row = std::ptrdiff_t{channels} * width;
+    for (int y = 0; y < height; ++y) png_write_row(png_, samples + y * row);
     png_write_end(png_, info_);
     return true;
   }

@@ -29,7 +29,7 @@ using io::PointsMap;
 using io::TextRows;
 
 constexpr std::size_t kBlock = std::size_t{1} << 16;
-constexpr std::uint64_t kMostPoints = std::numeric_limits<Index>::max();
+constexpr Eigen::Index kMostPoints = std::numeric_limits<Index>::max();
 constexpr std::uint64_t kMostDimensions = std::uint64_t{1} << 24;
 
 [[noreturn]] void fail_extension(const std::filesystem::path& path, const char* what,
@@ -95,8 +95,8 @@ void read_text_points(const std::filesystem::path& path, const ReadOptions& opti
   if (!rows.next()) rows.fail_file("has no points");
   const std::size_t fields = rows.fields().size();
   const std::uint64_t first_line = rows.line();
-  const std::vector<std::size_t> columns = text_columns(rows, options).at;
-  const auto dimension = static_cast<Eigen::Index>(columns.size());
+  const io::TableColumns columns = text_columns(rows, options);
+  const int dimension = columns.dimension();
   Points<Scalar> points(dimension, std::max<Eigen::Index>(1, (1 << 20) / dimension));
   Eigen::Index count = 0;
   do {
@@ -105,15 +105,14 @@ void read_text_points(const std::filesystem::path& path, const ReadOptions& opti
                 std::to_string(first_line) + " has " + std::to_string(fields) +
                 "; all points need the same number");
     }
-    if (static_cast<std::uint64_t>(count) == kMostPoints) {
+    if (count == kMostPoints) {
       rows.fail("is one point too many; at most 2147483647 are supported");
     }
     if (count == points.cols()) points.conservativeResize(Eigen::NoChange, 2 * count);
-    parse_point(rows, columns, points.col(count).data());
+    parse_point(rows, columns.at, points.col(count).data());
     ++count;
   } while (rows.next());
-  const PointsHeader header = {ScalarType::float64, static_cast<int>(dimension),
-                               static_cast<std::uint64_t>(count)};
+  const PointsHeader header = {ScalarType::float64, dimension, static_cast<std::uint64_t>(count)};
   io::allocate(allocation, header) = points.leftCols(count);
 }
 
@@ -127,7 +126,7 @@ void read_vectors(const std::filesystem::path& path, const ReadOptions& options,
   const auto vectors = io::read_vecs(path, detail::allocate_in(all));
   const auto columns =
       io::choose_columns(file, options.columns, {}, static_cast<std::size_t>(vectors.rows()));
-  const PointsHeader header = {ScalarType::float32, static_cast<int>(columns.at.size()),
+  const PointsHeader header = {ScalarType::float32, columns.dimension(),
                                static_cast<std::uint64_t>(vectors.cols())};
   PointsMap<Scalar> chosen = io::allocate(allocation, header);
   chosen = vectors(columns.at, Eigen::all);
@@ -137,11 +136,11 @@ void read_vectors(const std::filesystem::path& path, const ReadOptions& options,
 template <class Scalar>
 void write_npy_points(const std::filesystem::path& path, PointsView<Scalar> points) {
   const auto dimension = static_cast<std::size_t>(points.dimension);
+  const auto count = static_cast<std::size_t>(points.count);
   io::OutputFile file(path);
-  file.write(io::format_npy_header(sizeof(Scalar) == 4 ? "<f4" : "<f8",
-                                   {static_cast<std::uint64_t>(points.count), dimension}));
+  file.write(io::format_npy_header(sizeof(Scalar) == 4 ? "<f4" : "<f8", {count, dimension}));
   if (points.stride == points.dimension) {
-    file.write(points.data, static_cast<std::size_t>(points.count) * dimension * sizeof(Scalar));
+    file.write(points.data, count * dimension * sizeof(Scalar));
   } else {
     for (Index p = 0; p < points.count; ++p) file.write(points[p], dimension * sizeof(Scalar));
   }
@@ -158,13 +157,13 @@ PointsHeader inspect_points(const std::filesystem::path& path, const ReadOptions
     PointsHeader header = io::inspect_vecs(path);
     const auto columns = io::choose_columns(InputFile(path), options.columns, {},
                                             static_cast<std::size_t>(header.dimension));
-    header.dimension = static_cast<int>(columns.at.size());
+    header.dimension = columns.dimension();
     return header;
   }
   TextRows rows(path);
   if (!rows.next()) rows.fail_file("has no points");
   io::TableColumns columns = text_columns(rows, options);
-  return {ScalarType::float64, static_cast<int>(columns.at.size()), 1 + rows.count_lines(),
+  return {ScalarType::float64, columns.dimension(), 1 + rows.count_lines(),
           std::move(columns.names), std::move(columns.left_out)};
 }
 

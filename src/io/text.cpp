@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <system_error>
 
 namespace ccvt::io {
@@ -80,16 +79,14 @@ TextRows::TextRows(const std::filesystem::path& path) : file_(path), buffer_(kBl
 bool TextRows::next_line(std::string_view& line) {
   std::size_t searched = begin_;
   for (;;) {
-    const void* newline = std::memchr(buffer_.data() + searched, '\n', end_ - searched);
-    if (newline != nullptr) {
-      const auto at = static_cast<std::size_t>(static_cast<const char*>(newline) - buffer_.data());
+    const std::size_t at = std::string_view(buffer_.data(), end_).find('\n', searched);
+    if (at != std::string_view::npos) {
       line = {buffer_.data() + begin_, at - begin_};
       begin_ = at + 1;
       ++line_;
       return true;
     }
-    std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_),
-              buffer_.begin() + static_cast<std::ptrdiff_t>(end_), buffer_.begin());
+    std::copy(buffer_.data() + begin_, buffer_.data() + end_, buffer_.data());
     end_ -= begin_;
     begin_ = 0;
     searched = end_;
@@ -162,10 +159,9 @@ std::uint64_t TextRows::count_lines() {
   std::uint64_t lines = 0;
   bool ended = true;
   while (end_ > begin_) {
-    const auto first = buffer_.begin() + static_cast<std::ptrdiff_t>(begin_);
-    const auto last = buffer_.begin() + static_cast<std::ptrdiff_t>(end_);
-    lines += static_cast<std::uint64_t>(std::count(first, last, '\n'));
-    ended = *(last - 1) == '\n';
+    const std::string_view left(buffer_.data() + begin_, end_ - begin_);
+    lines += static_cast<std::uint64_t>(std::count(left.begin(), left.end(), '\n'));
+    ended = left.back() == '\n';
     begin_ = 0;
     end_ = file_.read_some(buffer_.data(), buffer_.size());
   }
@@ -196,7 +192,7 @@ const char* parse(std::string_view field, float& value) {
     return "is out of the range of float32";
   }
   if (error != std::errc()) return "is not a number";
-  return check_finite(static_cast<double>(value));
+  return check_finite(value);
 }
 
 const char* parse(std::string_view field, std::int32_t& value) {

@@ -1,5 +1,6 @@
 #include "io/vecs.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <limits>
@@ -32,7 +33,7 @@ PointsHeader read_header(InputFile& file, std::size_t item_bytes) {
               " dimensions takes");
   }
   const std::uint64_t count = file.size() / record;
-  if (count > static_cast<std::uint64_t>(std::numeric_limits<Index>::max())) {
+  if (count > std::numeric_limits<Index>::max()) {
     file.fail("has " + std::to_string(count) + " vectors; at most 2147483647 are supported");
   }
   return {ScalarType::float32, dimension, count};
@@ -56,9 +57,7 @@ PointsMap<Scalar> read_records(InputFile& file, const detail::Allocation<Scalar>
       }
     }
     file.read(vector.data(), vector.size() * sizeof(Stored));
-    for (Eigen::Index d = 0; d < points.rows(); ++d) {
-      points(d, p) = static_cast<Scalar>(vector[static_cast<std::size_t>(d)]);
-    }
+    std::copy(vector.begin(), vector.end(), points.col(p).data());
   }
   return points;
 }

@@ -45,14 +45,14 @@ void place(const std::filesystem::path& path, const VolumeLayout& layout,
                          " numbers for " + path.string() + "; needs 3");
     }
     Eigen::Vector3d result = Eigen::Vector3d::Constant(other);
-    for (std::size_t d = 0; d < given.size(); ++d) result[static_cast<Eigen::Index>(d)] = given[d];
+    std::copy(given.begin(), given.end(), result.begin());
     return result;
   };
   const Eigen::Vector3d spacing = vector(layout.spacing, "spacing", 1);
   grid.origin = vector(layout.origin, "origin", 0);
   grid.axes = Eigen::Matrix3d::Zero();
   for (Eigen::Index a = 0; a < 3; ++a) {
-    const Eigen::Index d = position[static_cast<std::size_t>(a)];
+    const Eigen::Index d = position.data()[a];
     if (!(spacing[d] > 0)) {
       throw InvalidInput("spacing: entry " + std::to_string(d) + " is " + text(spacing[d]) +
                          "; must be positive");
@@ -189,8 +189,8 @@ void check_volume(const InputFile& file, const VolumeHeader& header) {
       file.fail("has " + std::to_string(extent) + " cells along axis " + std::to_string(d) +
                 "; needs at least 1");
     }
-    if (__builtin_mul_overflow(bytes, static_cast<std::uint64_t>(extent), &bytes) ||
-        bytes > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
+    if (__builtin_mul_overflow(bytes, extent, &bytes) ||
+        bytes > std::numeric_limits<std::int64_t>::max()) {
       file.fail("claims more cells than any file can hold");
     }
   }
@@ -206,8 +206,7 @@ void check_volume(const InputFile& file, const VolumeHeader& header) {
 
 void swap_bytes(std::span<std::byte> data, std::size_t item_bytes) {
   for (std::size_t i = 0; i + item_bytes <= data.size(); i += item_bytes) {
-    std::reverse(data.begin() + static_cast<std::ptrdiff_t>(i),
-                 data.begin() + static_cast<std::ptrdiff_t>(i + item_bytes));
+    std::reverse(data.data() + i, data.data() + i + item_bytes);
   }
 }
 

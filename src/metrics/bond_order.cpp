@@ -9,6 +9,7 @@
 #include "ccvt/metrics.h"
 #include "geometry/metric.h"
 #include "metrics/sets.h"
+#include "numbers.h"
 #include "parallel/arena.h"
 #include "spatial/site_tree.h"
 
@@ -95,9 +96,9 @@ class Cell {
 /// Cuts the cell of `p` by its neighbours in the order of their distance, until the next one is
 /// further than twice the cell's radius: no other can reach it. On a torus all images are asked
 /// that may, of which the nearest comes in order.
-Cell cell_of(const PointSet& set, const Metric& metric, const SiteTree& tree, Index p) {
+Cell cell_of(const PointSet& set, const Metric& metric, const SiteTree& tree, PointNumber p) {
   const Box& box = set.domain().box();
-  const Vector2d at = set.points().col(p);
+  const Vector2d at = set.points().col(p.index());
   const Vector2d extent = box.extent();
   const bool periodic = metric.periodic();
   Cell cell = periodic ? Cell({extent[0], extent[0], extent[1], extent[1]}, false)
@@ -105,13 +106,13 @@ Cell cell_of(const PointSet& set, const Metric& metric, const SiteTree& tree, In
                                box.upper[1] - at[1]},
                               true);
   std::vector<Index> found;
-  std::size_t done = 0;
-  for (int k = 16; done < static_cast<std::size_t>(set.count()); k *= 4) {
+  std::ptrdiff_t done = 0;
+  for (int k = 16; done < set.count(); k *= 4) {
     found.clear();
     tree.nearest(at.data(), k, found);
     // The order of ties may change with k: all are asked again.
     for (const Index q : found) {
-      if (q == p) continue;
+      if (q == p.index()) continue;
       const Vector2d other = set.points().col(q);
       Vector2d difference(metric.wrap(other[0] - at[0], 0), metric.wrap(other[1] - at[1], 1));
       if (difference.isZero(0)) continue;
@@ -125,7 +126,7 @@ Cell cell_of(const PointSet& set, const Metric& metric, const SiteTree& tree, In
         }
       }
     }
-    done = found.size();
+    done = std::ssize(found);
   }
   return cell;
 }
@@ -157,16 +158,16 @@ BondOrder bond_order(const PointSet& set, const Arena& arena) {
                        " dimensions; bond order is that of two");
   }
   const Metric metric(2, set.domain());
-  const SiteTree tree(metric, {set.points().data(), static_cast<std::size_t>(set.points().size())});
+  const SiteTree tree(metric, coordinates_of(set));
   std::vector<Bonds> bonds(static_cast<std::size_t>(set.count()));
   const double shortest = kShortestEdge * set.mean_spacing();
   arena.for_each(bonds.size(), 64, [&](std::size_t p) {
-    bonds[p] = bonds_of(cell_of(set, metric, tree, static_cast<Index>(p)), shortest);
+    bonds[p] = bonds_of(cell_of(set, metric, tree, PointNumber(p)), shortest);
   });
   std::complex<double> sum = 0;
   double local = 0;
-  int six = 0;
-  int cells = 0;
+  double six = 0;
+  double cells = 0;
   for (const Bonds& b : bonds) {
     if (!b.inner) continue;
     sum += b.psi;
@@ -178,7 +179,7 @@ BondOrder bond_order(const PointSet& set, const Arena& arena) {
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     return {none, none, none};
   }
-  return {local / cells, std::abs(sum) / cells, static_cast<double>(six) / cells};
+  return {local / cells, std::abs(sum) / cells, six / cells};
 }
 
 }  // namespace ccvt

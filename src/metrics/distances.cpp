@@ -8,6 +8,7 @@
 #include "ccvt/metrics.h"
 #include "geometry/metric.h"
 #include "metrics/sets.h"
+#include "numbers.h"
 #include "parallel/arena.h"
 #include "spatial/site_tree.h"
 
@@ -15,26 +16,25 @@ namespace ccvt {
 
 namespace {
 
-std::span<const double> values_of(const Eigen::Map<const Points<double>>& points) {
-  return {points.data(), static_cast<std::size_t>(points.size())};
-}
-
 constexpr std::size_t kChunk = 256;  ///< points a task; fixed, as sums are made by chunk
 
-/// Adds to bins the pairs (p, q), p in [begin, end), p != q.
+/// The numbers `begin` to `end` - 1.
+NumberRange<PointNumber> point_range(std::size_t begin, std::size_t end) {
+  return {PointNumber(begin), PointNumber(end)};
+}
+
+/// Adds to bins, which reach up to `radius`, the pairs (p, q), p in `chunk`, p != q.
 void count_pairs(const PointSet& set, const Metric& metric, const SiteTree& tree, double bin,
-                 std::size_t begin, std::size_t end, std::vector<double>& bins) {
+                 double radius, NumberRange<PointNumber> chunk, std::vector<double>& bins) {
   const auto& points = set.points();
   const Eigen::VectorXd extent = set.domain().box().extent();
-  const double radius = bin * static_cast<double>(bins.size());
   std::vector<Index> found;
-  for (std::size_t p = begin; p < end; ++p) {
-    const auto column = static_cast<Eigen::Index>(p);
-    const double* const at = points.col(column).data();
+  for (const PointNumber p : chunk) {
+    const double* const at = points.col(p.index()).data();
     found.clear();
     tree.within(at, radius, found);
     for (const Index q : found) {
-      if (q == static_cast<Index>(p)) continue;
+      if (q == p.index()) continue;
       const double distance = std::sqrt(metric.squared_distance(at, points.col(q).data()));
       const auto k = static_cast<std::size_t>(distance / bin);
       if (k >= bins.size()) continue;
@@ -73,7 +73,7 @@ double packing_distance(int dimension) {
       1.0 / 16,                  // E7
       1.0 / 16};                 // E8
   if (dimension > 8) return std::sqrt(2.0);
-  return 2 * std::pow(center_density[static_cast<std::size_t>(dimension - 1)], 1.0 / dimension);
+  return 2 * std::pow(center_density.data()[dimension - 1], 1.0 / dimension);
 }
 
 NearestDistances nearest_distances(const PointSet& set, int threads) {
@@ -82,17 +82,17 @@ NearestDistances nearest_distances(const PointSet& set, int threads) {
 
 NearestDistances nearest_distances(const PointSet& set, const Arena& arena) {
   const Metric metric(set.dimension(), set.domain());
-  const SiteTree tree(metric, values_of(set.points()));
+  const SiteTree tree(metric, coordinates_of(set));
   std::vector<double> distance(static_cast<std::size_t>(set.count()));
   arena.for_ranges(distance.size(), kChunk, [&](std::size_t begin, std::size_t end, int) {
     std::vector<Index> found;
-    for (std::size_t p = begin; p < end; ++p) {
-      const double* const at = set.points().col(static_cast<Eigen::Index>(p)).data();
+    for (const PointNumber p : point_range(begin, end)) {
+      const double* const at = set.points().col(p.index()).data();
       found.clear();
       tree.nearest(at, 2, found);
       double squared = std::numeric_limits<double>::infinity();
       for (const Index q : found) {
-        if (q == static_cast<Index>(p)) continue;
+        if (q == p.index()) continue;
         squared = std::min(squared, metric.squared_distance(at, set.points().col(q).data()));
       }
       distance[p] = std::sqrt(squared);
@@ -105,7 +105,7 @@ NearestDistances nearest_distances(const PointSet& set, const Arena& arena) {
   }
   const double unit = packing_distance(set.dimension()) * set.mean_spacing();
   result.smallest /= unit;
-  result.mean /= unit * static_cast<double>(distance.size());
+  result.mean /= unit * set.count();
   return result;
 }
 
@@ -119,30 +119,35 @@ PairCorrelation pair_correlation(std::span<const PointSet> sets, const Arena& ar
   const double reach = first.domain().box().extent().minCoeff() / 2 / first.mean_spacing();
   PairCorrelation result;
   result.bin_width = 1.0 / 16;
-  result.value.assign(static_cast<std::size_t>(std::min(4.0, reach) / result.bin_width), 0.0);
+  const double bins = std::floor(std::min(4.0, reach) / result.bin_width);
+  result.value.assign(static_cast<std::size_t>(bins), 0.0);
   if (result.value.empty()) return result;
   const Metric metric(first.dimension(), first.domain());
-  for (const PointSet& set : sets) {
-    const SiteTree tree(metric, values_of(set.points()));
-    const auto count = static_cast<std::size_t>(set.count());
-    std::vector<std::vector<double>> bins((count + kChunk - 1) / kChunk,
-                                          std::vector<double>(result.value.size(), 0.0));
-    const double bin = result.bin_width * set.mean_spacing();
-    arena.for_each(bins.size(), 1, [&](std::size_t chunk) {
-      const std::size_t begin = chunk * kChunk;
-      count_pairs(set, metric, tree, bin, begin, std::min(count, begin + kChunk), bins[chunk]);
-    });
-    for (const auto& part : bins) {
-      for (std::size_t k = 0; k < part.size(); ++k) result.value[k] += part[k];
-    }
-  }
+  const auto count = static_cast<std::size_t>(first.count());
   // Independent points have n (n - 1) |shell| / |box| ordered pairs in a shell; |box| is n in mean
   // spacings.
-  const double pairs = static_cast<double>(sets.size()) * (first.count() - 1.0);
-  for (std::size_t k = 0; k < result.value.size(); ++k) {
-    const double inner = static_cast<double>(k) * result.bin_width;
-    result.value[k] /= pairs * (ball_volume(first.dimension(), inner + result.bin_width) -
-                                ball_volume(first.dimension(), inner));
+  double pairs = 0;
+  for (const PointSet& set : sets) {
+    const SiteTree tree(metric, coordinates_of(set));
+    std::vector<std::vector<double>> parts((count + kChunk - 1) / kChunk,
+                                           std::vector<double>(result.value.size(), 0.0));
+    const double bin = result.bin_width * set.mean_spacing();
+    arena.for_each(parts.size(), 1, [&](std::size_t chunk) {
+      const std::size_t begin = chunk * kChunk;
+      count_pairs(set, metric, tree, bin, bin * bins,
+                  point_range(begin, std::min(count, begin + kChunk)), parts[chunk]);
+    });
+    for (const auto& part : parts) {
+      for (std::size_t k = 0; k < part.size(); ++k) result.value[k] += part[k];
+    }
+    pairs += set.count() - 1.0;
+  }
+  double inner = 0;
+  for (double& value : result.value) {
+    const double outer = inner + result.bin_width;
+    value /=
+        pairs * (ball_volume(first.dimension(), outer) - ball_volume(first.dimension(), inner));
+    inner = outer;
   }
   return result;
 }

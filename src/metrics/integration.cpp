@@ -6,6 +6,7 @@
 
 #include "ccvt/metrics.h"
 #include "metrics/sets.h"
+#include "numbers.h"
 #include "parallel/arena.h"
 #include "random.h"
 
@@ -35,11 +36,14 @@ struct Trial {
   double variance = 0;  ///< of the function
 };
 
-/// The three functions at one place. `c` is uniform in the unit cube.
+/// The three functions at one random place, uniform in the unit cube.
 class Functions {
  public:
-  Functions(bool periodic, Eigen::VectorXd c, int axis)
-      : periodic_(periodic), c_(std::move(c)), axis_(axis), disk_(c_) {
+  Functions(bool periodic, int dimension, Random& random)
+      : periodic_(periodic), c_(dimension), disk_volume_(ball_volume(dimension, kRadius)) {
+    for (double& x : c_) x = random.uniform();
+    axis_ = random.below(static_cast<std::uint64_t>(dimension));
+    disk_ = c_;
     if (!periodic_) disk_ = (kRadius + (1 - 2 * kRadius) * c_.array()).matrix();
   }
 
@@ -54,15 +58,16 @@ class Functions {
       }
       sum[0] += std::exp(-to_centre / (2 * kDeviation * kDeviation));
       sum[1] += to_disk < kRadius * kRadius ? 1 : 0;
-      sum[2] += in_step(points(axis_, p)) ? 1 : 0;
+      sum[2] += in_step(points.col(p).data()[axis_]) ? 1 : 0;
     }
-    const std::array<double, 3> integral = {gaussian(kDeviation), disk_volume(),
-                                            periodic_ ? 0.5 : c_[axis_]};
+    const std::array<double, 3> integral = {gaussian(kDeviation), disk_volume_,
+                                            periodic_ ? 0.5 : c_.data()[axis_]};
     const std::array<double, 3> integral_of_square = {gaussian(kDeviation / std::numbers::sqrt2),
                                                       integral[1], integral[2]};
+    const double count = view_points(points).count;
     std::array<Trial, 3> trials;
     for (std::size_t f = 0; f < 3; ++f) {
-      const double error = sum[f] / static_cast<double>(points.cols()) - integral[f];
+      const double error = sum[f] / count - integral[f];
       trials[f] = {error * error, integral_of_square[f] - integral[f] * integral[f]};
     }
     return trials;
@@ -77,7 +82,7 @@ class Functions {
     return difference * difference;
   }
   [[nodiscard]] bool in_step(double x) const {
-    const double behind = x - c_[axis_];
+    const double behind = x - c_.data()[axis_];
     return periodic_ ? behind - std::floor(behind) < 0.5 : behind < 0;
   }
   [[nodiscard]] double gaussian(double s) const {
@@ -85,13 +90,11 @@ class Functions {
     for (const double c : c_) product *= gaussian_integral(periodic_ ? 0.5 : c, s);
     return product;
   }
-  [[nodiscard]] double disk_volume() const {
-    return ball_volume(static_cast<int>(c_.size()), kRadius);
-  }
 
   bool periodic_;
   Eigen::VectorXd c_;
-  int axis_;
+  double disk_volume_;
+  std::uint64_t axis_ = 0;
   Eigen::VectorXd disk_;
 };
 
@@ -103,11 +106,11 @@ double star_discrepancy(const PointSet& set, int threads) {
 
 double star_discrepancy(const PointSet& set, const Arena& arena) {
   const Points<double> x = in_unit_cube(set);
-  const auto n = static_cast<double>(x.cols());
+  const double n = set.count();
   const int dimension = set.dimension();
-  std::vector<double> rows(static_cast<std::size_t>(x.cols()));
+  std::vector<double> rows(static_cast<std::size_t>(set.count()));
   arena.for_each(rows.size(), 16, [&](std::size_t row) {
-    const auto i = static_cast<Eigen::Index>(row);
+    const Eigen::Index i = PointNumber(row).index();
     // Each pair once: the sum is symmetric.
     double pairs = (1 - x.col(i).array()).prod();
     for (Eigen::Index j = 0; j < i; ++j) {
@@ -132,10 +135,8 @@ IntegrationVariance integration_variance(const PointSet& set, std::uint64_t seed
   std::vector<std::array<Trial, 3>> trials(kPlaces);
   arena.for_each(trials.size(), 1, [&](std::size_t place) {
     Random random(seed, kPlaceStream + place);
-    Eigen::VectorXd c(set.dimension());
-    for (double& x : c) x = random.uniform();
-    const auto axis = static_cast<int>(random.below(static_cast<std::uint64_t>(set.dimension())));
-    trials[place] = Functions(set.domain().is_periodic(), std::move(c), axis).evaluate(points);
+    const Functions functions(set.domain().is_periodic(), set.dimension(), random);
+    trials[place] = functions.evaluate(points);
   });
   std::array<Trial, 3> sum{};
   for (const auto& place : trials) {

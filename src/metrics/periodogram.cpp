@@ -5,24 +5,27 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <span>
+
+#include "parallel/loops.h"
 
 namespace ccvt {
 
 namespace {
 
 constexpr Eigen::Index kBlockPoints = 256;  ///< one stretch of the products' inner dimension
-constexpr std::size_t kTileRows = 32;       ///< rows a task
+constexpr int kTileRows = 32;               ///< rows a task
 
 /// exp(-2 pi i k u) of a block of points for k = 0..half, one row a point.
 using Waves = Eigen::ArrayXXcd;
 
-void fill_waves(const PointSet& set, Eigen::Index first, int d, Waves& waves) {
-  const double lower = set.domain().box().lower[d];
-  const double extent = set.domain().box().upper[d] - lower;
+void fill_waves(const PointSet& set, Eigen::Index first, std::size_t d, Waves& waves) {
+  const double lower = set.domain().box().lower.data()[d];
+  const double extent = set.domain().box().upper.data()[d] - lower;
   const double turn = -2 * std::acos(-1.0);
   for (Eigen::Index p = 0; p < waves.rows(); ++p) {
     const std::complex<double> step =
-        std::polar(1.0, turn * ((set.points()(d, first + p) - lower) / extent));
+        std::polar(1.0, turn * ((set.points().col(first + p).data()[d] - lower) / extent));
     std::complex<double> wave = 1;
     for (Eigen::Index k = 0; k < waves.cols(); ++k, wave *= step) waves(p, k) = wave;
   }
@@ -54,7 +57,7 @@ double FrequencyGrid::bytes(const Eigen::ArrayXd& half) {
   const double waves =
       kBlockPoints * complex * ((half + 1).sum() + 2 * (half[half.size() - 1] + 1));
   // Two complex sums for each pair of a frequency and its mirror image; and what pads the tiles.
-  const double tiles = complex * static_cast<double>(2 * kTileRows) * half[half.size() - 1];
+  const double tiles = complex * (2 * kTileRows) * half[half.size() - 1];
   return frequencies * (sizeof(double) + complex) + waves + tiles;
 }
 
@@ -70,10 +73,13 @@ void FrequencyGrid::add_power(const PointSet& set, const Arena& arena,
   const Eigen::Index columns = last + 1;
   const std::vector<Prefix> prefixes = half_of_prefixes(half_);
   const std::size_t tiles = (prefixes.size() + kTileRows - 1) / kTileRows;
-  const auto rows = static_cast<Eigen::Index>(kTileRows);
-  std::vector<Eigen::MatrixXd> sums(tiles, Eigen::MatrixXd::Zero(2 * rows, 2 * columns));
+  const auto prefixes_of = [&prefixes](std::size_t tile) {
+    const std::span<const Prefix> rest = std::span(prefixes).subspan(tile * kTileRows);
+    return rest.first(std::min<std::size_t>(rest.size(), kTileRows));
+  };
+  std::vector<Eigen::MatrixXd> sums(tiles, Eigen::MatrixXd::Zero(2 * kTileRows, 2 * columns));
 
-  std::vector<Eigen::MatrixXd> tile_waves(static_cast<std::size_t>(arena.threads()));
+  PerWorker<Eigen::MatrixXd> tile_waves(arena);
   std::vector<Waves> waves(dimensions);
   Eigen::MatrixXd last_waves;
   for (Eigen::Index first = 0; first < set.count(); first += kBlockPoints) {
@@ -81,25 +87,25 @@ void FrequencyGrid::add_power(const PointSet& set, const Arena& arena,
     const Eigen::Index count = std::min<Eigen::Index>(kBlockPoints, set.count() - first);
     arena.for_each(dimensions, 1, [&](std::size_t d) {
       waves[d].resize(count, half_[d] + 1);
-      fill_waves(set, first, static_cast<int>(d), waves[d]);
+      fill_waves(set, first, d, waves[d]);
     });
     last_waves.resize(count, 2 * columns);
     last_waves.leftCols(columns) = waves.back().real();
     last_waves.rightCols(columns) = waves.back().imag();
     arena.for_ranges(tiles, 1, [&](std::size_t begin, std::size_t end, int worker) {
-      Eigen::MatrixXd& tile = tile_waves[static_cast<std::size_t>(worker)];
-      tile.setZero(count, 2 * rows);
+      Eigen::MatrixXd& tile = tile_waves[worker];
+      tile.setZero(count, 2 * kTileRows);
       for (std::size_t t = begin; t < end; ++t) {
-        for (std::size_t r = 0; r < kTileRows && t * kTileRows + r < prefixes.size(); ++r) {
-          const Prefix& prefix = prefixes[t * kTileRows + r];
+        Eigen::Index row = 0;
+        for (const Prefix& prefix : prefixes_of(t)) {
           const auto w0 = wave_of(waves[0], prefix[0]);
           const auto w1 = wave_of(waves[dimensions > 2 ? 1 : 0], prefix[1]);
-          const auto row = static_cast<Eigen::Index>(r);
           for (Eigen::Index p = 0; p < count; ++p) {
             const std::complex<double> w = w0(p) * w1(p);
             tile(p, row) = w.real();
-            tile(p, row + rows) = w.imag();
+            tile(p, row + kTileRows) = w.imag();
           }
+          ++row;
         }
         sums[t].noalias() += tile.transpose() * last_waves;
       }
@@ -112,29 +118,34 @@ void FrequencyGrid::add_power(const PointSet& set, const Arena& arena,
                                                    : std::array<int, 3>{prefix[0], prefix[1], k};
     std::size_t at = 0;
     for (std::size_t d = dimensions; d-- > 0;) {
-      at = at * static_cast<std::size_t>(width(d)) + static_cast<std::size_t>(f[d] + half_[d]);
+      at = at * width(d) + static_cast<std::size_t>(f[d] + half_[d]);
     }
     return at;
   };
-  for (std::size_t r = 0; r < prefixes.size(); ++r) {
-    arena.check();
-    const Eigen::MatrixXd& sum = sums[r / kTileRows];
-    const auto row = static_cast<Eigen::Index>(r % kTileRows);
-    const bool zero = prefixes[r] == Prefix{0, 0};
+  const auto add_row = [&](const Prefix& prefix, const Eigen::MatrixXd& sum, Eigen::Index row) {
+    const Prefix mirrored = {-prefix[0], -prefix[1]};
+    const bool zero = prefix == Prefix{0, 0};
     for (int k = 0; k <= last; ++k) {
       if (zero && k == 0) continue;
       const double ac = sum(row, k);
-      const double bs = sum(row + rows, columns + k);
+      const double bs = sum(row + kTileRows, columns + k);
       const double as = sum(row, columns + k);
-      const double bc = sum(row + rows, k);
-      const Prefix mirrored = {-prefixes[r][0], -prefixes[r][1]};
+      const double bc = sum(row + kTileRows, k);
       const double here = std::norm(std::complex<double>(ac - bs, as + bc));
-      power[place(prefixes[r], k)] += here;
+      power[place(prefix, k)] += here;
       power[place(mirrored, -k)] += here;
       if (zero || k == 0) continue;
       const double there = std::norm(std::complex<double>(ac + bs, bc - as));
-      power[place(prefixes[r], -k)] += there;
+      power[place(prefix, -k)] += there;
       power[place(mirrored, k)] += there;
+    }
+  };
+  for (std::size_t t = 0; t < tiles; ++t) {
+    Eigen::Index row = 0;
+    for (const Prefix& prefix : prefixes_of(t)) {
+      arena.check();
+      add_row(prefix, sums[t], row);
+      ++row;
     }
   }
 }

@@ -14,10 +14,12 @@ class FrequencyGrid {
   explicit FrequencyGrid(std::vector<int> half) : half_(std::move(half)) {}
 
   [[nodiscard]] const std::vector<int>& half() const { return half_; }
-  [[nodiscard]] int width(std::size_t d) const { return 2 * half_[d] + 1; }
+  [[nodiscard]] std::size_t width(std::size_t d) const {
+    return 2 * static_cast<std::size_t>(half_[d]) + 1;
+  }
   [[nodiscard]] std::size_t size() const {
     std::size_t size = 1;
-    for (std::size_t d = 0; d < half_.size(); ++d) size *= static_cast<std::size_t>(width(d));
+    for (std::size_t d = 0; d < half_.size(); ++d) size *= width(d);
     return size;
   }
 

@@ -7,6 +7,7 @@
 #include "format.h"
 #include "geometry/metric.h"
 #include "metrics/sets.h"
+#include "numbers.h"
 #include "scales.h"
 
 namespace ccvt {
@@ -33,19 +34,19 @@ double energy(PointsView<Scalar> points, PointsView<Scalar> sites, std::span<con
                        " dimensions, points have " + std::to_string(points.dimension) +
                        ": the two must be equal");
   }
-  if (owners.size() != static_cast<std::size_t>(points.count)) {
+  if (std::ssize(owners) != points.count) {
     throw InvalidInput("owners: there are " + std::to_string(owners.size()) + " for " +
                        std::to_string(points.count) + " points: the two must be equal");
   }
   const Metric metric(points.dimension, domain);
   double sum = 0;
-  for (Index p = 0; p < points.count; ++p) {
-    const Index owner = owners[static_cast<std::size_t>(p)];
+  for (const PointNumber p : points_below(points.count)) {
+    const Index owner = owners[p];
     if (owner < 0 || owner >= sites.count) {
-      throw InvalidInput("owners[" + std::to_string(p) + "] is " + std::to_string(owner) +
+      throw InvalidInput("owners[" + std::to_string(p.index()) + "] is " + std::to_string(owner) +
                          ": it must be in 0.." + std::to_string(sites.count - 1));
     }
-    sum += metric.squared_distance(points[p], sites[owner]);
+    sum += metric.squared_distance(points[p.index()], sites[owner]);
   }
   if (!std::isfinite(sum)) {
     throw InvalidInput(
@@ -120,7 +121,7 @@ PointSet::PointSet(Columns<double> points, Domain domain)
     throw InvalidInput("points: all " + std::to_string(points_.cols()) +
                        " of them are equal; at least two must differ");
   }
-  mean_spacing_ = spacing_in(box, static_cast<double>(points_.cols()));
+  mean_spacing_ = spacing_in(box, count());
 }
 
 void check_alike(std::span<const PointSet> sets) {

@@ -10,6 +10,12 @@ namespace ccvt {
 /// Throws InvalidInput unless there is a set and all agree in dimension, count and domain.
 void check_alike(std::span<const PointSet> sets);
 
+/// The coordinates of one point after the other.
+inline std::span<const double> coordinates_of(const PointSet& set) {
+  const auto& points = set.points();
+  return {points.data(), points.data() + points.size()};
+}
+
 /// Throws InvalidInput for the first option out of range.
 void check_options(const SpectrumOptions& options);
 

@@ -18,7 +18,9 @@ FrequencyShells::FrequencyShells(Eigen::VectorXd steps, double highest, const Ar
   cube_ = ((steps_.array() - step).abs() <= 1e-9 * step).all() &&
           highest * highest / (step * step) <= kMostQuanta;
   if (cube_) quantum_ = step * step;
-  most_ = static_cast<std::size_t>(highest * highest / quantum_ * (1 + 1e-12));
+  const double most = std::floor(highest * highest / quantum_ * (1 + 1e-12));
+  beyond_ = most + 1;
+  most_ = capped(most);
   ways_.assign(1, Row(most_ + 1, 0.0));
   ways_[0][0] = 1;
   for (int d = 0; d < steps_.size(); ++d) {
@@ -36,12 +38,15 @@ FrequencyShells::FrequencyShells(Eigen::VectorXd steps, double highest, const Ar
   ways_.back()[0] -= 1;  // k = 0 is no frequency
 }
 
+std::size_t FrequencyShells::capped(double quanta) const {
+  return static_cast<std::size_t>(std::min(quanta, beyond_));
+}
+
 std::size_t FrequencyShells::quanta_of(int d, int k) const {
-  if (cube_) return static_cast<std::size_t>(k) * static_cast<std::size_t>(k);
+  if (cube_) return capped(1.0 * k * k);
   const double f = k * steps_[d];
   // In a thin box one step may be more than all.
-  const double quanta = std::min(f * f / quantum_ + 0.5, static_cast<double>(most_) + 1);
-  return static_cast<std::size_t>(quanta);
+  return capped(f * f / quantum_ + 0.5);
 }
 
 auto FrequencyShells::runs_of(int d) const -> std::vector<Run> {
@@ -68,7 +73,7 @@ auto FrequencyShells::runs_of(int d) const -> std::vector<Run> {
 /// The least number of quanta that is not below a frequency.
 std::size_t FrequencyShells::first_at(double frequency) const {
   const double quanta = frequency * frequency / quantum_;
-  return std::min(most_ + 1, static_cast<std::size_t>(std::ceil(quanta * (1 - 1e-12))));
+  return capped(std::ceil(quanta * (1 - 1e-12)));
 }
 
 double FrequencyShells::count(double lower, double upper) const {
@@ -83,9 +88,9 @@ Eigen::VectorXi FrequencyShells::draw(double lower, double upper, Random& random
     double left = 2 * count(lower, upper) * random.uniform();
     std::size_t s = first_at(lower);
     for (; s + 1 < first_at(upper) && left >= ways_.back()[s]; ++s) left -= ways_.back()[s];
-    for (int d = static_cast<int>(steps_.size()); d-- > 0;) {
-      const Row& rest = ways_[static_cast<std::size_t>(d)];
-      const std::vector<Run>& runs = runs_[static_cast<std::size_t>(d)];
+    for (std::size_t d = runs_.size(); d-- > 0;) {
+      const Row& rest = ways_[d];
+      const std::vector<Run>& runs = runs_[d];
       double total = rest[s];
       std::size_t within = 0;  // runs of at most s quanta
       for (; within < runs.size() && runs[within].quanta <= s; ++within) {
@@ -101,7 +106,7 @@ Eigen::VectorXi FrequencyShells::draw(double lower, double upper, Random& random
       const int beyond = static_cast<int>(std::min(along, runs[r].count - 1.0));
       left -= beyond * each();
       const int j = runs[r].first + beyond;
-      k[d] = left < each() / 2 ? -j : j;
+      k.data()[d] = left < each() / 2 ? -j : j;
       s -= runs[r].quanta;
     }
   }

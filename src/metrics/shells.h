@@ -38,12 +38,15 @@ class FrequencyShells {
     int count;
   };
 
+  /// Whole quanta; of more than most_, one more than that.
+  [[nodiscard]] std::size_t capped(double quanta) const;
   [[nodiscard]] std::size_t first_at(double frequency) const;
   [[nodiscard]] std::size_t quanta_of(int d, int k) const;
   [[nodiscard]] std::vector<Run> runs_of(int d) const;
 
   Eigen::VectorXd steps_;
   double quantum_ = 0;
+  double beyond_ = 0;  ///< one more than most_
   std::size_t most_ = 0;
   bool cube_ = false;
   std::vector<std::vector<Run>> runs_;  ///< by dimension, of up to most_ quanta

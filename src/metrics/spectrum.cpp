@@ -87,7 +87,8 @@ Eigen::VectorXd steps_of(const PointSet& set) {
 }
 
 /// Throws unless frequencies can be drawn up to max_frequency, in kMostBytes.
-void check_draws(const Eigen::ArrayXd& half, const SpectrumOptions& options, std::size_t rings) {
+void check_draws(const Eigen::ArrayXd& half, int dimension, const SpectrumOptions& options,
+                 std::size_t rings) {
   Eigen::Index longest = 0;
   const double steps = half.maxCoeff(&longest);
   if (steps > FrequencyShells::kMostSteps) {
@@ -98,14 +99,14 @@ void check_draws(const Eigen::ArrayXd& half, const SpectrumOptions& options, std
                        text(options.max_frequency * (FrequencyShells::kMostSteps / steps), 3));
   }
   // No more rings have a frequency than there are lengths told apart.
-  const double drawn = std::min(static_cast<double>(rings), 65537.0) * kRingDraws;
-  if (drawn * static_cast<double>(half.size()) * sizeof(int) <= kMostBytes) return;
+  const auto drawn = static_cast<double>(std::min<std::size_t>(rings, 65537) * kRingDraws);
+  if (drawn * dimension * sizeof(int) <= kMostBytes) return;
   throw InvalidInput("ring_width: makes " + std::to_string(rings) + " rings in " +
-                     std::to_string(half.size()) +
+                     std::to_string(dimension) +
                      " dimensions, too many to draw frequencies in each: choose a larger one");
 }
 
-/// The power of a drawn frequency, |sum|^2 / n, averaged over the sets.
+/// The power of a drawn frequency, |sum|^2 / n, added up over the sets.
 double power_at(std::span<const PointSet> sets, const Eigen::Map<const Eigen::VectorXi>& k,
                 const Arena& arena) {
   double power = 0;
@@ -126,7 +127,7 @@ double power_at(std::span<const PointSet> sets, const Eigen::Map<const Eigen::Ve
     }
     power += (re * re + im * im) / set.count();
   }
-  return power / static_cast<double>(sets.size());
+  return power;
 }
 
 void fill_from_grid(std::span<const PointSet> sets, const SpectrumOptions& options,
@@ -134,23 +135,21 @@ void fill_from_grid(std::span<const PointSet> sets, const SpectrumOptions& optio
   const FrequencyGrid grid(spectrum.half);
   spectrum.power.assign(grid.size(), 0.0);
   for (const PointSet& set : sets) grid.add_power(set, arena, spectrum.power);
-  const double scale = static_cast<double>(sets.size()) * spectrum.points;
+  const double scale = 1.0 * spectrum.sets * spectrum.points;
   for (double& p : spectrum.power) p /= scale;
 
   const Eigen::VectorXd steps = steps_of(sets.front());
   Sums low;
-  Eigen::VectorXi k(spectrum.dimension);
   // Those behind f = 0 are one of each pair f, -f.
   for (std::size_t at = grid.size() / 2 + 1; at < grid.size(); ++at) {
     if (at % kBetweenChecks == 0) arena.check();
     std::size_t rest = at;
     double squared = 0;
     for (std::size_t d = 0; d < spectrum.half.size(); ++d) {
-      const auto width = static_cast<std::size_t>(grid.width(d));
-      const double f = (static_cast<double>(rest % width) - spectrum.half[d]) *
-                       steps[static_cast<Eigen::Index>(d)];
+      const auto k = static_cast<double>(rest % grid.width(d)) - spectrum.half[d];
+      const double f = k * steps.data()[d];
       squared += f * f;
-      rest /= width;
+      rest /= grid.width(d);
     }
     const double frequency = std::sqrt(squared);
     if (frequency < kLowFrequency * (1 - 1e-12)) low.add(spectrum.power[at]);
@@ -190,8 +189,8 @@ void fill_from_draws(std::span<const PointSet> sets, const SpectrumOptions& opti
   std::vector<double> power(ring_of.size());
   const auto dimension = static_cast<std::size_t>(spectrum.dimension);
   arena.for_each(power.size(), 1, [&](std::size_t i) {
-    power[i] = power_at(
-        sets, Eigen::Map<const Eigen::VectorXi>(&drawn[i * dimension], spectrum.dimension), arena);
+    const Eigen::Map<const Eigen::VectorXi> k(&drawn[i * dimension], spectrum.dimension);
+    power[i] = power_at(sets, k, arena) / spectrum.sets;
   });
   Sums low;
   for (std::size_t i = 0; i < power.size(); ++i) {
@@ -287,10 +286,11 @@ Spectrum power_spectrum(std::span<const PointSet> sets, const SpectrumOptions& o
   const double products = (2 * half + 1).prod() * first.count();
   if (spectrum.dimension <= 3 && products <= kMostProducts &&
       FrequencyGrid::bytes(half) <= kMostBytes) {
-    for (const double h : half) spectrum.half.push_back(static_cast<int>(h));
+    const Eigen::ArrayXi whole = half.cast<int>();
+    spectrum.half.assign(whole.begin(), whole.end());
     fill_from_grid(sets, options, arena, rings, spectrum);
   } else {
-    check_draws(half, options, rings.size());
+    check_draws(half, spectrum.dimension, options, rings.size());
     fill_from_draws(sets, options, arena, rings, spectrum);
   }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -14,9 +15,9 @@ class CellDensities {
   explicit CellDensities(const DensityGrid& grid) : grid_(grid) { tabulate(); }
 
   [[nodiscard]] double operator()(std::int64_t cell) const {
-    const auto i = static_cast<std::size_t>(cell);
-    if (!grid_.mask.empty() && grid_.mask[i] == 0) return 0;
-    return std::visit([&](const auto& values) { return density(values[i]); }, grid_.values);
+    if (!grid_.mask.empty() && grid_.mask.data()[cell] == 0) return 0;
+    return std::visit([&](const auto& values) { return density(values.data()[cell]); },
+                      grid_.values);
   }
 
   /// Calls visit(cell, density) for adjacent cells.
@@ -25,9 +26,8 @@ class CellDensities {
     std::visit(
         [&](const auto& values) {
           for (std::int64_t cell = first; cell < first + count; ++cell) {
-            const auto i = static_cast<std::size_t>(cell);
-            const bool masked = !grid_.mask.empty() && grid_.mask[i] == 0;
-            visit(cell, masked ? 0.0 : density(values[i]));
+            const bool masked = !grid_.mask.empty() && grid_.mask.data()[cell] == 0;
+            visit(cell, masked ? 0.0 : density(values.data()[cell]));
           }
         },
         grid_.values);
@@ -35,11 +35,8 @@ class CellDensities {
 
   /// The value of a cell as it is stored.
   [[nodiscard]] double value(std::int64_t cell) const {
-    return std::visit(
-        [&](const auto& values) {
-          return static_cast<double>(values[static_cast<std::size_t>(cell)]);
-        },
-        grid_.values);
+    return std::visit([&](const auto& values) { return static_cast<double>(values.data()[cell]); },
+                      grid_.values);
   }
 
  private:
@@ -49,12 +46,14 @@ class CellDensities {
   template <class Value>
   [[nodiscard]] double density(Value value) const {
     if constexpr (is_small<Value>) {
-      if (!table_.empty()) return table_[static_cast<std::make_unsigned_t<Value>>(value)];
+      if (!table_.empty()) return table_.data()[value - std::numeric_limits<Value>::min()];
     }
-    return grid_.map ? grid_.map(static_cast<double>(value)) : static_cast<double>(value);
+    const auto number = static_cast<double>(value);
+    return grid_.map ? grid_.map(number) : number;
   }
 
-  // Of small types every number is mapped once, unless there are fewer cells than numbers.
+  // Of small types every number is mapped once, from the least to the greatest, unless there are
+  // fewer cells than numbers.
   void tabulate() {
     if (!grid_.map) return;
     std::visit(
@@ -62,10 +61,9 @@ class CellDensities {
           if constexpr (is_small<Value>) {
             constexpr std::size_t numbers = std::size_t{1} << (8 * sizeof(Value));
             if (values.size() < numbers) return;
-            table_.resize(numbers);
-            for (std::size_t i = 0; i < numbers; ++i) {
-              table_[i] = grid_.map(static_cast<double>(static_cast<Value>(i)));
-            }
+            table_.reserve(numbers);
+            using Limits = std::numeric_limits<Value>;
+            for (int i = Limits::min(); i <= Limits::max(); ++i) table_.push_back(grid_.map(i));
           }
         },
         grid_.values);

@@ -30,17 +30,16 @@ class CellFill {
         densities_(densities),
         bounds_(world_box(grid)),
         jittered_(jittered),
-        cell_(grid.box.extent()),
-        edges_(grid.box.extent()),
+        cell_(grid.box.extent().cwiseQuotient(cells_along(grid))),
+        edges_(cell_),
         margin_(margin(grid, origin)),
         position_(grid.shape.size()),
         inside_(grid.shape.size()),
         side_(grid.shape.size()),
         place_(grid.box.lower.eigen()) {
+    if (!grid.to_world) return;
     for (Eigen::Index d = 0; d < cell_.size(); ++d) {
-      cell_[d] /= static_cast<double>(grid.shape[static_cast<std::size_t>(d)]);
-      edges_[d] = cell_[d];
-      if (grid.to_world) edges_[d] *= grid.to_world->matrix.col(d).norm();
+      edges_[d] *= grid.to_world->matrix.col(d).norm();
     }
   }
 
@@ -55,12 +54,12 @@ class CellFill {
       }
       return out;
     }
+    const double* const edges = edges_.data();
     strata(hits).visit(
         Eigen::VectorXd::Zero(cell_.size()), 0, hits,
         [&](Index, std::span<const double> corner, std::span<const double> size) {
           for (std::size_t d = 0; d < dimension; ++d) {
-            const double edge = edges_[static_cast<Eigen::Index>(d)];
-            put(d, std::min((corner[d] + random.uniform() * size[d]) / edge, below_one));
+            put(d, std::min((corner[d] + random.uniform() * size[d]) / edges[d], below_one));
           }
           out = store(cell, out);
         });
@@ -70,6 +69,7 @@ class CellFill {
  private:
   static constexpr double below_one = 1 - 0x1p-53;
   static constexpr double most_margin = 0.25;
+  static constexpr int kept_strata = 64;
 
   // How far, in cells, points must keep off the borders of their cells so that rounding does not
   // take them over: to Scalar, and in double wherever the world and its cells are computed.
@@ -77,9 +77,8 @@ class CellFill {
     const Box world = world_box(grid);
     const Eigen::VectorXd local =
         world.lower.eigen().cwiseAbs().cwiseMax(world.upper.eigen().cwiseAbs());
-    const double wide =
-        std::numeric_limits<double>::epsilon() * static_cast<double>(3 + origin.size());
-    const auto narrow = static_cast<double>(std::numeric_limits<Scalar>::epsilon());
+    const double wide = std::numeric_limits<double>::epsilon() * (3 + grid.box.dimension());
+    constexpr double narrow = std::numeric_limits<Scalar>::epsilon();
     const CellLocator locator(grid);
     // The greater one, doubled, is as much as their sum, and the same wherever the origin is, as
     // long as Scalar is the coarser of the two.
@@ -112,37 +111,39 @@ class CellFill {
       stride *= grid_.shape[d];
     }
     const bool mirrored = landed != cell && !(densities_(landed) > 0);
+    const double* const margins = margin_.data();
+    const double* const lower = grid_.box.lower.data();
     for (std::size_t d = 0; d < inside_.size(); ++d) {
-      const auto e = static_cast<Eigen::Index>(d);
       double x = inside_[d] - side_[d];  // in the cell that it is in
       if (mirrored && side_[d] != 0) {
         x = 1 - x;
         side_[d] = 0;
       }
-      x = margin_[e] + (1 - 2 * margin_[e]) * x;
-      place_[e] =
-          grid_.box.lower[e] + (static_cast<double>(position_[d]) + side_[d] + x) * cell_[e];
+      x = margins[d] + (1 - 2 * margins[d]) * x;
+      const auto position = static_cast<double>(position_[d]);
+      place_.data()[d] = lower[d] + (position + side_[d] + x) * cell_.data()[d];
     }
   }
 
   Scalar* store(std::int64_t cell, Scalar* out) {
     settle(cell);
-    for (Eigen::Index d = 0; d < place_.size(); ++d) {
-      double x = place_[d];
+    const std::size_t dimension = inside_.size();
+    const double* const place = place_.data();
+    for (std::size_t d = 0; d < dimension; ++d) {
+      double x = place[d];
       if (grid_.to_world) {
-        x = grid_.to_world->offset[d];
-        for (Eigen::Index e = 0; e < place_.size(); ++e) {
-          x += grid_.to_world->matrix(d, e) * place_[e];
-        }
+        const double* const matrix = grid_.to_world->matrix.data();
+        x = grid_.to_world->offset.data()[d];
+        for (std::size_t e = 0; e < dimension; ++e) x += matrix[d + e * dimension] * place[e];
       }
-      *out++ = bounds_.round(static_cast<std::size_t>(d), x);
+      *out++ = bounds_.round(d, x);
     }
     return out;
   }
 
   // All cells have the same shape, and adjacent ones similar numbers of points.
   const Strata& strata(Index hits) {
-    auto& strata = strata_[static_cast<std::size_t>(hits) % strata_.size()];
+    auto& strata = strata_.data()[hits % kept_strata];
     if (!strata || strata->count() != hits) strata.emplace(edges_, hits);
     return *strata;
   }
@@ -158,7 +159,7 @@ class CellFill {
   std::vector<double> inside_;          // of the point, from 0 to 1 in the cell
   std::vector<int> side_;               // which neighbour it is in: -1, 0 or 1
   Eigen::VectorXd place_;
-  std::vector<std::optional<Strata>> strata_ = std::vector<std::optional<Strata>>(64);
+  std::vector<std::optional<Strata>> strata_ = std::vector<std::optional<Strata>>(kept_strata);
 };
 
 }  // namespace ccvt

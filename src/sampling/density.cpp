@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "parallel/arena.h"
+#include "parallel/loops.h"
 #include "random.h"
 #include "sampling/cell_densities.h"
 #include "sampling/cell_fill.h"
@@ -21,7 +23,7 @@ namespace ccvt {
 namespace {
 
 void check_shape(const DensityGrid& grid) {
-  if (grid.shape.size() != static_cast<std::size_t>(grid.box.dimension())) {
+  if (std::ssize(grid.shape) != grid.box.dimension()) {
     throw InvalidInput(concat("grid: shape has ", grid.shape.size(),
                               " dimensions, but the box has ", grid.box.dimension()));
   }
@@ -36,12 +38,12 @@ void check_shape(const DensityGrid& grid) {
     }
     cells *= grid.shape[d];
   }
-  const std::size_t values = std::visit([](const auto& v) { return v.size(); }, grid.values);
-  if (static_cast<std::size_t>(cells) != values) {
+  const std::int64_t values = std::visit([](const auto& v) { return std::ssize(v); }, grid.values);
+  if (cells != values) {
     throw InvalidInput(concat("grid: shape ", std::span(grid.shape), " has ", cells,
                               " cells, but there are ", values, " values"));
   }
-  if (!grid.mask.empty() && grid.mask.size() != values) {
+  if (!grid.mask.empty() && std::ssize(grid.mask) != values) {
     throw InvalidInput(concat("grid: shape ", std::span(grid.shape), " has ", cells,
                               " cells, but the mask has ", grid.mask.size(), " entries"));
   }
@@ -97,12 +99,19 @@ struct Parts {
   }
 };
 
+// The first cell, if any, whose density is refused.
+struct Refused {
+  static constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
+  std::int64_t cell = none;
+
+  void add(std::int64_t other) { cell = std::min(cell, other); }
+};
+
 // The mass of each part.
 std::vector<double> masses_of(const DensityGrid& grid, const CellDensities& densities,
                               const Parts& parts, const Arena& arena) {
-  constexpr auto none = std::numeric_limits<std::int64_t>::max();
   std::vector<double> masses(parts.parts.size());
-  std::vector<std::int64_t> refused(static_cast<std::size_t>(arena.threads()), none);
+  PerWorker<Refused> refused(arena);
   arena.for_ranges(masses.size(), 64, [&](std::size_t begin, std::size_t end, int worker) {
     HilbertCurve curve = parts.curve;
     for (std::size_t p = begin; p < end; ++p) {
@@ -110,10 +119,7 @@ std::vector<double> masses_of(const DensityGrid& grid, const CellDensities& dens
       curve.visit_rows(parts.parts[p], parts.level, [&](std::int64_t first, std::int64_t count) {
         double row = 0;
         densities.visit_row(first, count, [&](std::int64_t cell, double density) {
-          if (!is_density(density)) {
-            auto& least = refused[static_cast<std::size_t>(worker)];
-            least = std::min(least, cell);
-          }
+          if (!is_density(density)) refused[worker].add(cell);
           row += density;
         });
         sum += row;
@@ -121,8 +127,9 @@ std::vector<double> masses_of(const DensityGrid& grid, const CellDensities& dens
       masses[p] = sum;
     }
   });
-  const std::int64_t first = *std::min_element(refused.begin(), refused.end());
-  if (first != none) refuse_density(grid, densities, first);
+  Refused first;
+  for (int worker = 0; worker < arena.threads(); ++worker) first.add(refused[worker].cell);
+  if (first.cell != Refused::none) refuse_density(grid, densities, first.cell);
   GroupedSum total;
   for (const double mass : masses) total.add(mass);
   if (total.value() == 0) {
@@ -146,21 +153,23 @@ void fill(const DensityGrid& grid, const Eigen::VectorXd& origin, std::uint64_t 
 
   const bool stratified = sampling == DensitySampling::stratified;
   const auto count = static_cast<Index>(coordinates.size() / grid.shape.size());
-  const auto workers = static_cast<std::size_t>(arena.threads());
-  std::vector<CellFill<Scalar>> fills(workers,
-                                      CellFill<Scalar>(grid, densities, origin, stratified));
-  std::vector<HilbertCurve> curves(workers, parts.curve);
+  struct Tools {
+    CellFill<Scalar> fill;
+    HilbertCurve curve;
+  };
+  PerWorker<std::optional<Tools>> tools(arena);
   const auto place = [&](std::size_t part, int worker, Index first,
                          std::span<const double> targets) {
+    auto& own = tools[worker];
+    if (!own) own.emplace(Tools{{grid, densities, origin, stratified}, parts.curve});
     Random random(seed, streams::density_place + part);
-    Scalar* out = coordinates.data() + static_cast<std::size_t>(first) * grid.shape.size();
+    Scalar* out = coordinates.data() + first * std::ssize(grid.shape);
     const auto along_curve = [&](const auto& f) {
-      curves[static_cast<std::size_t>(worker)].visit(
-          parts.parts[part], parts.level, [&](std::int64_t cell) { f(cell, densities(cell)); });
+      own->curve.visit(parts.parts[part], parts.level,
+                       [&](std::int64_t cell) { f(cell, densities(cell)); });
     };
-    deal_to_cells(targets, along_curve, [&](std::int64_t cell, Index hits) {
-      out = fills[static_cast<std::size_t>(worker)](cell, hits, random, out);
-    });
+    deal_to_cells(targets, along_curve,
+                  [&](std::int64_t cell, Index hits) { out = own->fill(cell, hits, random, out); });
   };
   if (stratified) {
     deal(masses, StratifiedDraws(seed, count), arena, place);
@@ -191,7 +200,7 @@ Points<Scalar> sample_local_density(const LocalDensity& local, Index count, std:
   detail::check_density(local.grid, count, Eigen::Dynamic, sizeof(Scalar));
   Points<Scalar> points(local.grid.box.dimension(), count);
   fill(local.grid, local.origin, seed, sampling, threads,
-       std::span<Scalar>(points.data(), static_cast<std::size_t>(points.size())), cancelled);
+       std::span<Scalar>(points.data(), points.data() + points.size()), cancelled);
   return points;
 }
 

@@ -18,28 +18,26 @@ namespace ccvt {
 namespace {
 
 constexpr std::int64_t most_tries = 10'000'000;
-constexpr std::int64_t least_cells = 65'536;
+constexpr double least_cells = 65'536;
 
 // The function, checked, at points rounded to Scalar: those that are given out.
 template <class Scalar>
 class CheckedDensity {
  public:
   CheckedDensity(const DensityFunction& density, double maximum, const Box& box)
-      : density_(density),
-        maximum_(maximum),
-        bounds_(box),
-        point_(static_cast<std::size_t>(box.dimension())) {
+      : density_(density), maximum_(maximum), bounds_(box), point_(bounds_.dimension()) {
     if (!density) throw InvalidInput("density: is empty, but must be callable");
     if (!(maximum > 0 && std::isfinite(maximum))) {
       throw InvalidInput(concat("maximum: is ", maximum, ", but must be positive and finite"));
     }
   }
 
+  [[nodiscard]] std::size_t dimension() const { return point_.size(); }
+
   /// The density at a uniform draw from a cell.
-  double draw(Random& random, const Eigen::VectorXd& corner, const Eigen::VectorXd& size) {
+  double draw(Random& random, const double* corner, const double* size) {
     for (std::size_t d = 0; d < point_.size(); ++d) {
-      const auto e = static_cast<Eigen::Index>(d);
-      point_[d] = static_cast<double>(bounds_.round(d, corner[e] + random.uniform() * size[e]));
+      point_[d] = bounds_.round(d, corner[d] + random.uniform() * size[d]);
     }
     const double value = density_(point_);
     if (value >= 0 && value <= maximum_) return value;
@@ -48,15 +46,11 @@ class CheckedDensity {
   }
 
   /// Draws from a cell until one is accepted, and stores it.
-  Scalar* accept(Random& random, const Eigen::VectorXd& corner, const Eigen::VectorXd& size,
-                 Scalar* out) {
+  Scalar* accept(Random& random, const double* corner, const double* size, Scalar* out) {
     for (std::int64_t tries = 0; tries < most_tries; ++tries) {
       const double value = draw(random, corner, size);
       const double threshold = random.uniform() * maximum_;
-      if (threshold < value) {
-        return std::transform(point_.begin(), point_.end(), out,
-                              [](double x) { return static_cast<Scalar>(x); });
-      }
+      if (threshold < value) return std::copy(point_.begin(), point_.end(), out);
     }
     throw InvalidInput(concat(
         "density: ", most_tries, " candidates in a row were refused, the last ",
@@ -67,54 +61,56 @@ class CheckedDensity {
   const DensityFunction& density_;
   double maximum_;
   ScalarBox<Scalar> bounds_;
-  std::vector<double> point_;
+  std::vector<double> point_;  // exact in Scalar
 };
 
 // At least `cells` nearly cubic cells that fill a box.
 class Grid {
  public:
-  Grid(const Box& box, std::int64_t cells) : lower_(box.lower), size_(box.extent()) {
-    const auto dimensions = static_cast<std::size_t>(box.dimension());
-    shape_.assign(dimensions, 1);
-    std::vector<std::size_t> order(dimensions);  // by extent, ascending
+  Grid(const Box& box, double cells) : lower_(box.lower.begin(), box.lower.end()) {
+    const Eigen::VectorXd extent = box.extent();
+    size_.assign(extent.begin(), extent.end());
+    shape_.assign(size_.size(), 1);
+    std::vector<std::size_t> order(size_.size());  // by extent, ascending
     std::iota(order.begin(), order.end(), std::size_t{0});
-    const auto extent = [&](std::size_t d) { return size_[static_cast<Eigen::Index>(d)]; };
     std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return extent(a) < extent(b); });
-    double log_volume = size_.array().log().sum();
-    auto left = static_cast<double>(cells);
-    for (std::size_t i = 0; i < dimensions; ++i) {
-      const double log_side = std::log(extent(order[i]));
-      const double ideal = std::exp(log_side + (std::log(std::max(left, 1.0)) - log_volume) /
-                                                   static_cast<double>(dimensions - i));
+                     [&](std::size_t a, std::size_t b) { return size_[a] < size_[b]; });
+    double log_volume = extent.array().log().sum();
+    double left = cells;
+    double remaining = box.dimension();
+    for (const std::size_t d : order) {
+      const double log_side = std::log(size_[d]);
+      const double ideal =
+          std::exp(log_side + (std::log(std::max(left, 1.0)) - log_volume) / remaining);
       log_volume -= log_side;
       // Up for the last one; elsewhere to the nearest, with room for the C library's last bits.
-      const double parts =
-          i + 1 == dimensions ? std::ceil(left - 1e-9) : std::floor(ideal + 0.5 + 1e-9);
-      shape_[order[i]] = std::max<std::int64_t>(static_cast<std::int64_t>(parts), 1);
-      left /= static_cast<double>(shape_[order[i]]);
-    }
-    for (std::size_t d = 0; d < dimensions; ++d) {
-      size_[static_cast<Eigen::Index>(d)] /= static_cast<double>(shape_[d]);
+      const double nearest =
+          remaining == 1 ? std::ceil(left - 1e-9) : std::floor(ideal + 0.5 + 1e-9);
+      const double parts = std::max(nearest, 1.0);
+      shape_[d] = static_cast<std::int64_t>(parts);
+      size_[d] /= parts;
+      left /= parts;
+      --remaining;
     }
   }
 
   [[nodiscard]] std::span<const std::int64_t> shape() const { return shape_; }
-  [[nodiscard]] const Eigen::VectorXd& size() const { return size_; }
-  [[nodiscard]] std::int64_t cells() const {
-    return std::accumulate(shape_.begin(), shape_.end(), std::int64_t{1}, std::multiplies<>());
+  [[nodiscard]] std::size_t dimension() const { return shape_.size(); }
+  [[nodiscard]] const double* size() const { return size_.data(); }
+  [[nodiscard]] std::size_t cells() const {
+    return std::accumulate(shape_.begin(), shape_.end(), std::size_t{1},
+                           std::multiplies<std::size_t>());
   }
-  void corner(std::int64_t cell, Eigen::VectorXd& corner) const {
+  void corner(std::int64_t cell, std::vector<double>& corner) const {
     for (std::size_t d = 0; d < shape_.size(); ++d) {
-      const auto e = static_cast<Eigen::Index>(d);
-      corner[e] = lower_[e] + static_cast<double>(cell % shape_[d]) * size_[e];
+      corner[d] = lower_[d] + static_cast<double>(cell % shape_[d]) * size_[d];
       cell /= shape_[d];
     }
   }
 
  private:
-  Eigen::VectorXd lower_;
-  Eigen::VectorXd size_;
+  std::vector<double> lower_;
+  std::vector<double> size_;
   std::vector<std::int64_t> shape_;
 };
 
@@ -127,17 +123,17 @@ class Table {
  public:
   Table(const CheckedDensity<Scalar>& density, const Grid& grid, std::uint64_t seed,
         const Arena& arena)
-      : cells(static_cast<std::size_t>(grid.cells())), values(cells.size()) {
+      : cells(grid.cells()), values(cells.size()) {
     std::size_t next = 0;
     HilbertCurve(grid.shape()).visit([&](std::int64_t cell) { cells[next++] = cell; });
     sums.resize((cells.size() + chunk - 1) / chunk);
     arena.for_each(sums.size(), 1, [&](std::size_t c) {
       CheckedDensity<Scalar> drawn = density;
       Random random(seed, streams::function_tabulate + c);
-      Eigen::VectorXd corner(grid.size().size());
+      std::vector<double> corner(grid.dimension());
       for (std::size_t k = c * chunk; k < std::min((c + 1) * chunk, cells.size()); ++k) {
         grid.corner(cells[k], corner);
-        values[k] = drawn.draw(random, corner, grid.size());
+        values[k] = drawn.draw(random, corner.data(), grid.size());
         sums[c] += values[k];
       }
     });
@@ -157,13 +153,14 @@ class Table {
 template <class Scalar>
 void stratified(const CheckedDensity<Scalar>& density, double maximum, const Box& box, Index count,
                 std::uint64_t seed, const Arena& arena, Scalar* points) {
-  Grid grid(box, std::max(std::int64_t{4} * count, least_cells));
+  Grid grid(box, std::max(4.0 * count, least_cells));
   Table<Scalar> table(density, grid, seed, arena);
   // More cells where the density is concentrated, so that few get several points.
-  const double mean = table.total() / static_cast<double>(grid.cells());
-  const double wanted = static_cast<double>(count) * std::min(16.0, maximum / mean);
-  if (wanted > 1.5 * static_cast<double>(grid.cells()) || table.total() == 0) {
-    grid = Grid(box, std::max(std::int64_t{16} * count, 16 * least_cells));
+  const auto cells = static_cast<double>(grid.cells());
+  const double mean = table.total() / cells;
+  const double wanted = count * std::min(16.0, maximum / mean);
+  if (wanted > 1.5 * cells || table.total() == 0) {
+    grid = Grid(box, std::max(16.0 * count, 16 * least_cells));
     table = Table<Scalar>(density, grid, seed, arena);
   }
   if (table.total() == 0) {
@@ -177,8 +174,8 @@ void stratified(const CheckedDensity<Scalar>& density, double maximum, const Box
        [&](std::size_t c, int, Index first, std::span<const double> targets) {
          CheckedDensity<Scalar> drawn = density;
          Random random(seed, streams::density_place + c);
-         Eigen::VectorXd corner(grid.size().size());
-         Scalar* out = points + static_cast<std::ptrdiff_t>(first) * box.dimension();
+         std::vector<double> corner(grid.dimension());
+         Scalar* out = points + first * box.lower.size();
          const auto in_order = [&](const auto& f) {
            for (std::size_t k = c * chunk; k < std::min((c + 1) * chunk, table.cells.size()); ++k) {
              f(table.cells[k], table.values[k]);
@@ -186,7 +183,9 @@ void stratified(const CheckedDensity<Scalar>& density, double maximum, const Box
          };
          deal_to_cells(targets, in_order, [&](std::int64_t cell, Index hits) {
            grid.corner(cell, corner);
-           for (Index k = 0; k < hits; ++k) out = drawn.accept(random, corner, grid.size(), out);
+           for (Index k = 0; k < hits; ++k) {
+             out = drawn.accept(random, corner.data(), grid.size(), out);
+           }
          });
        });
 }
@@ -198,7 +197,7 @@ void fill(const DensityFunction& f, double maximum, const Box& box, std::uint64_
   Stop stop(cancelled);
   const Arena arena(threads, &stop);
   const CheckedDensity<Scalar> density(f, maximum, box);
-  const auto dimension = static_cast<std::size_t>(box.dimension());
+  const std::size_t dimension = density.dimension();
   const std::size_t count = coordinates.size() / dimension;
   if (sampling == DensitySampling::stratified) {
     stratified(density, maximum, box, static_cast<Index>(count), seed, arena, coordinates.data());
@@ -210,7 +209,7 @@ void fill(const DensityFunction& f, double maximum, const Box& box, std::uint64_
     Random random(seed, streams::density_place + c);
     Scalar* out = coordinates.data() + c * chunk * dimension;
     for (std::size_t k = c * chunk; k < std::min((c + 1) * chunk, count); ++k) {
-      out = drawn.accept(random, box.lower, extent, out);
+      out = drawn.accept(random, box.lower.data(), extent.data(), out);
     }
   });
 } catch (const Stopped&) {

@@ -17,12 +17,9 @@ Box world_box(const DensityGrid& grid) {
   return {centre - reach, centre + reach};
 }
 
-CellLocator::CellLocator(const DensityGrid& grid) : shape_(grid.shape) {
-  const Eigen::Index dimension = grid.box.dimension();
-  Eigen::MatrixXd cells = Eigen::MatrixXd::Zero(dimension, dimension);
-  for (Eigen::Index d = 0; d < dimension; ++d) {
-    cells(d, d) = static_cast<double>(shape_[static_cast<std::size_t>(d)]) / grid.box.extent()[d];
-  }
+CellLocator::CellLocator(const DensityGrid& grid)
+    : shape_(grid.shape), last_(cells_along(grid).array() - 1) {
+  const Eigen::MatrixXd cells = cells_along(grid).cwiseQuotient(grid.box.extent()).asDiagonal();
   corner_ = grid.box.lower.eigen();
   to_cells_ = cells;
   if (!grid.to_world) return;
@@ -31,14 +28,13 @@ CellLocator::CellLocator(const DensityGrid& grid) : shape_(grid.shape) {
 }
 
 std::int64_t CellLocator::operator()(const double* place) const {
-  const auto dimension = static_cast<Eigen::Index>(shape_.size());
+  const Eigen::Index dimension = last_.size();
   std::int64_t cell = 0;
   for (Eigen::Index d = dimension - 1; d >= 0; --d) {
     double x = 0;
     for (Eigen::Index e = 0; e < dimension; ++e) x += to_cells_(d, e) * (place[e] - corner_[e]);
-    const std::int64_t cells = shape_[static_cast<std::size_t>(d)];
-    const auto last = static_cast<double>(cells - 1);
-    cell = cell * cells + static_cast<std::int64_t>(std::clamp(std::floor(x), 0.0, last));
+    const double position = std::clamp(std::floor(x), 0.0, last_[d]);
+    cell = cell * shape_.data()[d] + static_cast<std::int64_t>(position);
   }
   return cell;
 }

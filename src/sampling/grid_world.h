@@ -13,6 +13,12 @@ namespace ccvt {
 /// What holds all points of a density: its box, or a box around what becomes of it.
 Box world_box(const DensityGrid& grid);
 
+/// The numbers of cells along each dimension.
+inline Eigen::VectorXd cells_along(const DensityGrid& grid) {
+  using Cells = Eigen::VectorX<std::int64_t>;
+  return Eigen::Map<const Cells>(grid.shape.data(), std::ssize(grid.shape)).cast<double>();
+}
+
 /// Index of a cell along each dimension.
 inline void cell_position(std::int64_t cell, std::span<const std::int64_t> shape,
                           std::span<std::int64_t> position) {
@@ -38,6 +44,7 @@ class CellLocator {
 
  private:
   std::vector<std::int64_t> shape_;
+  Eigen::VectorXd last_;  // the last cell along each dimension
   Eigen::MatrixXd to_cells_;
   Eigen::VectorXd corner_;  // in the world: of the first cell
 };

@@ -22,8 +22,8 @@ class HilbertCurve {
     for (const std::int64_t cells : shape) {
       if (cells > 1) {
         axes_.push_back({cells, stride});
-        bits_ = std::max(bits_,
-                         static_cast<int>(std::bit_width(static_cast<std::uint64_t>(cells - 1))));
+        ++dimensions_;
+        while ((cells - 1) >> bits_ > 0) ++bits_;
       }
       stride *= cells;
     }
@@ -95,7 +95,7 @@ class HilbertCurve {
   template <class Leaf>
   void cube(int bit, int last, std::uint64_t entry, unsigned direction, std::int64_t index,
             const Leaf& leaf) {
-    subcubes(bit, last, entry, direction, static_cast<unsigned>(axes_.size()), 0, index, leaf);
+    subcubes(bit, last, entry, direction, dimensions_, 0, index, leaf);
   }
 
   // The subcubes whose number along the curve starts with the bits in `prefix`; `left` bits follow.
@@ -108,12 +108,13 @@ class HilbertCurve {
       return cube(bit - 1, last, inner, turned, index, leaf);
     }
     --left;
-    const unsigned axis = (left + direction + 1) % static_cast<unsigned>(axes_.size());
+    const unsigned axis = (left + direction + 1) % dimensions_;
     const std::uint64_t above = prefix & 1;
+    const std::int64_t half = std::int64_t{1} << bit;
     const std::int64_t before = position_[axis];
     for (std::uint64_t next = 0; next < 2; ++next) {
       const std::uint64_t side = next ^ above ^ ((entry >> axis) & 1);
-      const std::int64_t step = static_cast<std::int64_t>(side) << bit;
+      const std::int64_t step = side == 0 ? 0 : half;
       if (before + step >= axes_[axis].cells) continue;
       position_[axis] = before + step;
       subcubes(bit, last, entry, direction, left, 2 * prefix + next,
@@ -126,25 +127,24 @@ class HilbertCurve {
   [[nodiscard]] std::pair<std::uint64_t, unsigned> subcube(std::uint64_t number,
                                                            std::uint64_t entry,
                                                            unsigned direction) const {
-    const auto dimensions = static_cast<unsigned>(axes_.size());
     const std::uint64_t corner = number == 0 ? 0 : gray((number - 1) & ~std::uint64_t{1});
     const std::uint64_t odd = (number & 1) != 0 ? number : number - 1;
     const unsigned turn =
-        number == 0 ? 0 : static_cast<unsigned>(std::countr_one(odd)) % dimensions;
-    return {entry ^ rotate(corner, direction + 1), (direction + turn + 1) % dimensions};
+        number == 0 ? 0 : static_cast<unsigned>(std::countr_one(odd)) % dimensions_;
+    return {entry ^ rotate(corner, direction + 1), (direction + turn + 1) % dimensions_};
   }
 
   static std::uint64_t gray(std::uint64_t x) { return x ^ (x >> 1); }
 
   // Rotates a word of as many bits as there are axes to the left.
   [[nodiscard]] std::uint64_t rotate(std::uint64_t x, unsigned by) const {
-    const auto bits = static_cast<unsigned>(axes_.size());
-    by %= bits;
+    by %= dimensions_;
     if (by == 0) return x;
-    return ((x << by) | (x >> (bits - by))) & ((std::uint64_t{1} << bits) - 1);
+    return ((x << by) | (x >> (dimensions_ - by))) & ((std::uint64_t{1} << dimensions_) - 1);
   }
 
   std::vector<Axis> axes_;  // those of more than one cell: fewer than 63
+  unsigned dimensions_ = 0;
   int bits_ = 0;
   std::vector<std::int64_t> position_;
 };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ccvt/types.h"
+#include "numbers.h"
 #include "parallel/arena.h"
 #include "random.h"
 #include "sampling/streams.h"
@@ -34,14 +35,19 @@ class GroupedSum {
   int terms_ = 0;
 };
 
+/// A uniform draw from one of `bins` equal parts of [0, 1).
+inline double draw_from(std::size_t bin, std::size_t bins, Random& random) {
+  return (static_cast<double>(bin) + random.uniform()) / static_cast<double>(bins);
+}
+
 /// Independent uniform draws from [0, 1) in ascending order, which may be entered anywhere: draws
 /// are first dealt to equal bins, then drawn and sorted within a bin. O(1) each.
 class SortedDraws {
  public:
-  SortedDraws(std::uint64_t seed, Index count, const Arena& arena)
-      : seed_(seed), before_(static_cast<std::size_t>(count) / 16 + 2) {
+  SortedDraws(std::uint64_t seed, Index count, const Arena& arena) : seed_(seed) {
     constexpr std::size_t chunk = 65'536;
     const auto draws = static_cast<std::size_t>(count);
+    before_.resize(draws / 16 + 2);
     arena.for_each((draws + chunk - 1) / chunk, 1, [&](std::size_t c) {
       Random random(seed, streams::density_deal + c);
       for (std::size_t k = c * chunk; k < std::min((c + 1) * chunk, draws); ++k) {
@@ -58,9 +64,9 @@ class SortedDraws {
   /// Puts the draws of a bin into `draws`.
   void open(std::size_t bin, std::vector<double>& draws) const {
     Random random(seed_, streams::density_mass + bin);
-    draws.resize(static_cast<std::size_t>(before_[bin + 1] - before_[bin]));
-    for (double& draw : draws) {
-      draw = (static_cast<double>(bin) + random.uniform()) / static_cast<double>(bins());
+    draws.clear();
+    for (Index k = before_[bin]; k < before_[bin + 1]; ++k) {
+      draws.push_back(draw_from(bin, bins(), random));
     }
     std::sort(draws.begin(), draws.end());
   }
@@ -73,18 +79,19 @@ class SortedDraws {
 /// One uniform draw from each of `count` equal parts of [0, 1): bins of one draw each.
 class StratifiedDraws {
  public:
-  StratifiedDraws(std::uint64_t seed, Index count) : seed_(seed), count_(count) {}
+  StratifiedDraws(std::uint64_t seed, Index count)
+      : seed_(seed), bins_(static_cast<std::size_t>(count)) {}
 
-  [[nodiscard]] std::size_t bins() const { return static_cast<std::size_t>(count_); }
-  [[nodiscard]] static Index before(std::size_t bin) { return static_cast<Index>(bin); }
+  [[nodiscard]] std::size_t bins() const { return bins_; }
+  [[nodiscard]] static Index before(std::size_t bin) { return PointNumber(bin).index(); }
   void open(std::size_t bin, std::vector<double>& draws) const {
     Random random(seed_, streams::density_mass + bin);
-    draws.assign(1, (static_cast<double>(bin) + random.uniform()) / count_);
+    draws.assign(1, draw_from(bin, bins_, random));
   }
 
  private:
   std::uint64_t seed_;
-  Index count_;
+  std::size_t bins_;
 };
 
 /// Deals draws from [0, 1) to groups that share that line in proportion to their masses, of which
@@ -111,11 +118,12 @@ void deal(std::span<const double> masses, const Draws& draws, const Arena& arena
     for (std::size_t g = from; g < to; ++g) {
       if (!(begin[g + 1] > begin[g])) continue;
       // One bin earlier than computed, in case that was rounded up.
-      auto b = static_cast<std::size_t>(std::max(0.0, std::floor(begin[g] / total * bins) - 1));
+      double earlier = std::max(0.0, std::floor(begin[g] / total * bins) - 1);
+      auto b = static_cast<std::size_t>(earlier);
       Index first = draws.before(b);
       targets.clear();
-      for (; b < draws.bins(); ++b) {
-        if (g < last && static_cast<double>(b) / bins * total >= begin[g + 1]) break;
+      for (; b < draws.bins(); ++b, ++earlier) {
+        if (g < last && earlier / bins * total >= begin[g + 1]) break;
         draws.open(b, bin);
         for (const double draw : bin) {
           const double target = draw * total;
@@ -145,12 +153,14 @@ void deal_to_cells(std::span<const double> targets, const VisitCells& visit_cell
     last = cell;
     reached.add(mass);
     const double end = reached.value();
-    const std::size_t before = dealt;
-    while (dealt < targets.size() && targets[dealt] < end) ++dealt;
-    if (dealt > before) place(cell, static_cast<Index>(dealt - before));
+    Index hits = 0;
+    for (; dealt < targets.size() && targets[dealt] < end; ++dealt) ++hits;
+    if (hits > 0) place(cell, hits);
   });
   // The sum in this order may fall short of the group's mass by its rounding error.
-  if (dealt < targets.size()) place(last, static_cast<Index>(targets.size() - dealt));
+  Index left = 0;
+  for (; dealt < targets.size(); ++dealt) ++left;
+  if (left > 0) place(last, left);
 }
 
 }  // namespace ccvt

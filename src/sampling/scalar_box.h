@@ -16,17 +16,16 @@ namespace ccvt {
 template <class Scalar>
 class ScalarBox {
  public:
-  explicit ScalarBox(const Box& box) {
+  explicit ScalarBox(const Box& box)
+      : first_(box.lower.begin(), box.lower.end()), last_(box.upper.begin(), box.upper.end()) {
     constexpr Scalar infinity = std::numeric_limits<Scalar>::infinity();
-    for (Eigen::Index d = 0; d < box.lower.size(); ++d) {
-      auto first = static_cast<Scalar>(box.lower[d]);
-      if (static_cast<double>(first) < box.lower[d]) first = std::nextafter(first, infinity);
-      auto last = static_cast<Scalar>(box.upper[d]);
-      if (static_cast<double>(last) >= box.upper[d]) last = std::nextafter(last, -infinity);
-      first_.push_back(first);
-      last_.push_back(last);
+    for (std::size_t d = 0; d < first_.size(); ++d) {
+      if (first_[d] < box.lower.data()[d]) first_[d] = std::nextafter(first_[d], infinity);
+      if (last_[d] >= box.upper.data()[d]) last_[d] = std::nextafter(last_[d], -infinity);
     }
   }
+
+  [[nodiscard]] std::size_t dimension() const { return first_.size(); }
 
   /// Whether no Scalar lies in [lower, upper) of dimension d.
   [[nodiscard]] bool empty(std::size_t d) const { return first_[d] > last_[d]; }

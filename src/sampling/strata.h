@@ -36,7 +36,7 @@ class Strata {
  private:
   struct Cut {
     Eigen::Index dimension;
-    std::int64_t parts;  // not used for the last cut, which makes single cells
+    Index parts;  // not used for the last cut, which makes single cells
   };
 
   template <class Visit>
@@ -44,38 +44,38 @@ class Strata {
     const Eigen::VectorXd& lower;
     Eigen::VectorXd& corner;
     Eigen::VectorXd& size;
-    std::int64_t first;
-    std::int64_t last;
+    Index first;
+    Index last;
     const Visit& visit;
   };
 
   // Visits the slab of `count` cells that starts with cell `base`, cut along cuts_[depth].
   template <class Visit>
-  void descend(const Walk<Visit>& walk, std::size_t depth, std::int64_t base,
-               std::int64_t count) const {
+  void descend(const Walk<Visit>& walk, std::size_t depth, Index base, Index count) const {
     const Eigen::Index d = cuts_[depth].dimension;
     const double lower = walk.lower[d];
-    const double unit = extent_[d] / static_cast<double>(count);
-    const std::int64_t skip = std::max<std::int64_t>(walk.first - base, 0);
+    const double unit = extent_[d] / count;
+    const Index skip = std::max(walk.first - base, 0);
     if (depth + 1 == cuts_.size()) {
-      const std::int64_t end = std::min(count, walk.last - base);
-      const auto dimensions = static_cast<std::size_t>(extent_.size());
-      const std::span<const double> corner(walk.corner.data(), dimensions);
-      const std::span<const double> size(walk.size.data(), dimensions);
+      const Index end = std::min(count, walk.last - base);
+      const Eigen::Index dimensions = extent_.size();
+      const std::span<const double> corner(walk.corner.data(), walk.corner.data() + dimensions);
+      const std::span<const double> size(walk.size.data(), walk.size.data() + dimensions);
       walk.size[d] = unit;
-      for (std::int64_t k = skip; k < end; ++k) {
-        walk.corner[d] = lower + static_cast<double>(k) * unit;
-        walk.visit(static_cast<Index>(base + k), corner, size);
+      for (Index k = skip; k < end; ++k) {
+        walk.corner[d] = lower + k * unit;
+        walk.visit(base + k, corner, size);
       }
       return;
     }
     // Slab s holds cells floor(s * count / parts) up to floor((s + 1) * count / parts).
     const std::int64_t parts = std::min(cuts_[depth].parts, count);
-    std::int64_t s = ((skip + 1) * parts - 1) / count;
-    for (std::int64_t begin = s * count / parts; begin < count && base + begin < walk.last; ++s) {
-      const std::int64_t end = (s + 1) * count / parts;
-      walk.corner[d] = lower + static_cast<double>(begin) * unit;
-      walk.size[d] = static_cast<double>(end - begin) * unit;
+    const auto begin_of = [&](std::int64_t s) { return static_cast<Index>(s * count / parts); };
+    std::int64_t s = ((std::int64_t{skip} + 1) * parts - 1) / count;
+    for (Index begin = begin_of(s); begin < count && base + begin < walk.last; ++s) {
+      const Index end = begin_of(s + 1);
+      walk.corner[d] = lower + begin * unit;
+      walk.size[d] = (end - begin) * unit;
       descend(walk, depth + 1, base + begin, end - begin);
       begin = end;
     }

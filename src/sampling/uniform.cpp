@@ -27,13 +27,11 @@ struct Fill {
   Fill(const Box& b, std::span<Scalar> out)
       : box(b),
         bounds(b),
-        dimension(static_cast<std::size_t>(b.dimension())),
+        dimension(bounds.dimension()),
         count(static_cast<Index>(out.size() / dimension)),
         coordinates(out.data()) {}
 
-  [[nodiscard]] Scalar* point(Index p) const {
-    return coordinates + static_cast<std::size_t>(p) * dimension;
-  }
+  [[nodiscard]] Scalar* point(Index p) const { return coordinates + p * box.lower.size(); }
 
   void white(Random& random, Index first, Index last) const {
     const Eigen::VectorXd extent = box.extent();
@@ -86,21 +84,22 @@ struct Fill {
   // Rows along the first dimension, as thick as their numbers of points, which differ by at most 1.
   void hexagonal() const {
     const Eigen::VectorXd extent = box.extent();
-    const auto m = static_cast<double>(count);
+    const double m = count;
     // A hexagonal lattice of spacing a has rows sqrt(3)/2 a apart and area sqrt(3)/2 a^2 a point.
     const double ideal = std::sqrt(m * (extent[1] / extent[0]) / std::sqrt(0.75));
     // An even number, so that rows alternate across the seam of a torus too.
     const double even = ideal < 3 ? std::floor(ideal + 0.5) : 2 * std::floor(ideal / 2 + 0.5);
     const auto rows = static_cast<std::int64_t>(std::clamp(even, 1.0, m));
+    const auto begin_of = [&](std::int64_t row) { return static_cast<Index>(row * count / rows); };
     for (std::int64_t row = 0; row < rows; ++row) {
-      const std::int64_t begin = row * count / rows;
-      const std::int64_t end = (row + 1) * count / rows;
-      const double y = box.lower[1] + extent[1] * (0.5 * static_cast<double>(begin + end) / m);
-      const double shift = rows == 1 ? 0.5 : 0.25 + 0.5 * static_cast<double>(row % 2);
-      const double spacing = extent[0] / static_cast<double>(end - begin);
-      for (std::int64_t k = begin; k < end; ++k) {
-        Scalar* out = point(static_cast<Index>(k));
-        out[0] = bounds.round(0, box.lower[0] + (static_cast<double>(k - begin) + shift) * spacing);
+      const Index begin = begin_of(row);
+      const Index end = begin_of(row + 1);
+      const double y = box.lower[1] + extent[1] * (0.5 * (1.0 * begin + end) / m);
+      const double shift = rows == 1 ? 0.5 : row % 2 == 0 ? 0.25 : 0.75;
+      const double spacing = extent[0] / (end - begin);
+      for (Index k = begin; k < end; ++k) {
+        Scalar* out = point(k);
+        out[0] = bounds.round(0, box.lower[0] + (k - begin + shift) * spacing);
         out[1] = bounds.round(1, y);
       }
     }
@@ -116,15 +115,16 @@ struct Fill {
       diagonal(strata, count, 0.5, 0, 1);
       return;
     }
-    for (std::int64_t first = 0; first < count; first += chunk_points) {
-      const auto begin = static_cast<Index>(first);
-      const auto end = static_cast<Index>(std::min<std::int64_t>(first + chunk_points, count));
-      Random random(seed, streams::uniform + static_cast<std::uint64_t>(first / chunk_points));
+    std::uint64_t chunk = 0;
+    for (Index begin = 0; begin < count; ++chunk) {
+      const Index end = begin + std::min(chunk_points, count - begin);
+      Random random(seed, streams::uniform + chunk);
       if (distribution == Distribution::white) {
         white(random, begin, end);
       } else {
         jittered(random, strata, begin, end);
       }
+      begin = end;
     }
   }
 };
@@ -132,7 +132,7 @@ struct Fill {
 // Lower and upper corner in one dimension.
 template <class Scalar>
 void check_side(double lower, double upper, Eigen::Index d, const char* scalar) {
-  constexpr auto greatest = static_cast<double>(std::numeric_limits<Scalar>::max());
+  constexpr double greatest = std::numeric_limits<Scalar>::max();
   if (!(std::abs(lower) <= greatest)) {
     throw InvalidInput(concat("box: lower[", d, "] is ", lower,
                               ", but must be finite and within the range of ", scalar));
@@ -157,11 +157,11 @@ void check_box(const Box& box, const char* scalar) {
     check_side<Scalar>(box.lower[d], box.upper[d], d, scalar);
   }
   const ScalarBox<Scalar> bounds(box);
-  for (Eigen::Index d = 0; d < box.lower.size(); ++d) {
-    if (bounds.empty(static_cast<std::size_t>(d))) {
-      throw InvalidInput(concat("box: lower[", d, "] is ", box.lower[d], " and upper[", d, "] is ",
-                                box.upper[d], ", but there is no number of type ", scalar,
-                                " from one up to the other"));
+  for (std::size_t d = 0; d < bounds.dimension(); ++d) {
+    if (bounds.empty(d)) {
+      throw InvalidInput(concat("box: lower[", d, "] is ", box.lower.data()[d], " and upper[", d,
+                                "] is ", box.upper.data()[d], ", but there is no number of type ",
+                                scalar, " from one up to the other"));
     }
   }
 }
@@ -182,13 +182,12 @@ void check_sampling(const Box& box, Index count, int fixed_dimension, std::size_
     throw InvalidInput(concat("box: has ", dimension, " dimensions, but points of ",
                               fixed_dimension, " are asked for"));
   }
-  const auto addressable =
-      static_cast<Eigen::Index>(static_cast<std::size_t>(PTRDIFF_MAX) / scalar_bytes);
-  if (dimension > addressable / count) {
+  const bool single = scalar_bytes == sizeof(float);
+  if (dimension > PTRDIFF_MAX / (single ? 4 : 8) / count) {
     throw InvalidInput(
         concat("count: ", count, " points of ", dimension, " dimensions exceed the address space"));
   }
-  scalar_bytes == sizeof(float) ? check_box<float>(box, "float") : check_box<double>(box, "double");
+  single ? check_box<float>(box, "float") : check_box<double>(box, "double");
 }
 
 void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution,

@@ -22,7 +22,7 @@ void append_decimal(std::string& text, double value, int decimals) {
   char digits[400];
   const auto [end, error] =
       std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed, decimals);
-  std::string_view shown(digits, static_cast<std::size_t>(end - digits));
+  std::string_view shown(digits, end);
   if (shown.find('.') != std::string_view::npos) {
     shown.remove_suffix(shown.size() - 1 - shown.find_last_not_of('0'));
     if (shown.back() == '.') shown.remove_suffix(1);
@@ -31,11 +31,22 @@ void append_decimal(std::string& text, double value, int decimals) {
 }
 
 double scale_for(double radius, int width, int height) {
-  const double area = static_cast<double>(width) * height;
+  const double area = 1.0 * width * height;
   const double wanted = std::max(1.0, kLeastDrawnRadius / radius);
   return std::min(wanted,
                   std::max(1.0, std::floor(std::sqrt(kMostAutomaticPixels / area) * 64) / 64));
 }
+
+/// A side of a drawing, which has a whole number of pixels.
+struct Side {
+  double length;
+
+  /// Whole pixels in front of a place on it.
+  [[nodiscard]] int pixels_to(double place) const {
+    return static_cast<int>(std::clamp(place, 0.0, length));
+  }
+  [[nodiscard]] int pixels() const { return pixels_to(length); }
+};
 
 }  // namespace
 
@@ -47,8 +58,9 @@ void write_svg(const std::filesystem::path& path, const Stippling<Scalar>& stipp
   }
   // A hundredth of a radius is below what any device shows.
   const double radius = stippling.dot_radius;
-  const int decimals =
-      radius > 0 ? std::clamp(2 - static_cast<int>(std::floor(std::log10(radius))), 0, 9) : 3;
+  const double wanted = radius > 0 ? 2 - std::floor(std::log10(radius)) : 3;
+  int decimals = 0;
+  while (decimals < std::min(wanted, 9.0)) ++decimals;
   const std::string width = std::to_string(stippling.width);
   const std::string height = std::to_string(stippling.height);
   std::string r;
@@ -62,9 +74,9 @@ void write_svg(const std::filesystem::path& path, const Stippling<Scalar>& stipp
       "\" fill=\"#fff\"/>\n<g fill=\"#000\">\n";
   for (Eigen::Index dot = 0; dot < stippling.dots.cols(); ++dot) {
     text += "<circle cx=\"";
-    append_decimal(text, static_cast<double>(stippling.dots(0, dot)), decimals);
+    append_decimal(text, stippling.dots(0, dot), decimals);
     text += "\" cy=\"";
-    append_decimal(text, static_cast<double>(stippling.dots(1, dot)), decimals);
+    append_decimal(text, stippling.dots(1, dot), decimals);
     text += "\" r=\"" + r + "\"/>\n";
     if (text.size() > (1U << 16)) {
       file.write(text);
@@ -82,30 +94,28 @@ Image render(const Stippling<Scalar>& stippling, double scale) {
                        std::to_string(stippling.height) + " pixels; needs at least one");
   }
   if (scale == 0) scale = scale_for(stippling.dot_radius, stippling.width, stippling.height);
-  const double width = std::ceil(stippling.width * scale);
-  const double height = std::ceil(stippling.height * scale);
-  if (!(scale > 0 && width * height <= kMostPixels)) {
+  const Side width{std::ceil(stippling.width * scale)};
+  const Side height{std::ceil(stippling.height * scale)};
+  if (!(scale > 0 && width.length * height.length <= kMostPixels)) {
     throw InvalidInput("scale: is " + std::to_string(scale) +
                        "; must be positive and make at most 268435456 pixels");
   }
-  Image image{static_cast<int>(width), static_cast<int>(height), {}};
-  image.values.assign(static_cast<std::size_t>(width * height), 1.0F);
+  Image image{width.pixels(), height.pixels(), {}};
+  image.values.assign(static_cast<std::size_t>(width.length * height.length), 1.0F);
   // A pixel at distance d from the centre is covered by clamp(r - d + 1/2). The area under that
   // ramp is pi (r^2 + 1/12): drawn with r^2 - 1/12, every dot keeps its exact amount of ink.
   const double given = stippling.dot_radius * scale;
   const double radius = std::sqrt(std::max(given * given - 1.0 / 12, 0.0));
   const double faint = radius < 0.5 ? 0.0 : radius - 0.5;
   for (Eigen::Index dot = 0; dot < stippling.dots.cols(); ++dot) {
-    const double x = static_cast<double>(stippling.dots(0, dot)) * scale;
-    const double y = static_cast<double>(stippling.dots(1, dot)) * scale;
+    const double x = stippling.dots(0, dot) * scale;
+    const double y = stippling.dots(1, dot) * scale;
     const double reach = radius + 1;
-    const auto last_row = static_cast<int>(std::clamp(y + reach, 0.0, height));
-    const auto last_column = static_cast<int>(std::clamp(x + reach, 0.0, width));
-    for (auto row = static_cast<int>(std::clamp(y - reach, 0.0, height)); row < last_row; ++row) {
-      float* const values =
-          image.values.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
-      for (auto column = static_cast<int>(std::clamp(x - reach, 0.0, width)); column < last_column;
-           ++column) {
+    const int last_row = height.pixels_to(y + reach);
+    const int last_column = width.pixels_to(x + reach);
+    for (int row = height.pixels_to(y - reach); row < last_row; ++row) {
+      float* const values = image.values.data() + row * image.width;
+      for (int column = width.pixels_to(x - reach); column < last_column; ++column) {
         const double distance = std::hypot(column + 0.5 - x, row + 0.5 - y);
         if (distance <= faint) {
           values[column] = 0;

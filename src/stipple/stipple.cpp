@@ -38,7 +38,7 @@ std::vector<float> darkness(const Image& image, bool invert, double gamma) {
                          "; must be in [0, 1]");
     }
     const float dark = invert ? result[i] : 1 - result[i];
-    result[i] = gamma == 1 ? dark : static_cast<float>(std::pow(static_cast<double>(dark), gamma));
+    result[i] = gamma == 1 ? dark : static_cast<float>(std::pow(dark, gamma));
   }
   return result;
 }
@@ -47,9 +47,8 @@ template <class Scalar>
 Stippling<Scalar> stipple(const Image& image, Index sites, const StippleOptions& options) {
   options.validate();
   const Index points = checked_point_count(sites, options.points_per_site);
-  if (image.width < 1 || image.height < 1 ||
-      image.values.size() !=
-          static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height)) {
+  const std::int64_t width = image.width;
+  if (image.width < 1 || image.height < 1 || std::ssize(image.values) != width * image.height) {
     throw InvalidInput("image: has " + std::to_string(image.values.size()) + " values for " +
                        std::to_string(image.width) + " x " + std::to_string(image.height) +
                        " pixels; needs one value for each");
@@ -60,7 +59,7 @@ Stippling<Scalar> stipple(const Image& image, Index sites, const StippleOptions&
     throw InvalidInput(std::string("image: is ") + (options.invert ? "black" : "white") +
                        " everywhere; there is nothing to stipple");
   }
-  Box box{{0, 0}, {static_cast<double>(image.width), static_cast<double>(image.height)}};
+  Box box{{0, 0}, {1.0 * image.width, 1.0 * image.height}};
   const DensityGrid density{std::span<const float>(dark), {image.width, image.height}, box};
 
   Stippling<Scalar> result;

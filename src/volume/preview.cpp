@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <numbers>
 #include <string>
-#include <vector>
 
 #include "ccvt/volume.h"
 #include "sampling/cell_densities.h"
@@ -36,141 +35,153 @@ struct Dots {
 /// All samples, as large as kCovered allows; or, where that is too small, those of a slab around
 /// their middle that is about as thick as they are apart.
 Dots choose_dots(const Eigen::Matrix3Xd& places, Eigen::Index along, double pixels) {
-  const auto count = static_cast<double>(places.cols());
+  const double count = view_points(places).count;
   const auto radius_of = [&](double shown) {
     return std::min(std::sqrt(kCovered * pixels / (std::numbers::pi * shown)), kMostRadius);
   };
-  if (places.cols() == 0 || radius_of(count) >= kLeastRadius) return {0, 1, radius_of(count)};
+  if (count == 0 || radius_of(count) >= kLeastRadius) return {0, 1, radius_of(count)};
   const double shown =
       std::min(kLayer * std::pow(count, 2.0 / 3),
                kCovered * pixels / (std::numbers::pi * kLeastRadius * kLeastRadius));
   const double middle = places.row(along).mean();
-  std::vector<double> away(static_cast<std::size_t>(places.cols()));
-  for (Eigen::Index s = 0; s < places.cols(); ++s) {
-    away[static_cast<std::size_t>(s)] = std::abs(places(along, s) - middle);
-  }
-  const auto last = away.begin() + static_cast<std::ptrdiff_t>(std::clamp(shown, 0.0, count - 1));
+  Eigen::VectorXd away = (places.row(along).array() - middle).abs();
+  const auto last = away.begin() + static_cast<Eigen::Index>(std::clamp(shown, 0.0, count - 1));
   std::nth_element(away.begin(), last, away.end());
   return {middle - *last, middle + *last, radius_of(shown)};
 }
 
+/// Where the cells of an axis lie on the pixels of a picture.
+struct Line {
+  Eigen::Index cells;
+  int pixels;
+
+  struct Between {
+    Eigen::Index low;
+    Eigen::Index high;
+    double share;
+  };
+  [[nodiscard]] Between at(int pixel) const {
+    const auto count = static_cast<double>(cells);
+    const double position = std::clamp((pixel + 0.5) / pixels * count - 0.5, 0.0, count - 1);
+    const double below = std::floor(position);
+    const auto low = static_cast<Eigen::Index>(below);
+    return {low, std::min(low + 1, cells - 1), position - below};
+  }
+};
+
 /// A projection along one axis: `across` runs to the right, `up` upwards.
 struct Projection {
-  std::size_t across;
-  std::size_t up;
-  std::size_t along;
-  Dots dots;
-  std::vector<double> sums;  // `across` varies fastest
+  Eigen::Index across;
+  Eigen::Index up;
+  Eigen::Index along;
+  Line columns = {};  // of the picture, along `across`
+  Line rows = {};
+  Dots dots = {};
+  Eigen::ArrayXXd sums = {};  // across by up
 
-  /// Whether the cells of a layer along the third axis are shown.
-  [[nodiscard]] bool shows(std::size_t layer, std::size_t layers) const {
-    const auto first = static_cast<double>(layer) / static_cast<double>(layers);
-    const auto end = static_cast<double>(layer + 1) / static_cast<double>(layers);
-    return first <= dots.high && end > dots.low;
+  /// Which layers of cells along the third axis are shown.
+  [[nodiscard]] Eigen::ArrayX<bool> shown(Eigen::Index layers) const {
+    Eigen::ArrayX<bool> result(layers);
+    const auto count = static_cast<double>(layers);
+    double layer = 0;
+    for (bool& shows : result) {
+      shows = layer / count <= dots.high && (layer + 1) / count > dots.low;
+      ++layer;
+    }
+    return result;
   }
 };
 
 /// The densities of the cells that are shown, summed along each axis, in one sweep.
 void project(const DensityGrid& grid, std::array<Projection, 3>& result) {
-  const auto x = static_cast<std::size_t>(grid.shape[0]);
-  const auto y = static_cast<std::size_t>(grid.shape[1]);
-  const auto z = static_cast<std::size_t>(grid.shape[2]);
-  result[0].sums.resize(x * y);
-  result[1].sums.resize(x * z);
-  result[2].sums.resize(y * z);
+  const Eigen::Index x = grid.shape[0];
+  const Eigen::Index y = grid.shape[1];
+  const Eigen::Index z = grid.shape[2];
+  auto& [front, top, side] = result;
+  front.sums.setZero(x, y);
+  top.sums.setZero(x, z);
+  side.sums.setZero(y, z);
+  const Eigen::ArrayX<bool> shows_layer = front.shown(z);
+  const Eigen::ArrayX<bool> shows_row = top.shown(y);
+  const Eigen::ArrayX<bool> shows_cell = side.shown(x);
   const CellDensities densities(grid);
-  std::vector<double> row(x);
-  for (std::size_t k = 0; k < z; ++k) {
-    const bool shows_layer = result[0].shows(k, z);
-    for (std::size_t j = 0; j < y; ++j) {
-      const bool shows_row = result[1].shows(j, y);
-      const std::size_t first = (k * y + j) * x;
-      densities.visit_row(static_cast<std::int64_t>(first), grid.shape[0],
-                          [&](std::int64_t cell, double density) {
-                            row[static_cast<std::size_t>(cell) - first] = density;
-                          });
-      for (std::size_t i = 0; i < x; ++i) {
-        if (shows_layer) result[0].sums[j * x + i] += row[i];
-        if (shows_row) result[1].sums[k * x + i] += row[i];
-        if (result[2].shows(i, x)) result[2].sums[k * y + j] += row[i];
+  Eigen::ArrayXd row(x);
+  for (Eigen::Index k = 0; k < z; ++k) {
+    for (Eigen::Index j = 0; j < y; ++j) {
+      const std::int64_t first = (k * y + j) * x;
+      densities.visit_row(first, x,
+                          [&](std::int64_t cell, double density) { row[cell - first] = density; });
+      if (shows_layer[k]) front.sums.col(j) += row;
+      if (shows_row[j]) top.sums.col(k) += row;
+      for (Eigen::Index i = 0; i < x; ++i) {
+        if (shows_cell[i]) side.sums(j, k) += row[i];
       }
     }
   }
 }
 
-/// Where the cells of an axis lie on the pixels of a picture.
-struct Line {
-  std::size_t cells;
-  int pixels;
-
-  struct Between {
-    std::size_t low;
-    std::size_t high;
-    double share;
-  };
-  [[nodiscard]] Between at(int pixel) const {
-    const double position = std::clamp((pixel + 0.5) / pixels * static_cast<double>(cells) - 0.5,
-                                       0.0, static_cast<double>(cells - 1));
-    const auto low = static_cast<std::size_t>(position);
-    return {low, std::min(low + 1, cells - 1), position - static_cast<double>(low)};
-  }
-};
-
 /// The first byte of a pixel of a picture that starts at column `left` and is `height` high; it is
 /// centred in the image.
-std::size_t address(const ColourImage& image, int left, int height, int column, int row) {
-  const int y = (image.height - height) / 2 + row;
-  return 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-              static_cast<std::size_t>(left + column));
+std::uint8_t* address(ColourImage& image, int left, int height, int column, int row) {
+  const std::ptrdiff_t y = (image.height - height) / 2 + row;
+  return image.rgb.data() + 3 * (y * image.width + left + column);
 }
 
-void draw_field(const Projection& projection, const Line& across, const Line& up, int left,
-                ColourImage& image) {
-  const double most =
-      std::max(*std::max_element(projection.sums.begin(), projection.sums.end()), 1e-300);
-  const auto value = [&](std::size_t i, std::size_t j) {
-    return projection.sums[j * across.cells + i] / most;
-  };
-  for (int row = 0; row < up.pixels; ++row) {
-    const auto [j, j1, v] = up.at(up.pixels - 1 - row);
-    for (int column = 0; column < across.pixels; ++column) {
-      const auto [i, i1, u] = across.at(column);
+/// Fractions are cut off.
+void paint(const std::array<double, 3>& colour, std::uint8_t* pixel) {
+  for (std::size_t c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>(colour[c]);
+}
+
+void draw_field(const Projection& projection, int left, ColourImage& image) {
+  const Line& columns = projection.columns;
+  const Line& rows = projection.rows;
+  const Eigen::ArrayXXd& sums = projection.sums;
+  const double most = std::max(*std::max_element(sums.data(), sums.data() + sums.size()), 1e-300);
+  const auto value = [&](Eigen::Index i, Eigen::Index j) { return sums(i, j) / most; };
+  for (int row = 0; row < rows.pixels; ++row) {
+    const auto [j, j1, v] = rows.at(rows.pixels - 1 - row);
+    for (int column = 0; column < columns.pixels; ++column) {
+      const auto [i, i1, u] = columns.at(column);
       const double grey = (1 - v) * ((1 - u) * value(i, j) + u * value(i1, j)) +
                           v * ((1 - u) * value(i, j1) + u * value(i1, j1));
-      const std::size_t pixel = address(image, left, up.pixels, column, row);
-      std::fill_n(image.rgb.begin() + static_cast<std::ptrdiff_t>(pixel), 3,
-                  static_cast<std::uint8_t>(kBrightest * std::clamp(grey, 0.0, 1.0)));
+      const double shade = kBrightest * std::clamp(grey, 0.0, 1.0);
+      paint({shade, shade, shade}, address(image, left, rows.pixels, column, row));
     }
   }
 }
+
+/// The row or column of pixels that a coordinate lies in.
+int pixel_at(double coordinate) { return static_cast<int>(std::floor(coordinate)); }
 
 /// A disc; pixels on its edge are covered in part.
 void draw_dot(double x, double y, double radius, int width, int height, int left,
               ColourImage& image) {
   const double reach = radius + 0.5;
-  const int last_row = std::min(height - 1, static_cast<int>(std::floor(y + reach)));
-  const int last_column = std::min(width - 1, static_cast<int>(std::floor(x + reach)));
-  for (int row = std::max(0, static_cast<int>(y - reach)); row <= last_row; ++row) {
-    for (int column = std::max(0, static_cast<int>(x - reach)); column <= last_column; ++column) {
+  const int last_row = std::min(height - 1, pixel_at(y + reach));
+  const int last_column = std::min(width - 1, pixel_at(x + reach));
+  for (int row = std::max(0, pixel_at(y - reach)); row <= last_row; ++row) {
+    for (int column = std::max(0, pixel_at(x - reach)); column <= last_column; ++column) {
       const double distance = std::hypot(column + 0.5 - x, row + 0.5 - y);
       const double opacity = kOpacity * std::clamp(reach - distance, 0.0, 1.0);
-      const std::size_t pixel = address(image, left, height, column, row);
-      for (std::size_t c = 0; c < 3; ++c) {
-        image.rgb[pixel + c] = static_cast<std::uint8_t>(
-            std::lround((1 - opacity) * image.rgb[pixel + c] + opacity * kDot[c]));
-      }
+      std::uint8_t* const pixel = address(image, left, height, column, row);
+      const auto over = [&](std::size_t c) {
+        return std::round((1 - opacity) * pixel[c] + opacity * kDot[c]);
+      };
+      paint({over(0), over(1), over(2)}, pixel);
     }
   }
 }
 
 /// The samples that a projection shows, over it.
-void draw_dots(const Projection& projection, const Eigen::Matrix3Xd& places, int width, int height,
-               int left, ColourImage& image) {
+void draw_dots(const Projection& projection, const Eigen::Matrix3Xd& places, int left,
+               ColourImage& image) {
   const Dots& dots = projection.dots;
+  const int width = projection.columns.pixels;
+  const int height = projection.rows.pixels;
   for (Eigen::Index s = 0; s < places.cols(); ++s) {
-    const double deep = places(static_cast<Eigen::Index>(projection.along), s);
-    const double x = places(static_cast<Eigen::Index>(projection.across), s);
-    const double y = 1 - places(static_cast<Eigen::Index>(projection.up), s);
+    const double deep = places(projection.along, s);
+    const double x = places(projection.across, s);
+    const double y = 1 - places(projection.up, s);
     const auto inside = [](double share) { return share >= 0 && share <= 1; };
     if (!inside(x) || !inside(y) || deep < dots.low || deep > dots.high) continue;
     draw_dot(x * width, y * height, dots.radius, width, height, left, image);
@@ -199,11 +210,11 @@ ColourImage preview(const DensityGrid& density, PointsView<Scalar> sites, int si
     offset = density.to_world->offset.eigen();
     sides = extent.cwiseProduct(density.to_world->matrix.eigen().colwise().norm().transpose());
   }
+  const double longest = sides.maxCoeff();
   std::array<Line, 3> lines{};
   for (std::size_t d = 0; d < 3; ++d) {
-    const double share = sides[static_cast<Eigen::Index>(d)] / sides.maxCoeff();
-    lines[d] = {static_cast<std::size_t>(density.shape[d]),
-                std::max(1, static_cast<int>(std::lround(share * size)))};
+    const double share = sides.data()[d] / longest;
+    lines[d] = {density.shape[d], std::max(1, static_cast<int>(std::lround(share * size)))};
   }
 
   Eigen::Matrix3Xd places(3, sites.count);
@@ -211,23 +222,24 @@ ColourImage preview(const DensityGrid& density, PointsView<Scalar> sites, int si
     const Eigen::Vector3d site(sites[s][0], sites[s][1], sites[s][2]);
     places.col(s) = (to_box * (site - offset) - density.box.lower.eigen()).cwiseQuotient(extent);
   }
-  std::array<Projection, 3> projections{{{0, 1, 2, {}, {}}, {0, 2, 1, {}, {}}, {1, 2, 0, {}, {}}}};
+  std::array<Projection, 3> projections{{{0, 1, 2, lines[0], lines[1]},
+                                         {0, 2, 1, lines[0], lines[2]},
+                                         {1, 2, 0, lines[1], lines[2]}}};
   ColourImage image;
   image.width = 2 * kGap;
   for (Projection& p : projections) {
-    const double pixels = static_cast<double>(lines[p.across].pixels) * lines[p.up].pixels;
-    p.dots = choose_dots(places, static_cast<Eigen::Index>(p.along), pixels);
-    image.width += lines[p.across].pixels;
-    image.height = std::max(image.height, lines[p.up].pixels);
+    p.dots = choose_dots(places, p.along, 1.0 * p.columns.pixels * p.rows.pixels);
+    image.width += p.columns.pixels;
+    image.height = std::max(image.height, p.rows.pixels);
   }
   project(density, projections);
-  image.rgb.assign(
-      3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height), 0);
+  const std::int64_t width = image.width;
+  image.rgb.assign(static_cast<std::size_t>(3 * width * image.height), 0);
   int left = 0;
   for (const Projection& p : projections) {
-    draw_field(p, lines[p.across], lines[p.up], left, image);
-    draw_dots(p, places, lines[p.across].pixels, lines[p.up].pixels, left, image);
-    left += lines[p.across].pixels + kGap;
+    draw_field(p, left, image);
+    draw_dots(p, places, left, image);
+    left += p.columns.pixels + kGap;
   }
   return image;
 }

@@ -9,6 +9,7 @@
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
 #include "ccvt/volume.h"
+#include "numbers.h"
 #include "parallel/arena.h"
 #include "point_count.h"
 #include "sampling/cell_densities.h"
@@ -21,21 +22,23 @@ namespace {
 
 /// Capacities and radii, from the points of each cell.
 template <class Scalar>
-void measure_cells(const Points<Scalar>& points, const Points<Scalar>& sites,
+void measure_cells(PointsView<Scalar> points, PointsView<Scalar> sites,
                    const std::vector<Index>& owners, VolumeSamples& samples) {
-  const auto count = static_cast<std::size_t>(sites.cols());
+  const auto count = static_cast<std::size_t>(sites.count);
   std::vector<double> squared(count);
   samples.capacities.assign(count, 0);
-  for (Eigen::Index p = 0; p < points.cols(); ++p) {
-    const Index site = owners[static_cast<std::size_t>(p)];
-    ++samples.capacities[static_cast<std::size_t>(site)];
-    for (Eigen::Index d = 0; d < points.rows(); ++d) {
-      const double difference =
-          static_cast<double>(points(d, p)) - static_cast<double>(sites(d, site));
-      squared[static_cast<std::size_t>(site)] += difference * difference;
+  for (const PointNumber p : points_below(points.count)) {
+    const SiteNumber s(owners[p]);
+    ++samples.capacities[s];
+    const Scalar* const point = points[p.index()];
+    const Scalar* const site = sites[s.index()];
+    for (int d = 0; d < points.dimension; ++d) {
+      const double at = point[d];
+      const double difference = at - site[d];
+      squared[s] += difference * difference;
     }
   }
-  const auto dimension = static_cast<double>(points.rows());
+  const double dimension = points.dimension;
   samples.radii.resize(count);
   for (std::size_t s = 0; s < count; ++s) {
     samples.radii[s] = std::sqrt((dimension + 2) / dimension * squared[s] / samples.capacities[s]);
@@ -45,10 +48,10 @@ void measure_cells(const Points<Scalar>& points, const Points<Scalar>& sites,
 /// Every site's share of the integral of the density.
 void weigh_cells(const DensityGrid& density, const Arena& arena, VolumeSamples& samples) {
   const double mass = density_mass(density, arena);
-  std::int64_t owned = 0;
+  double owned = 0;
   for (const Index capacity : samples.capacities) owned += capacity;
   for (const Index capacity : samples.capacities) {
-    samples.weights.push_back(mass * capacity / static_cast<double>(owned));
+    samples.weights.push_back(mass * capacity / owned);
   }
 }
 
@@ -60,30 +63,31 @@ void put_back(const DensityGrid& density, const Points<Scalar>& points,
               VolumeSamples& samples) {
   const CellDensities densities(density);
   const CellLocator cell_of(density);
-  const auto count = static_cast<std::size_t>(samples.sites.cols());
+  const auto sites = sites_below(samples.sites.cols());
+  const std::size_t count = samples.capacities.size();
   constexpr double unset = std::numeric_limits<double>::infinity();
   std::vector<double> least(count, -unset);  // squared distances, of sites that must move
-  for (std::size_t s = 0; s < count; ++s) {
-    const double* const site = samples.sites.col(static_cast<Eigen::Index>(s)).data();
-    if (densities(cell_of(site)) > 0) continue;
+  for (const SiteNumber s : sites) {
+    if (densities(cell_of(samples.sites.col(s.index()).data())) > 0) continue;
     least[s] = unset;
     ++samples.put_back;
   }
   if (samples.put_back == 0) return;
-  std::vector<Eigen::Index> nearest(count);
-  for (Eigen::Index p = 0; p < points.cols(); ++p) {
-    const Index owner = owners[static_cast<std::size_t>(p)];
-    if (least[static_cast<std::size_t>(owner)] < 0) continue;
+  std::vector<PointNumber> nearest(count);
+  for (const PointNumber p : points_below(points.cols())) {
+    const SiteNumber owner(owners[p]);
+    if (least[owner] < 0) continue;
     const double squared =
-        (points.col(p).template cast<double>() + origin - samples.sites.col(owner)).squaredNorm();
-    if (!(squared < least[static_cast<std::size_t>(owner)])) continue;
-    least[static_cast<std::size_t>(owner)] = squared;
-    nearest[static_cast<std::size_t>(owner)] = p;
+        (points.col(p.index()).template cast<double>() + origin - samples.sites.col(owner.index()))
+            .squaredNorm();
+    if (!(squared < least[owner])) continue;
+    least[owner] = squared;
+    nearest[owner] = p;
   }
-  for (std::size_t s = 0; s < count; ++s) {
+  for (const SiteNumber s : sites) {
     if (!(least[s] >= 0)) continue;
-    samples.sites.eigen().col(static_cast<Eigen::Index>(s)) =
-        points.col(nearest[s]).template cast<double>() + origin;
+    samples.sites.eigen().col(s.index()) =
+        points.col(nearest[s].index()).template cast<double>() + origin;
     samples.farthest_put_back = std::max(samples.farthest_put_back, std::sqrt(least[s]));
   }
 }
@@ -116,7 +120,7 @@ VolumeSamples sample_volume(const DensityGrid& density, Index sites, const Volum
   samples.scalar = sizeof(Scalar) == sizeof(float) ? ScalarType::float32 : ScalarType::float64;
   samples.summary = solver.summary();
   samples.sites = centroids.template cast<double>().colwise() + local.origin;
-  measure_cells(points, centroids, owners, samples);
+  measure_cells(view_points(points), view_points(centroids), owners, samples);
   weigh_cells(density, Arena(options.tessellation.threads), samples);
   put_back(density, points, local.origin, owners, samples);
   if (options.keep_points) {

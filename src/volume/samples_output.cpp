@@ -3,6 +3,8 @@
 #include <bit>
 #include <cstddef>
 #include <cstring>
+#include <numeric>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -37,18 +39,39 @@ void append_big(std::string& bytes, Value value) {
   bytes.append(raw.data(), raw.size());
 }
 
-/// A coordinate; 0 beyond the dimensions that the sites have.
+/// What of the samples is written as real numbers, in the type of the file.
 template <class Scalar>
-Scalar coordinate(const VolumeSamples& samples, Eigen::Index site, Eigen::Index d) {
-  return d < samples.sites.rows() ? static_cast<Scalar>(samples.sites(d, site)) : Scalar{0};
-}
+struct Reals {
+  /// With 0 for the coordinates from the sites' own dimension up to `rows`.
+  Reals(const VolumeSamples& samples, std::ptrdiff_t rows)
+      : sites(Points<Scalar>::Zero(rows, samples.sites.cols())),
+        radii(samples.radii.begin(), samples.radii.end()),
+        weights(samples.weights.begin(), samples.weights.end()) {
+    sites.topRows(samples.sites.rows()) = samples.sites.eigen().template cast<Scalar>();
+  }
+
+  /// The coordinates of a site.
+  [[nodiscard]] std::span<const Scalar> site(std::size_t s) const {
+    const std::size_t rows = coordinates().size() / radii.size();
+    return coordinates().subspan(s * rows, rows);
+  }
+  /// Those of all sites, one site behind the other.
+  [[nodiscard]] std::span<const Scalar> coordinates() const {
+    return {sites.data(), sites.data() + sites.size()};
+  }
+
+  Points<Scalar> sites;
+  std::vector<Scalar> radii;
+  std::vector<Scalar> weights;
+};
 
 /// Whether float32 moves a site by more than a thousandth of the mean radius, or of the extent of
 /// all by what could take it across a face between a cell of density 0 and its own.
 bool needs_double(const VolumeSamples& samples) {
   const auto sites = samples.sites.eigen();
   double radius = 0;
-  for (const double r : samples.radii) radius += r / static_cast<double>(samples.radii.size());
+  const double count = view_points(samples.sites).count;
+  for (const double r : samples.radii) radius += r / count;
   const double extent = (sites.rowwise().maxCoeff() - sites.rowwise().minCoeff()).maxCoeff();
   const double most = std::min(1e-3 * radius, 0x1p-22 * extent);
   return ((sites - sites.cast<float>().cast<double>()).array().abs() > most).any();
@@ -57,17 +80,17 @@ bool needs_double(const VolumeSamples& samples) {
 template <class Scalar>
 void write_ply(const std::filesystem::path& path, const VolumeSamples& samples) {
   const std::string real = sizeof(Scalar) == 4 ? "property float " : "property double ";
-  const Eigen::Index sites = samples.sites.cols();
   std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " +
-                      std::to_string(sites) + "\n" + real + "x\n" + real + "y\n" + real + "z\n" +
-                      real + "radius\nproperty int capacity\n" + real + "weight\nend_header\n";
+                      std::to_string(samples.sites.cols()) + "\n" + real + "x\n" + real + "y\n" +
+                      real + "z\n" + real + "radius\nproperty int capacity\n" + real +
+                      "weight\nend_header\n";
   io::OutputFile file(path);
-  for (Eigen::Index s = 0; s < sites; ++s) {
-    const auto i = static_cast<std::size_t>(s);
-    for (Eigen::Index d = 0; d < 3; ++d) append_little(bytes, coordinate<Scalar>(samples, s, d));
-    append_little(bytes, static_cast<Scalar>(samples.radii[i]));
-    append_little(bytes, samples.capacities[i]);
-    append_little(bytes, static_cast<Scalar>(samples.weights[i]));
+  const Reals<Scalar> reals(samples, 3);
+  for (std::size_t s = 0; s < samples.capacities.size(); ++s) {
+    for (const Scalar x : reals.site(s)) append_little(bytes, x);
+    append_little(bytes, reals.radii[s]);
+    append_little(bytes, samples.capacities[s]);
+    append_little(bytes, reals.weights[s]);
     if (bytes.size() >= kBlock) {
       file.write(bytes);
       bytes.clear();
@@ -77,7 +100,7 @@ void write_ply(const std::filesystem::path& path, const VolumeSamples& samples) 
   file.commit();
 }
 
-std::string base64(std::string_view bytes) {
+std::string base64(std::span<const std::byte> bytes) {
   constexpr std::string_view digits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
@@ -86,7 +109,7 @@ std::string base64(std::string_view bytes) {
     unsigned group = 0;
     const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
     for (std::size_t k = 0; k < 3; ++k) {
-      group = group << 8U | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+      group = group << 8U | (k < count ? std::to_integer<unsigned>(bytes[i + k]) : 0U);
     }
     for (std::size_t k = 0; k < 4; ++k) {
       text += k <= count ? digits[group >> (18 - 6 * k) & 63U] : '=';
@@ -95,31 +118,28 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-/// One array of a VTP file: count(s) numbers, of which value(i) is the i-th.
-template <class Value>
-void write_array(io::OutputFile& file, const char* name, int components, Eigen::Index count,
-                 Value&& value) {
-  using Number = std::decay_t<decltype(value(Eigen::Index{0}))>;
+/// One array of a VTP file.
+template <class Number>
+void write_array(io::OutputFile& file, const char* name, int components,
+                 std::span<const Number> numbers) {
   const std::string type = std::is_same_v<Number, float>    ? "Float32"
                            : std::is_same_v<Number, double> ? "Float64"
                            : sizeof(Number) == 4            ? "Int32"
                                                             : "Int64";
   std::string bytes;
-  append_little(bytes, static_cast<std::uint64_t>(count) * sizeof(Number));
-  for (Eigen::Index i = 0; i < count; ++i) append_little(bytes, value(i));
+  const std::uint64_t size = numbers.size_bytes();
+  append_little(bytes, size);
+  for (const Number number : numbers) append_little(bytes, number);
   const auto quoted = [](const std::string& text) { return '"' + text + '"'; };
-  file.write("<DataArray type=" + quoted(type) + " Name=" + quoted(name) +
-             " NumberOfComponents=" + quoted(std::to_string(components)) +
-             " format=" + quoted("binary") + '>' + base64(bytes) + "</DataArray>\n");
+  file.write("<DataArray type=" + quoted(type) + " Name=" + quoted(name) + " NumberOfComponents=" +
+             quoted(std::to_string(components)) + " format=" + quoted("binary") + '>' +
+             base64(std::as_bytes(std::span(bytes))) + "</DataArray>\n");
 }
 
 template <class Scalar>
 void write_vtp(const std::filesystem::path& path, const VolumeSamples& samples) {
-  const Eigen::Index sites = samples.sites.cols();
-  const std::string count = std::to_string(sites);
-  const auto at = [](const auto& values, Eigen::Index i) {
-    return values[static_cast<std::size_t>(i)];
-  };
+  const Reals<Scalar> reals(samples, 3);
+  const std::string count = std::to_string(samples.capacities.size());
   io::OutputFile file(path);
   file.write(
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" "
@@ -127,18 +147,17 @@ void write_vtp(const std::filesystem::path& path, const VolumeSamples& samples) 
       count + "\" NumberOfVerts=\"" + count +
       "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n"
       "<PointData Scalars=\"radius\">\n");
-  write_array(file, "radius", 1, sites,
-              [&](Eigen::Index i) { return static_cast<Scalar>(at(samples.radii, i)); });
-  write_array(file, "capacity", 1, sites,
-              [&](Eigen::Index i) { return at(samples.capacities, i); });
-  write_array(file, "weight", 1, sites,
-              [&](Eigen::Index i) { return static_cast<Scalar>(at(samples.weights, i)); });
+  write_array<Scalar>(file, "radius", 1, reals.radii);
+  write_array<Index>(file, "capacity", 1, samples.capacities);
+  write_array<Scalar>(file, "weight", 1, reals.weights);
   file.write("</PointData>\n<Points>\n");
-  write_array(file, "Points", 3, 3 * sites,
-              [&](Eigen::Index i) { return coordinate<Scalar>(samples, i / 3, i % 3); });
+  write_array(file, "Points", 3, reals.coordinates());
   file.write("</Points>\n<Verts>\n");
-  write_array(file, "connectivity", 1, sites, [](Eigen::Index i) { return std::int64_t{i}; });
-  write_array(file, "offsets", 1, sites, [](Eigen::Index i) { return std::int64_t{i} + 1; });
+  std::vector<std::int64_t> numbers(samples.capacities.size());
+  std::iota(numbers.begin(), numbers.end(), 0);
+  write_array<std::int64_t>(file, "connectivity", 1, numbers);
+  std::iota(numbers.begin(), numbers.end(), 1);
+  write_array<std::int64_t>(file, "offsets", 1, numbers);
   file.write("</Verts>\n</Piece>\n</PolyData>\n</VTKFile>\n");
   file.commit();
 }
@@ -146,30 +165,28 @@ void write_vtp(const std::filesystem::path& path, const VolumeSamples& samples) 
 /// The legacy format: numbers are big endian.
 template <class Scalar>
 void write_vtk(const std::filesystem::path& path, const VolumeSamples& samples) {
-  const Eigen::Index sites = samples.sites.cols();
+  const Reals<Scalar> reals(samples, 3);
+  const Index sites = view_points(samples.sites).count;
   const std::string count = std::to_string(sites);
   const std::string real = sizeof(Scalar) == 4 ? "float" : "double";
   std::string bytes =
       "# vtk DataFile Version 3.0\nccvt samples\nBINARY\nDATASET POLYDATA\nPOINTS " + count + " " +
       real + "\n";
-  for (Eigen::Index s = 0; s < sites; ++s) {
-    for (Eigen::Index d = 0; d < 3; ++d) append_big(bytes, coordinate<Scalar>(samples, s, d));
-  }
-  bytes += "\nVERTICES " + count + " " + std::to_string(2 * sites) + "\n";
-  for (Eigen::Index s = 0; s < sites; ++s) {
+  for (const Scalar x : reals.coordinates()) append_big(bytes, x);
+  bytes += "\nVERTICES " + count + " " + std::to_string(2 * samples.sites.cols()) + "\n";
+  for (Index s = 0; s < sites; ++s) {
     append_big(bytes, std::int32_t{1});
-    append_big(bytes, static_cast<std::int32_t>(s));
+    append_big(bytes, s);
   }
   bytes += "\nPOINT_DATA " + count + "\n";
-  const auto scalars = [&](const std::string& name, const std::string& type, const auto& values,
-                           auto number) {
+  const auto scalars = [&](const std::string& name, const std::string& type, const auto& values) {
     bytes += "SCALARS " + name + " " + type + " 1\nLOOKUP_TABLE default\n";
-    for (const auto value : values) append_big(bytes, static_cast<decltype(number)>(value));
+    for (const auto value : values) append_big(bytes, value);
     bytes += "\n";
   };
-  scalars("radius", real, samples.radii, Scalar{});
-  scalars("capacity", "int", samples.capacities, std::int32_t{});
-  scalars("weight", real, samples.weights, Scalar{});
+  scalars("radius", real, reals.radii);
+  scalars("capacity", "int", samples.capacities);
+  scalars("weight", real, reals.weights);
   io::OutputFile file(path);
   file.write(bytes);
   file.commit();
@@ -186,17 +203,17 @@ void write_text_samples(const std::filesystem::path& path, char separator,
   }
   text += std::string("radius") + separator + "capacity" + separator + "weight\n";
   io::OutputFile file(path);
-  for (Eigen::Index s = 0; s < samples.sites.cols(); ++s) {
-    const auto i = static_cast<std::size_t>(s);
-    for (Eigen::Index d = 0; d < dimension; ++d) {
-      io::append(text, static_cast<Scalar>(samples.sites(d, s)));
+  const Reals<Scalar> reals(samples, dimension);
+  for (std::size_t s = 0; s < samples.capacities.size(); ++s) {
+    for (const Scalar x : reals.site(s)) {
+      io::append(text, x);
       text += separator;
     }
-    io::append(text, static_cast<Scalar>(samples.radii[i]));
+    io::append(text, reals.radii[s]);
     text += separator;
-    io::append(text, samples.capacities[i]);
+    io::append(text, samples.capacities[s]);
     text += separator;
-    io::append(text, static_cast<Scalar>(samples.weights[i]));
+    io::append(text, reals.weights[s]);
     text += '\n';
     if (text.size() >= kBlock) {
       file.write(text);
@@ -223,9 +240,9 @@ void write_as(const std::filesystem::path& path, const VolumeSamples& samples) {
 
 void write_samples(const std::filesystem::path& path, const VolumeSamples& samples) {
   const std::string extension = io::extension_of(path);
-  const auto sites = static_cast<std::size_t>(samples.sites.cols());
-  if (samples.radii.size() != sites || samples.capacities.size() != sites ||
-      samples.weights.size() != sites) {
+  const std::ptrdiff_t sites = samples.sites.cols();
+  if (std::ssize(samples.radii) != sites || std::ssize(samples.capacities) != sites ||
+      std::ssize(samples.weights) != sites) {
     throw InvalidInput("samples: " + std::to_string(sites) + " sites have " +
                        std::to_string(samples.radii.size()) + " radii, " +
                        std::to_string(samples.capacities.size()) + " capacities and " +

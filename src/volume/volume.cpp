@@ -29,7 +29,7 @@ void check_finite(double value, const char* field) {
 
 Grid Grid::spaced(std::vector<std::int64_t> shape, const Coordinates& spacing,
                   const Coordinates& origin) {
-  const auto dimension = static_cast<Eigen::Index>(shape.size());
+  const std::ptrdiff_t dimension = std::ssize(shape);
   if (spacing.size() != dimension || origin.size() != dimension) {
     throw InvalidInput("grid: the shape has " + std::to_string(dimension) +
                        " dimensions, the spacing " + std::to_string(spacing.size()) +
@@ -49,9 +49,8 @@ double Grid::cell_volume() const { return std::abs(axes.eigen().determinant()); 
 DensityGrid Grid::density(GridValues values, Interpolation interpolation) const {
   // In the box, the centres of the cells are at whole numbers.
   Box box{Coordinates::constant(dimension(), -0.5), Coordinates::constant(dimension(), 0)};
-  for (Eigen::Index d = 0; d < box.upper.size(); ++d) {
-    box.upper[d] = static_cast<double>(shape[static_cast<std::size_t>(d)]) - 0.5;
-  }
+  std::transform(shape.begin(), shape.end(), box.upper.data(),
+                 [](double cells) { return cells - 0.5; });
   DensityGrid result{values, shape, std::move(box)};
   result.interpolation = interpolation;
   result.to_world = Affine{axes, origin};
@@ -121,8 +120,8 @@ const char* to_string(VoxelType type) {
 }
 
 std::uint64_t VolumeHeader::cells() const {
-  return static_cast<std::uint64_t>(
-      std::accumulate(grid.shape.begin(), grid.shape.end(), std::int64_t{1}, std::multiplies<>()));
+  return std::accumulate(grid.shape.begin(), grid.shape.end(), std::uint64_t{1},
+                         std::multiplies<std::uint64_t>());
 }
 
 GridValues Volume::stored() const& {
