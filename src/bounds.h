@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ccvt/problem.h"
+#include "numbers.h"
 #include "parallel/loops.h"
 
 namespace ccvt {
@@ -15,7 +16,6 @@ Box bounding_box(const Problem<Scalar>& problem, const Arena& arena) {
   if (problem.domain().has_box()) return problem.domain().box();
   constexpr std::size_t kPointsPerGrain = std::size_t{1} << 13;  // stays in the cache
   const auto& points = problem.points();
-  const int dimension = problem.dimension();
   struct Range {
     std::vector<Scalar> lower;
     std::vector<Scalar> upper;
@@ -23,18 +23,20 @@ Box bounding_box(const Problem<Scalar>& problem, const Arena& arena) {
   const Range all = reduce(
       arena, static_cast<std::size_t>(points.count), kPointsPerGrain, Range{},
       [&](std::size_t begin, std::size_t end) {
-        const Scalar* const first = points[static_cast<Index>(begin)];
-        Range range{{first, first + dimension}, {first, first + dimension}};
-        for (int d = 0; d < dimension; ++d) {
+        const Scalar* const first = points[PointNumber(begin).index()];
+        Range range;
+        range.lower.assign(first, first + points.dimension);
+        range.upper = range.lower;
+        for (std::size_t d = 0; d < range.lower.size(); ++d) {
           Scalar lower = first[d];
           Scalar upper = first[d];
-          for (std::size_t p = begin + 1; p < end; ++p) {
-            const Scalar x = points[static_cast<Index>(p)][d];
+          for (const PointNumber p : NumberRange(PointNumber(begin), PointNumber(end))) {
+            const Scalar x = points[p.index()][d];
             lower = x < lower ? x : lower;
             upper = x > upper ? x : upper;
           }
-          range.lower[static_cast<std::size_t>(d)] = lower;
-          range.upper[static_cast<std::size_t>(d)] = upper;
+          range.lower[d] = lower;
+          range.upper[d] = upper;
         }
         return range;
       },
@@ -46,10 +48,8 @@ Box bounding_box(const Problem<Scalar>& problem, const Arena& arena) {
         return a;
       });
   Box box = Box::unit(problem.dimension());
-  for (int d = 0; d < dimension; ++d) {
-    box.lower[d] = static_cast<double>(all.lower[static_cast<std::size_t>(d)]);
-    box.upper[d] = static_cast<double>(all.upper[static_cast<std::size_t>(d)]);
-  }
+  std::copy(all.lower.begin(), all.lower.end(), box.lower.data());
+  std::copy(all.upper.begin(), all.upper.end(), box.upper.data());
   return box;
 }
 

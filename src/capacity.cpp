@@ -1,6 +1,9 @@
 #include "ccvt/capacity.h"
 
+#include <algorithm>
 #include <string>
+
+#include "numbers.h"
 
 namespace ccvt {
 
@@ -10,7 +13,7 @@ std::vector<Index> equal_capacities(Index points, Index sites) {
                        " points: there must be at least one site, and no more sites than points");
   }
   std::vector<Index> capacities(static_cast<std::size_t>(sites), points / sites);
-  for (Index s = 0; s < points % sites; ++s) ++capacities[static_cast<std::size_t>(s)];
+  std::fill_n(capacities.begin(), points % sites, points / sites + 1);
   return capacities;
 }
 
@@ -33,18 +36,18 @@ void validate_capacities(std::span<const Index> capacities, Index points) {
 double capacity_error(std::span<const Index> owners, Index sites) {
   if (sites < 1) throw InvalidInput("sites: " + std::to_string(sites) + " is not positive");
   if (owners.empty()) throw InvalidInput("owners: there are none");
-  std::vector<std::int64_t> size(static_cast<std::size_t>(sites), 0);
+  std::vector<double> size(static_cast<std::size_t>(sites), 0.0);  // whole numbers
   for (std::size_t p = 0; p < owners.size(); ++p) {
     if (owners[p] < 0 || owners[p] >= sites) {
       throw InvalidInput("owners[" + std::to_string(p) + "] is " + std::to_string(owners[p]) +
                          ": it must be in 0.." + std::to_string(sites - 1));
     }
-    ++size[static_cast<std::size_t>(owners[p])];
+    ++size[SiteNumber(owners[p])];
   }
   const double mean = static_cast<double>(owners.size()) / sites;
   double sum = 0;
-  for (const std::int64_t s : size) {
-    const double deviation = static_cast<double>(s) / mean - 1;
+  for (const double s : size) {
+    const double deviation = s / mean - 1;
     sum += deviation * deviation;
   }
   return sum / sites;

@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "ccvt/capacity.h"
+#include "cell_sizes.h"
 #include "normalize.h"
+#include "numbers.h"
 #include "parallel/arena.h"
 #include "relax/cells.h"
 #include "relax/initial_sites.h"
@@ -40,7 +42,7 @@ class Lloyd {
   Index assign();
   void gather();
   void finish(Termination termination);
-  [[nodiscard]] bool gains(Index point, Index site) const;
+  [[nodiscard]] bool gains(PointNumber point, SiteNumber site) const;
 
   const Problem<Scalar>& problem_;
   const Options& options_;
@@ -51,7 +53,6 @@ class Lloyd {
   double coordinate_bound_;
   SiteState sites_;
   Cells<Scalar> cells_;
-  std::vector<Index> points_;  ///< 0..m-1
   std::vector<Index> owners_;
   std::vector<std::uint8_t> changed_;  ///< of each site: whether its cell has changed
   double margin_ = 0;
@@ -67,9 +68,7 @@ Lloyd<Scalar>::Lloyd(const Problem<Scalar>& problem, const Options& options)
       metric_(problem.dimension(), problem.domain()),
       box_(problem.bounding_box()),
       coordinate_bound_(std::max(box_.lower.eigen().cwiseAbs().maxCoeff(),
-                                 box_.upper.eigen().cwiseAbs().maxCoeff())),
-      points_(static_cast<std::size_t>(problem.point_count())) {
-  std::iota(points_.begin(), points_.end(), 0);
+                                 box_.upper.eigen().cwiseAbs().maxCoeff())) {
   summary_.dimension = problem.dimension();
   summary_.points = problem.point_count();
   summary_.sites = problem.site_count();
@@ -85,10 +84,10 @@ void Lloyd<Scalar>::start() {
   const Stopwatch initialization(summary_.seconds_initialization);
   sites_ = initial_sites(problem_, metric_, options_.seed);
   owners_ = problem_.initial_owners();
-  changed_.assign(static_cast<std::size_t>(sites_.count()), 1);
+  changed_.assign(sites_.radius.size(), 1);
   if (owners_.empty()) {
     summary_.initialization_used = "nearest";
-    owners_.assign(points_.size(), -1);
+    owners_.assign(static_cast<std::size_t>(problem_.point_count()), -1);
     assign_first();
   } else {
     summary_.initialization_used = "owners";
@@ -120,11 +119,10 @@ void Lloyd<Scalar>::assign_first() {
 
 /// Whether `point` is nearer to `site` than to its owner, beyond what rounding can fake.
 template <class Scalar>
-bool Lloyd<Scalar>::gains(Index point, Index site) const {
-  const Scalar* x = problem_.points()[point];
-  const Index owner = owners_[static_cast<std::size_t>(point)];
-  const double own = metric_.squared_distance(x, sites_.at(owner));
-  const double other = metric_.squared_distance(x, sites_.at(site));
+bool Lloyd<Scalar>::gains(PointNumber point, SiteNumber site) const {
+  const Scalar* x = problem_.points()[point.index()];
+  const double own = metric_.squared_distance(x, sites_.at(owners_[point]));
+  const double other = metric_.squared_distance(x, sites_.at(site.index()));
   const double distance = std::sqrt(own);
   const double rounding = 4 * (metric_.dimension() + 4) *
                           (kHalfUlp * distance * (distance + metric_.largest_extent()) +
@@ -140,13 +138,14 @@ Index Lloyd<Scalar>::assign() {
   std::vector<std::uint8_t> moves(owners_.size());
   arena_.for_each(owners_.size(), kPointsPerGrain, [&](std::size_t p) {
     const Index site = nearest[p];
-    moves[p] = owners_[p] < 0 || (site != owners_[p] && gains(static_cast<Index>(p), site)) ? 1 : 0;
+    moves[p] =
+        owners_[p] < 0 || (site != owners_[p] && gains(PointNumber(p), SiteNumber(site))) ? 1 : 0;
   });
   Index count = 0;
   for (std::size_t p = 0; p < moves.size(); ++p) {
     if (moves[p] == 0) continue;
-    if (owners_[p] >= 0) changed_[static_cast<std::size_t>(owners_[p])] = 1;
-    changed_[static_cast<std::size_t>(nearest[p])] = 1;
+    if (owners_[p] >= 0) changed_[SiteNumber(owners_[p])] = 1;
+    changed_[SiteNumber(nearest[p])] = 1;
     owners_[p] = nearest[p];
     ++count;
   }
@@ -157,14 +156,13 @@ Index Lloyd<Scalar>::assign() {
 template <class Scalar>
 void Lloyd<Scalar>::gather() {
   const Stop::Pause pause(stop_);
-  std::vector<Index> sizes(changed_.size(), 0);
-  for (const Index owner : owners_) ++sizes[static_cast<std::size_t>(owner)];
+  const std::vector<Index> sizes = cell_sizes(owners_, changed_.size());
   cells_ = {};  // before there is another copy of the coordinates
   cells_ = Cells<Scalar>(metric_.dimension(), sizes);
   std::vector<Index> filled(sizes.size(), 0);
-  for (const Index p : points_) {
-    const Index owner = owners_[static_cast<std::size_t>(p)];
-    cells_.put(owner, filled[static_cast<std::size_t>(owner)]++, p, problem_.points()[p]);
+  for (const PointNumber p : points_below(owners_.size())) {
+    const SiteNumber owner(owners_[p]);
+    cells_.put(owner.index(), filled[owner]++, p.index(), problem_.points()[p.index()]);
   }
   arena_.for_each(sizes.size(), kSitesPerGrain, [&](std::size_t s) {
     if (changed_[s] == 0) return;
@@ -220,8 +218,7 @@ bool Lloyd<Scalar>::step() {
   }
   record.iteration = ++summary_.iterations;
   record.points = summary_.points;
-  record.active_sites =
-      static_cast<Index>(std::count(changed_.begin(), changed_.end(), std::uint8_t{1}));
+  record.active_sites = std::accumulate(changed_.begin(), changed_.end(), Index{0});
   record.energy = summary_.energy;
   record.seconds = summary_.seconds_total;
   summary_.exchanged += record.exchanged;

@@ -19,7 +19,8 @@ inline double spacing_in_cells(double energy, Index points, Index sites, int dim
   if (!(energy > 0)) return std::numeric_limits<double>::infinity();
   // A cube of side a has a mean square of a^2 / 12 along each axis.
   const double side = std::sqrt(12 * energy / points / dimension);
-  return side / std::pow(static_cast<double>(points) / sites, 1.0 / dimension);
+  const double all = points;
+  return side / std::pow(all / sites, 1.0 / dimension);
 }
 
 /// The most that they can be apart when they fill a box.
@@ -36,17 +37,18 @@ std::string coarse_coordinates(const char* what, PointsView<Scalar> points, doub
   double worst = 0;
   double where = 0;
   int axis = 0;
-  std::vector<double> sizes(static_cast<std::size_t>(looked));
+  std::vector<double> sizes;
   for (int d = 0; d < points.dimension; ++d) {
+    sizes.clear();
     for (Index k = 0; k < looked; ++k) {
-      const auto p = static_cast<Index>(static_cast<double>(k) * points.count / looked);
-      sizes[static_cast<std::size_t>(k)] = std::abs(static_cast<double>(points[p][d]));
+      const double part = k;
+      const double x = points[static_cast<Index>(part * points.count / looked)][d];
+      sizes.push_back(std::abs(x));
     }
     const auto middle = sizes.begin() + looked / 2;
     std::nth_element(sizes.begin(), middle, sizes.end());
     const auto size = static_cast<Stored>(*middle);
-    const auto step =
-        static_cast<double>(std::nextafter(size, std::numeric_limits<Stored>::infinity()) - size);
+    const double step = std::nextafter(size, std::numeric_limits<Stored>::infinity()) - size;
     if (step <= worst) continue;
     worst = step;
     where = *middle;

@@ -6,6 +6,7 @@
 
 #include "bounds.h"
 #include "format.h"
+#include "numbers.h"
 #include "scales.h"
 
 namespace ccvt {
@@ -15,7 +16,7 @@ template <class Scalar>
 void require_inside(const char* argument, const PointsView<Scalar>& points, const Box& box) {
   for (Index p = 0; p < points.count; ++p) {
     for (int d = 0; d < points.dimension; ++d) {
-      const auto value = static_cast<double>(points[p][d]);
+      const double value = points[p][d];
       if (value >= box.lower[d] && value <= box.upper[d]) continue;
       throw InvalidInput(std::string(argument) + ": coordinate " + std::to_string(d) + " of " +
                          argument + "[" + std::to_string(p) + "] is " + text(value) +
@@ -111,7 +112,7 @@ Problem<Scalar>& Problem<Scalar>::set_initial_sites(Columns<Scalar> sites) {
 
 template <class Scalar>
 Problem<Scalar>& Problem<Scalar>::set_initial_owners(std::vector<Index> owners) {
-  if (owners.size() != static_cast<std::size_t>(point_count())) {
+  if (std::cmp_not_equal(owners.size(), point_count())) {
     throw InvalidInput("initial_owners: there are " + std::to_string(owners.size()) + " for " +
                        std::to_string(point_count()) + " points: there must be one per point");
   }
@@ -122,10 +123,11 @@ Problem<Scalar>& Problem<Scalar>::set_initial_owners(std::vector<Index> owners) 
       throw InvalidInput(element + " is " + std::to_string(owners[p]) + ": it must be in 0.." +
                          std::to_string(site_count() - 1));
     }
-    if (room[static_cast<std::size_t>(owners[p])]-- == 0) {
+    const SiteNumber owner(owners[p]);
+    if (room[owner]-- == 0) {
       throw InvalidInput(element + " is " + std::to_string(owners[p]) +
                          ": that site owns more points than its capacity " +
-                         std::to_string(capacities_[static_cast<std::size_t>(owners[p])]) +
+                         std::to_string(capacities_[owner]) +
                          "; capacities that are not equal must be set first");
     }
   }

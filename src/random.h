@@ -55,14 +55,18 @@ class Random {
 
   /// In 0..n-1, each equally likely, for n >= 1 [Lemire 2019].
   constexpr std::uint64_t below(std::uint64_t n) {
-    Wide product = static_cast<Wide>(next()) * n;
-    if (static_cast<std::uint64_t>(product) < n) {
-      const std::uint64_t rejected = (0 - n) % n;
-      while (static_cast<std::uint64_t>(product) < rejected) {
-        product = static_cast<Wide>(next()) * n;
-      }
+    for (;;) {
+      Wide product = next();
+      product *= n;
+      const auto low = static_cast<std::uint64_t>(product);
+      const bool rejected = low < n && low < (0 - n) % n;
+      if (!rejected) return static_cast<std::uint64_t>(product >> 64);
     }
-    return static_cast<std::uint64_t>(product >> 64);
+  }
+
+  /// The same numbers, for n <= 2^31 - 1.
+  constexpr std::int32_t index_below(std::int32_t n) {
+    return static_cast<std::int32_t>(below(static_cast<std::uint64_t>(n)));
   }
 
   /// A random permutation of the values, each equally likely [Fisher, Yates; Durstenfeld 1964].

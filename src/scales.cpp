@@ -10,25 +10,26 @@ namespace ccvt {
 template <class Scalar>
 double require_moderate(const char* argument, const PointsView<Scalar>& points) {
   const double largest = largest_coordinate<Scalar>(points.dimension);
-  const auto dimension = static_cast<std::size_t>(points.dimension);
   if (points.count == 0) return 0;
-  std::vector<Scalar> lower(points[0], points[0] + dimension);
+  std::vector<Scalar> lower(points[0], points[0] + points.dimension);
   std::vector<Scalar> upper = lower;
   for (Index p = 0; p < points.count; ++p) {
     const Scalar* x = points[p];
-    for (std::size_t d = 0; d < dimension; ++d) {
+    for (std::size_t d = 0; d < lower.size(); ++d) {
       lower[d] = std::min(lower[d], x[d]);
       upper[d] = std::max(upper[d], x[d]);
-      if (std::abs(static_cast<double>(x[d])) <= largest) continue;
-      throw InvalidInput(
-          std::string(argument) + ": coordinate " + std::to_string(d) + " of " + argument + "[" +
-          std::to_string(p) + "] is " + text(static_cast<double>(x[d])) +
-          ": coordinates must be finite and at most " + text(largest) + " in magnitude");
+      const double value = x[d];
+      if (std::abs(value) <= largest) continue;
+      throw InvalidInput(std::string(argument) + ": coordinate " + std::to_string(d) + " of " +
+                         argument + "[" + std::to_string(p) + "] is " + text(value) +
+                         ": coordinates must be finite and at most " + text(largest) +
+                         " in magnitude");
     }
   }
   double widest = 0;
-  for (std::size_t d = 0; d < dimension; ++d) {
-    widest = std::max(widest, static_cast<double>(upper[d]) - static_cast<double>(lower[d]));
+  for (std::size_t d = 0; d < lower.size(); ++d) {
+    const double low = lower[d];
+    widest = std::max(widest, upper[d] - low);
   }
   return widest;
 }

@@ -3,6 +3,8 @@
 #include <numeric>
 #include <string>
 
+#include "numbers.h"
+
 namespace ccvt {
 
 Tessellation::Tessellation(std::span<const Index> owners, Index sites) : order_(owners.size()) {
@@ -13,13 +15,12 @@ Tessellation::Tessellation(std::span<const Index> owners, Index sites) : order_(
       throw InvalidInput("owners[" + std::to_string(p) + "] is " + std::to_string(owners[p]) +
                          ": it must be in 0.." + std::to_string(sites - 1));
     }
-    ++offset_[static_cast<std::size_t>(owners[p]) + 1];
+    ++offset_[SiteNumber(owners[p]) + 1];
   }
   std::partial_sum(offset_.begin(), offset_.end(), offset_.begin());
-  std::vector<Index> next(offset_.begin(), offset_.end() - 1);
-  for (std::size_t p = 0; p < owners.size(); ++p) {
-    const auto place = next[static_cast<std::size_t>(owners[p])]++;
-    order_[static_cast<std::size_t>(place)] = static_cast<Index>(p);
+  std::vector<std::size_t> next(offset_.begin(), offset_.end() - 1);
+  for (const PointNumber p : points_below(owners.size())) {
+    order_[next[SiteNumber(owners[p])]++] = p.index();
   }
 }
 

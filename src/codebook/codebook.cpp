@@ -7,9 +7,11 @@
 
 #include "ccvt/io.h"
 #include "ccvt/publication.h"
+#include "cell_sizes.h"
 #include "codebook/encode.h"
 #include "format.h"
 #include "geometry/squares.h"
+#include "numbers.h"
 #include "scales.h"
 
 namespace ccvt {
@@ -52,8 +54,9 @@ void check_extent(PointsView<Scalar> vectors, const Eigen::Map<const Points<doub
     double lower = codewords.row(d).minCoeff();
     double upper = codewords.row(d).maxCoeff();
     for (Index p = 0; p < vectors.count && upper - lower < least; ++p) {
-      lower = std::min(lower, static_cast<double>(vectors[p][d]));
-      upper = std::max(upper, static_cast<double>(vectors[p][d]));
+      const double x = vectors[p][d];
+      lower = std::min(lower, x);
+      upper = std::max(upper, x);
     }
     widest = std::max(widest, upper - lower);
     if (widest >= least) return;
@@ -93,8 +96,7 @@ CodeUsage code_usage(std::span<const Index> codes, Index codewords) {
   }
   if (codes.empty()) throw InvalidInput("codes: there are none");
   check_codes(codes, codewords);
-  std::vector<Index> count(static_cast<std::size_t>(codewords), 0);
-  for (const Index code : codes) ++count[static_cast<std::size_t>(code)];
+  const std::vector<Index> count = cell_sizes(codes, static_cast<std::size_t>(codewords));
   CodeUsage usage;
   usage.smallest = *std::min_element(count.begin(), count.end());
   usage.largest = *std::max_element(count.begin(), count.end());
@@ -125,8 +127,7 @@ Codebook::Codebook(Columns<double> codewords, Coordinates weights)
                        std::to_string(codewords_.rows()) +
                        " dimensions: at least one of each is needed");
   }
-  static_cast<void>(view_points(codewords_));  // checks how many there are
-  require_moderate("codewords", view_points(codewords_));
+  require_moderate("codewords", view_points(codewords_));  // which checks how many there are
   if (weights_.size() == 0) weights_ = Coordinates::constant(codewords_.cols(), 0);
   if (weights_.size() != codewords_.cols()) {
     throw InvalidInput("weights: there are " + std::to_string(weights_.size()) + " for " +
@@ -152,9 +153,8 @@ std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, i
       coding == Coding::weighted ? weights_ : Coordinates::constant(weights_.size(), 0);
   Stop stop(cancelled);
   return cheapest_sites(vectors,
-                        {dimension(),
-                         {codewords_.data(), static_cast<std::size_t>(codewords_.size())},
-                         {weights.data(), static_cast<std::size_t>(weights.size())}},
+                        {{codewords_.data(), codewords_.data() + codewords_.size()},
+                         {weights.begin(), weights.end()}},
                         Arena(threads, &stop));
 } catch (const Stopped&) {
   throw Cancelled();
@@ -162,25 +162,22 @@ std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, i
 
 void Codebook::decode_to(std::span<const Index> codes, std::span<double> vectors) const {
   check_codes(codes, size());
-  const auto dimension = static_cast<std::size_t>(this->dimension());
-  for (std::size_t k = 0; k < codes.size(); ++k) {
-    std::copy_n(codewords_.col(codes[k]).data(), dimension, vectors.data() + k * dimension);
-  }
+  double* to = vectors.data();
+  for (const Index code : codes) to = std::copy_n(codewords_.col(code).data(), dimension(), to);
 }
 
 template <class Scalar>
 double Codebook::distortion(PointsView<Scalar> vectors, std::span<const Index> codes) const {
   check_vectors(vectors, dimension());
-  if (codes.size() != static_cast<std::size_t>(vectors.count) || codes.empty()) {
+  if (std::cmp_not_equal(codes.size(), vectors.count) || codes.empty()) {
     throw InvalidInput("codes: there are " + std::to_string(codes.size()) + " for " +
                        std::to_string(vectors.count) +
                        " vectors: one each is needed, and at least one");
   }
   check_codes(codes, size());
   double sum = 0;
-  for (Index p = 0; p < vectors.count; ++p) {
-    sum += squared_difference(vectors[p], codewords_.col(codes[static_cast<std::size_t>(p)]).data(),
-                              dimension());
+  for (const PointNumber p : points_below(vectors.count)) {
+    sum += squared_difference(vectors[p.index()], codewords_.col(codes[p]).data(), dimension());
   }
   return sum / vectors.count;
 }

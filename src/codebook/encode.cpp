@@ -10,34 +10,33 @@ namespace {
 
 /// Up to here a k-d tree is faster than products with all sites, when these are not few.
 constexpr int kTreeDimensions = 8;
-constexpr Index kProductSites = 128;
+constexpr std::size_t kProductSites = 128;
 
 }  // namespace
 
 template <class Scalar>
 std::vector<Index> cheapest_sites(PointsView<Scalar> points, const WeightedSites& sites,
                                   const Arena& arena) {
-  std::vector<Index> codes(static_cast<std::size_t>(points.count), 0);
   const Metric metric(points.dimension, Domain());
   if (points.dimension > kTreeDimensions || sites.count() <= kProductSites) {
-    Pricer<Scalar>(metric, points, arena).price(sites, 0, 0, codes);
-    return codes;
+    return Pricer<Scalar>(metric, points, arena).cheapest(sites);
   }
   // One dimension up: |p - s|^2 + (W - w) is a squared distance.
-  const auto dimension = static_cast<std::size_t>(points.dimension);
+  const std::size_t dimension = sites.dimension;
   const double highest = *std::max_element(sites.weight.begin(), sites.weight.end());
   std::vector<double> lifted;
-  lifted.reserve(static_cast<std::size_t>(sites.count()) * (dimension + 1));
-  for (Index s = 0; s < sites.count(); ++s) {
+  lifted.reserve(sites.count() * (dimension + 1));
+  for (const SiteNumber s : sites_below(sites.count())) {
     lifted.insert(lifted.end(), sites.at(s), sites.at(s) + dimension);
-    lifted.push_back(std::sqrt(highest - sites.weight[static_cast<std::size_t>(s)]));
+    lifted.push_back(std::sqrt(highest - sites.weight[s]));
   }
   const Metric lifted_metric(points.dimension + 1, Domain());
   const SiteTree tree(lifted_metric, lifted);
+  std::vector<Index> codes(static_cast<std::size_t>(points.count));
   arena.for_ranges(codes.size(), 4096, [&](std::size_t begin, std::size_t end, int) {
     std::vector<double> query(dimension + 1, 0.0);
-    for (std::size_t p = begin; p < end; ++p) {
-      const Scalar* x = points[static_cast<Index>(p)];
+    for (const PointNumber p : NumberRange(PointNumber(begin), PointNumber(end))) {
+      const Scalar* x = points[p.index()];
       std::copy(x, x + dimension, query.begin());
       codes[p] = tree.nearest(query.data());
     }

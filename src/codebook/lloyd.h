@@ -15,6 +15,11 @@ template <class Scalar>
 void move_to_centroids(const Metric& metric, PointsView<Scalar> points, const Grouping& groups,
                        const Arena& arena, std::vector<double>& sites);
 
+/// For sites that are compared by distance alone: a weight of nothing each.
+inline std::vector<double> no_weights(const std::vector<double>& sites, int dimension) {
+  return std::vector<double>(sites.size() / static_cast<std::size_t>(dimension), 0.0);
+}
+
 /// The nearest site of every point; exact.
 template <class Scalar>
 std::vector<Index> nearest_sites(const Metric& metric, PointsView<Scalar> points,

@@ -4,8 +4,10 @@
 #include <limits>
 #include <numeric>
 
+#include "cell_sizes.h"
 #include "exact/pricing.h"
 #include "geometry/squares.h"
+#include "numbers.h"
 
 namespace ccvt {
 namespace {
@@ -14,54 +16,60 @@ constexpr int kSplitIterations = 4;
 
 struct Split {
   double gain = 0;
-  std::vector<double> a, b;  ///< the two sites
+  Eigen::VectorXd a, b;  ///< the two sites
 };
+
+constexpr double kNone = std::numeric_limits<double>::infinity();
 
 struct Merger {
-  double cost = std::numeric_limits<double>::infinity();
-  Index i = -1, j = -1;
+  double cost = kNone;
+  SiteNumber i, j;
 };
 
-std::vector<double> centroid(PointsView<float> points, const std::vector<Index>& members) {
-  std::vector<double> sum(static_cast<std::size_t>(points.dimension), 0.0);
-  for (const Index p : members) {
-    for (std::size_t d = 0; d < sum.size(); ++d) sum[d] += static_cast<double>(points[p][d]);
+Eigen::VectorXd centroid(PointsView<float> points, std::span<const PointNumber> members) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(points.dimension);
+  for (const PointNumber p : members) {
+    const float* x = points[p.index()];
+    for (int d = 0; d < points.dimension; ++d) sum[d] += x[d];
   }
-  for (double& x : sum) x /= static_cast<double>(members.size());
+  const auto size = static_cast<double>(members.size());
+  for (double& x : sum) x /= size;
   return sum;
 }
 
-double energy(PointsView<float> points, const std::vector<Index>& members,
-              const std::vector<double>& site) {
+double energy(PointsView<float> points, std::span<const PointNumber> members,
+              const Eigen::VectorXd& site) {
   double sum = 0;
-  for (const Index p : members) {
-    sum += squared_difference(points[p], site.data(), points.dimension);
+  for (const PointNumber p : members) {
+    sum += squared_difference(points[p.index()], site.data(), points.dimension);
   }
   return sum;
 }
 
 /// 2-means in a cell, from the point farthest from the centroid and the one farthest from that.
-Split split(PointsView<float> points, const std::vector<Index>& members) {
+Split split(PointsView<float> points, std::span<const PointNumber> members) {
   Split result;
   if (members.size() < 2) return result;
-  const std::vector<double> middle = centroid(points, members);
-  const auto farthest = [&](const auto* from) {
-    return *std::max_element(members.begin(), members.end(), [&](Index p, Index q) {
-      return squared_difference(points[p], from, points.dimension) <
-             squared_difference(points[q], from, points.dimension);
-    });
+  const Eigen::VectorXd middle = centroid(points, members);
+  const auto distance = [&](PointNumber p, const auto* from) {
+    return squared_difference(points[p.index()], from, points.dimension);
   };
-  const Index first = farthest(middle.data());
-  const Index second = farthest(points[first]);
-  result.a.assign(points[first], points[first] + points.dimension);
-  result.b.assign(points[second], points[second] + points.dimension);
-  std::vector<Index> left, right;
+  const auto farthest = [&](const auto* from) {
+    const auto nearer = [&](PointNumber p, PointNumber q) {
+      return distance(p, from) < distance(q, from);
+    };
+    return points[std::max_element(members.begin(), members.end(), nearer)->index()];
+  };
+  const float* first = farthest(middle.data());
+  const float* second = farthest(first);
+  result.a = Eigen::Map<const Eigen::VectorXf>(first, points.dimension).cast<double>();
+  result.b = Eigen::Map<const Eigen::VectorXf>(second, points.dimension).cast<double>();
+  std::vector<PointNumber> left, right;
   for (int i = 0; i < kSplitIterations; ++i) {
     left.clear();
     right.clear();
-    for (const Index p : members) {
-      const bool nearer = squared_difference(points[p], result.a.data(), points.dimension) <=
-                          squared_difference(points[p], result.b.data(), points.dimension);
+    for (const PointNumber p : members) {
+      const bool nearer = distance(p, result.a.data()) <= distance(p, result.b.data());
       (nearer ? left : right).push_back(p);
     }
     if (left.empty() || right.empty()) return {};
@@ -78,60 +86,52 @@ Split split(PointsView<float> points, const std::vector<Index>& members) {
 bool reseat_sites(PointsView<float> points, const std::vector<Index>& owners,
                   std::vector<double>& sites, const Arena& arena) {
   const auto dimension = static_cast<std::size_t>(points.dimension);
-  const auto n = static_cast<Index>(sites.size() / dimension);
+  const std::size_t n = sites.size() / dimension;
   const Grouping groups(owners, n);
-  std::vector<Split> splits(static_cast<std::size_t>(n));
-  std::vector<Merger> mergers(static_cast<std::size_t>(n));
-  const auto at = [&](Index s) { return sites.data() + static_cast<std::size_t>(s) * dimension; };
-  for (Index i = 0; i < n; ++i) {
+  std::vector<Split> splits(n);
+  std::vector<Merger> mergers(n);
+  const std::vector<Index> sizes = cell_sizes(owners, n);
+  const std::vector<double> size(sizes.begin(), sizes.end());
+  const auto at = [&](SiteNumber s) { return sites.data() + s * dimension; };
+  for (const SiteNumber i : sites_below(n)) {
     arena.check();
-    const auto members = groups.of(i);
-    splits[static_cast<std::size_t>(i)] = split(points, {members.begin(), members.end()});
-    Merger& merger = mergers[static_cast<std::size_t>(i)];
-    const auto own = static_cast<double>(members.size());
-    for (Index j = 0; j < n; ++j) {
+    splits[i] = split(points, groups.of(i));
+    for (const SiteNumber j : sites_below(n)) {
       if (j == i) continue;
-      const auto other = static_cast<double>(groups.of(j).size());
-      const double cost = own * other == 0 ? 0
-                                           : own * other / (own + other) *
-                                                 squared_difference(at(i), at(j), points.dimension);
-      if (cost < merger.cost) merger = {cost, i, j};
+      const double cost = size[i] * size[j] == 0
+                              ? 0
+                              : size[i] * size[j] / (size[i] + size[j]) *
+                                    squared_difference(at(i), at(j), points.dimension);
+      if (cost < mergers[i].cost) mergers[i] = {cost, i, j};
     }
   }
   std::sort(mergers.begin(), mergers.end(), [](const Merger& a, const Merger& b) {
     return a.cost != b.cost ? a.cost < b.cost : a.i < b.i;
   });
-  std::vector<Index> by_gain(static_cast<std::size_t>(n));
-  std::iota(by_gain.begin(), by_gain.end(), 0);
-  std::stable_sort(by_gain.begin(), by_gain.end(), [&](Index a, Index b) {
-    return splits[static_cast<std::size_t>(a)].gain > splits[static_cast<std::size_t>(b)].gain;
-  });
-  std::vector<std::uint8_t> taken(static_cast<std::size_t>(n), 0);
+  std::vector<SiteNumber> by_gain(n);
+  std::iota(by_gain.begin(), by_gain.end(), SiteNumber(0));
+  std::stable_sort(by_gain.begin(), by_gain.end(),
+                   [&](SiteNumber a, SiteNumber b) { return splits[a].gain > splits[b].gain; });
+  std::vector<std::uint8_t> taken(n, 0);
   std::size_t next = 0;
   bool changed = false;
-  for (const Merger& merger : mergers) {
-    if (merger.i < 0) break;
-    auto& i = taken[static_cast<std::size_t>(merger.i)];
-    auto& j = taken[static_cast<std::size_t>(merger.j)];
-    if (i != 0 || j != 0) continue;
-    const auto free = [&](Index s) {
-      return taken[static_cast<std::size_t>(s)] == 0 && s != merger.i && s != merger.j;
-    };
-    while (next < by_gain.size() && taken[static_cast<std::size_t>(by_gain[next])] != 0) ++next;
+  for (const auto& [cost, i, j] : mergers) {
+    if (cost == kNone) break;
+    if (taken[i] != 0 || taken[j] != 0) continue;
+    while (next < n && taken[by_gain[next]] != 0) ++next;
     std::size_t k = next;
-    while (k < by_gain.size() && !free(by_gain[k])) ++k;
-    if (k == by_gain.size()) break;
-    const Index from = by_gain[k];
-    const Split& halves = splits[static_cast<std::size_t>(from)];
-    if (halves.gain <= merger.cost) break;
-    const auto own = static_cast<double>(groups.of(merger.i).size());
-    const auto other = static_cast<double>(groups.of(merger.j).size());
-    for (std::size_t d = 0; own + other > 0 && d < dimension; ++d) {
-      at(merger.j)[d] = (own * at(merger.i)[d] + other * at(merger.j)[d]) / (own + other);
+    while (k < n && (taken[by_gain[k]] != 0 || by_gain[k] == i || by_gain[k] == j)) ++k;
+    if (k == n) break;
+    const SiteNumber from = by_gain[k];
+    const Split& halves = splits[from];
+    if (halves.gain <= cost) break;
+    const double both = size[i] + size[j];
+    for (std::size_t d = 0; both > 0 && d < dimension; ++d) {
+      at(j)[d] = (size[i] * at(i)[d] + size[j] * at(j)[d]) / both;
     }
     std::copy(halves.a.begin(), halves.a.end(), at(from));
-    std::copy(halves.b.begin(), halves.b.end(), at(merger.i));
-    i = j = taken[static_cast<std::size_t>(from)] = 1;
+    std::copy(halves.b.begin(), halves.b.end(), at(i));
+    taken[i] = taken[j] = taken[from] = 1;
     changed = true;
   }
   return changed;

@@ -9,6 +9,7 @@
 #include "codebook/lloyd.h"
 #include "codebook/reseat.h"
 #include "exact/pricing.h"
+#include "geometry/as_matrix.h"
 #include "kernels/products.h"
 #include "random.h"
 
@@ -34,32 +35,36 @@ struct Sample {
 
 template <class Scalar>
 Sample draw_sample(PointsView<Scalar> points, Index count, std::uint64_t seed) {
-  const int dimension = points.dimension;
   const auto chosen = draw_distinct(count, points.count, seed, kSampleStream);
   Sample sample;
-  sample.mean.assign(static_cast<std::size_t>(dimension), 0.0);
+  std::vector<double>& mean = sample.mean;
+  mean.assign(static_cast<std::size_t>(points.dimension), 0.0);
   for (const Index p : chosen) {
-    for (int d = 0; d < dimension; ++d) {
-      sample.mean[static_cast<std::size_t>(d)] += static_cast<double>(points[p][d]) / count;
+    for (std::size_t d = 0; d < mean.size(); ++d) {
+      const double x = points[p][d];
+      mean[d] += x / count;
     }
   }
   double largest = 0;
   for (const Index p : chosen) {
-    for (int d = 0; d < dimension; ++d) {
-      largest = std::max(largest, std::abs(static_cast<double>(points[p][d]) -
-                                           sample.mean[static_cast<std::size_t>(d)]));
+    for (std::size_t d = 0; d < mean.size(); ++d) {
+      largest = std::max(largest, std::abs(points[p][d] - mean[d]));
     }
   }
   if (largest > 0) sample.scale = std::exp2(std::min(1000.0, -std::ceil(std::log2(largest))));
-  sample.points.resize(dimension, count);
-  for (Index k = 0; k < count; ++k) {
-    const Scalar* from = points[chosen[static_cast<std::size_t>(k)]];
-    for (int d = 0; d < dimension; ++d) {
-      sample.points(d, k) = static_cast<float>(
-          (static_cast<double>(from[d]) - sample.mean[static_cast<std::size_t>(d)]) * sample.scale);
+  sample.points.resize(points.dimension, count);
+  float* to = sample.points.data();
+  for (const Index p : chosen) {
+    for (std::size_t d = 0; d < mean.size(); ++d) {
+      *to++ = static_cast<float>((points[p][d] - mean[d]) * sample.scale);
     }
   }
   return sample;
+}
+
+/// As many points as wanted, or all.
+Index sample_size(std::int64_t wanted, Index points) {
+  return static_cast<Index>(std::min<std::int64_t>(points, wanted));
 }
 
 struct Seeds {
@@ -70,17 +75,14 @@ struct Seeds {
 
 /// Lloyd iterations, to a rough end.
 void relax(const Metric& metric, PointsView<float> points, const Arena& arena, Seeds& seeds) {
-  const std::vector<double> weights(seeds.sites.size() / static_cast<std::size_t>(points.dimension),
-                                    0.0);
-  const auto n = static_cast<Index>(weights.size());
+  const std::vector<double> weights = no_weights(seeds.sites, points.dimension);
   const Pricer<float> pricer(metric, points, arena);
   for (int i = 0; i < kRoughIterations; ++i) {
     const double before = seeds.energy;
-    const Prices prices =
-        pricer.price({points.dimension, seeds.sites, weights}, 0, 0, seeds.owners);
+    const Prices prices = pricer.price({seeds.sites, weights}, 0, 0, seeds.owners);
     seeds.energy = prices.cheapest_energy;
     if (prices.moved == 0 || (i > 0 && before - seeds.energy < kRough * before)) break;
-    move_to_centroids(metric, points, Grouping(seeds.owners, n), arena, seeds.sites);
+    move_to_centroids(metric, points, Grouping(seeds.owners, weights.size()), arena, seeds.sites);
   }
 }
 
@@ -92,9 +94,11 @@ std::vector<Index> draw_distinct(Index count, Index total, std::uint64_t seed,
   chosen.reserve(static_cast<std::size_t>(count));
   // Selection sampling [Knuth, TAOCP 2, 3.4.2, algorithm S].
   Random random(seed, stream);
-  for (Index p = 0; p < total && static_cast<Index>(chosen.size()) < count; ++p) {
-    const auto needed = static_cast<std::uint64_t>(count) - chosen.size();
-    if (random.below(static_cast<std::uint64_t>(total - p)) < needed) chosen.push_back(p);
+  Index needed = count;
+  for (Index p = 0; p < total && needed > 0; ++p) {
+    if (random.index_below(total - p) >= needed) continue;
+    chosen.push_back(p);
+    --needed;
   }
   return chosen;
 }
@@ -105,33 +109,27 @@ std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64
   const Index count = points.count;
   const Index step = std::max<Index>(kernels::product_points(), 64);
   const Index stride = (count + step - 1) / step * step;
-  std::vector<float> block(static_cast<std::size_t>(stride) * static_cast<std::size_t>(dimension));
-  for (Index p = 0; p < count; ++p) {
-    for (int d = 0; d < dimension; ++d) {
-      block[static_cast<std::size_t>(d) * static_cast<std::size_t>(stride) +
-            static_cast<std::size_t>(p)] = points[p][d];
-    }
-  }
-  std::vector<float> squared(static_cast<std::size_t>(stride), std::numeric_limits<float>::max());
-  std::fill(squared.begin() + count, squared.end(), 0.0F);
-  std::vector<double> sum(static_cast<std::size_t>(count));
+  Eigen::MatrixXf block = Eigen::MatrixXf::Zero(stride, dimension);
+  block.topRows(count) = as_matrix(points).transpose();
+  Eigen::VectorXf squared = Eigen::VectorXf::Zero(stride);
+  squared.head(count).setConstant(std::numeric_limits<float>::max());
+  Eigen::VectorXd sum(count);
   std::vector<double> result;
-  result.reserve(static_cast<std::size_t>(sites) * static_cast<std::size_t>(dimension));
+  double* const last = sum.data() + count - 1;
   Random random(seed, stream);
   // Several draws pay where distances are cheap.
   const int draws = dimension <= 8 ? 2 + static_cast<int>(std::log(sites)) : 1;
   for (Index s = 0; s < sites; ++s) {
     arena.check();
-    auto chosen = static_cast<Index>(random.below(static_cast<std::uint64_t>(count)));
+    Index chosen = random.index_below(count);
     if (s > 0) {
-      std::transform_inclusive_scan(squared.begin(), squared.begin() + count, sum.begin(),
-                                    std::plus<>(), [](float x) { return static_cast<double>(x); });
-      if (sum.back() > 0) {
+      std::transform_inclusive_scan(squared.data(), squared.data() + count, sum.data(),
+                                    std::plus<>(), [](float x) -> double { return x; });
+      if (*last > 0) {
         double least = std::numeric_limits<double>::infinity();
         for (int draw = 0; draw < draws; ++draw) {
-          const double at = random.uniform() * sum.back();
-          const auto p =
-              static_cast<Index>(std::upper_bound(sum.begin(), sum.end() - 1, at) - sum.begin());
+          const double at = random.uniform() * *last;
+          const auto p = static_cast<Index>(std::upper_bound(sum.data(), last, at) - sum.data());
           const double left = draws == 1
                                   ? 0
                                   : kernels::lowered_sum(block.data(), stride, count, dimension,
@@ -152,9 +150,9 @@ std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64
 template <class Scalar>
 double sampled_energy(PointsView<Scalar> points, const std::vector<double>& sites,
                       std::uint64_t seed, const Arena& arena) {
-  const auto n = static_cast<std::int64_t>(sites.size()) / points.dimension;
-  const auto count =
-      static_cast<Index>(std::min<std::int64_t>(points.count, std::max(kLeastSample, 4 * n)));
+  const std::vector<double> weights = no_weights(sites, points.dimension);
+  const std::int64_t few = 4 * std::ssize(weights);
+  const Index count = sample_size(std::max(kLeastSample, few), points.count);
   Points<Scalar> sample(points.dimension, count);
   Index k = 0;
   for (const Index p : draw_distinct(count, points.count, seed, kSampleStream)) {
@@ -162,9 +160,8 @@ double sampled_energy(PointsView<Scalar> points, const std::vector<double>& site
   }
   const Metric metric(points.dimension, Domain());
   std::vector<Index> owners = nearest_sites(metric, view_points(sample), sites, arena);
-  const std::vector<double> weights(static_cast<std::size_t>(n), 0.0);
   return Pricer<Scalar>(metric, view_points(sample), arena)
-      .price({points.dimension, sites, weights}, 0, 0, owners)
+      .price({sites, weights}, 0, 0, owners)
       .energy;
 }
 
@@ -172,7 +169,7 @@ template <class Scalar>
 std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int restarts,
                                std::uint64_t seed, const Arena& arena) {
   const std::int64_t wanted = std::max(kLeastSample, kSamplePerSite * sites);
-  const auto count = static_cast<Index>(std::min<std::int64_t>(points.count, wanted));
+  const Index count = sample_size(wanted, points.count);
   const Sample sample = draw_sample(points, count, seed);
   const PointsView<float> view = view_points(sample.points);
   const Metric metric(points.dimension, Domain());
@@ -180,10 +177,10 @@ std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int resta
   best.energy = std::numeric_limits<double>::infinity();
   Seeds seeds;
   try {
-    for (int r = 0; r < restarts; ++r) {
+    std::uint64_t stream = kFirstSeedStream;
+    for (int r = 0; r < restarts; ++r, ++stream) {
       seeds = {};
-      seeds.sites =
-          plus_plus(view, sites, seed, kFirstSeedStream + static_cast<std::uint64_t>(r), arena);
+      seeds.sites = plus_plus(view, sites, seed, stream, arena);
       seeds.owners = nearest_sites(metric, view, seeds.sites, arena);
       relax(metric, view, arena, seeds);
       for (int k = 0; k < kReseatings; ++k) {

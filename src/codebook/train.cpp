@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "codebook/lloyd.h"
 #include "codebook/seeding.h"
 #include "exact/assignment.h"
+#include "numbers.h"
 #include "precision.h"
 
 namespace ccvt {
@@ -96,10 +98,10 @@ void Trainer<Scalar>::seed() {
     return;
   }
   double least = std::numeric_limits<double>::infinity();
-  for (int r = 0; r < options_.restarts; ++r) {
+  std::uint64_t stream = kSeedStream;
+  for (int r = 0; r < options_.restarts; ++r, stream += 256) {
     std::vector<double> sites;
-    for (const Index p : draw_distinct(n, vectors_.count, options_.seed,
-                                       kSeedStream + (static_cast<std::uint64_t>(r) << 8U))) {
+    for (const Index p : draw_distinct(n, vectors_.count, options_.seed, stream)) {
       sites.insert(sites.end(), vectors_[p], vectors_[p] + vectors_.dimension);
     }
     if (options_.restarts == 1) {
@@ -139,8 +141,8 @@ void Trainer<Scalar>::lloyd() {
   if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
   double before = std::numeric_limits<double>::infinity();
   while (!ended()) {
-    move_to_centroids(metric_, vectors_, Grouping(owners_, problem_.site_count()), arena_, sites_);
-    const Prices prices = pricer.price({vectors_.dimension, sites_, weights_}, 0, 0, owners_);
+    move_to_centroids(metric_, vectors_, Grouping(owners_, weights_.size()), arena_, sites_);
+    const Prices prices = pricer.price({sites_, weights_}, 0, 0, owners_);
     const double energy = prices.cheapest_energy;
     const bool running = go_on(vectors_.count, energy, prices.moved);
     if (prices.moved == 0 || energy >= before * (1 - kRounding)) {
@@ -171,7 +173,7 @@ void Trainer<Scalar>::pairwise() {
   owners_ = std::move(result.owners);
   summary_.termination = result.summary.termination;
   summary_.iterations = result.summary.iterations;
-  move_to_centroids(metric_, vectors_, Grouping(owners_, problem_.site_count()), arena_, sites_);
+  move_to_centroids(metric_, vectors_, Grouping(owners_, weights_.size()), arena_, sites_);
 }
 
 /// Exact assignments and centroids in turn. On the finest level until the assignment is optimal
@@ -211,7 +213,7 @@ void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index>
     std::int64_t moved = 0;
     for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
     if (!go_on(vectors.count, energy, moved)) break;
-    move_to_centroids(metric_, vectors, Grouping(owners_, n), arena_, sites_);
+    move_to_centroids(metric_, vectors, Grouping(owners_, weights_.size()), arena_, sites_);
   }
 }
 
@@ -286,13 +288,12 @@ void Trainer<Scalar>::settle_for_less() {
     summary_.gap = 1;
     std::fill(weights_.begin(), weights_.end(), 0.0);
   }
-  const auto m = static_cast<std::size_t>(vectors_.count);
-  if (options_.method == CodebookMethod::lloyd && owners_.size() == m) return;
+  const bool all = std::cmp_equal(owners_.size(), vectors_.count);
+  if (options_.method == CodebookMethod::lloyd && all) return;
   owners_ = std::move(met_);
   if (!owners_.empty()) return;
-  for (Index s = 0; s < problem_.site_count(); ++s) {
-    owners_.insert(owners_.end(),
-                   static_cast<std::size_t>(problem_.capacities()[static_cast<std::size_t>(s)]), s);
+  for (const SiteNumber s : sites_below(problem_.site_count())) {
+    std::fill_n(std::back_inserter(owners_), problem_.capacities()[s], s.index());
   }
 }
 
@@ -302,7 +303,7 @@ void Trainer<Scalar>::end_cancelled() {
   if (options_.method != CodebookMethod::exact) return settle_for_less();
   stop_.allow(kTimeToFinish);
   try {
-    if (owners_.size() != static_cast<std::size_t>(vectors_.count)) {
+    if (std::cmp_not_equal(owners_.size(), vectors_.count)) {
       owners_ = nearest_sites(metric_, vectors_, sites_, arena_);
     }
     prove();
@@ -316,7 +317,7 @@ void Trainer<Scalar>::end_cancelled() {
 template <class Scalar>
 Training Trainer<Scalar>::run(const Columns<double>* codewords) {
   const Index n = problem_.site_count();
-  weights_.assign(static_cast<std::size_t>(n), 0.0);
+  weights_.assign(problem_.capacities().size(), 0.0);
   try {
     if (codewords != nullptr) {
       sites_.assign(codewords->data(), codewords->data() + codewords->size());
@@ -332,7 +333,8 @@ Training Trainer<Scalar>::run(const Columns<double>* codewords) {
   // Weights count by their differences only.
   const double highest = *std::max_element(weights_.begin(), weights_.end());
   Coordinates weights = Coordinates::constant(n, 0);
-  for (Index s = 0; s < n; ++s) weights[s] = weights_[static_cast<std::size_t>(s)] - highest;
+  std::transform(weights_.begin(), weights_.end(), weights.data(),
+                 [&](double weight) { return weight - highest; });
   Codebook codebook(Eigen::Map<const Eigen::MatrixXd>(sites_.data(), vectors_.dimension, n),
                     std::move(weights));
   summary_.usage = code_usage(owners_, n);

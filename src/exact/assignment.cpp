@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ccvt/capacity.h"
+#include "cell_sizes.h"
 
 namespace ccvt {
 namespace {
@@ -18,7 +19,7 @@ constexpr double kManyOffers = 2.0;
 /// point moved.
 constexpr double kMostOffers = 8.0;
 /// Offers that are added at once when a surplus is stuck.
-constexpr Index kWidened = 8;
+constexpr std::int64_t kWidened = 8;
 
 }  // namespace
 
@@ -33,10 +34,12 @@ ExactAssignment<Scalar>::ExactAssignment(const Metric& metric, PointsView<Scalar
       arena_(arena),
       pricer_(metric, points, arena) {
   if (floating_) capacities_ = equal_capacities(points.count, sites);
+  fewer_ = points.count / sites;
+  larger_ = points.count % sites;
   for (Index p = 0; p < points.count; ++p) {
     for (int d = 0; d < points.dimension; ++d) {
-      largest_coordinate_ =
-          std::max(largest_coordinate_, std::abs(static_cast<double>(points[p][d])));
+      const double x = points[p][d];
+      largest_coordinate_ = std::max(largest_coordinate_, std::abs(x));
     }
   }
 }
@@ -44,25 +47,20 @@ ExactAssignment<Scalar>::ExactAssignment(const Metric& metric, PointsView<Scalar
 template <class Scalar>
 WeightedSites ExactAssignment<Scalar>::weighted(std::span<const double> sites,
                                                 const std::vector<double>& weights) const {
-  return {points_.dimension, sites, weights};
+  return {sites, weights};
 }
 
 /// Gives the larger capacities to the sites of least weight.
 template <class Scalar>
 void ExactAssignment<Scalar>::float_capacities(const std::vector<double>& weights) {
   if (!floating_) return;
-  std::vector<Index> by_weight(weights.size());
-  std::iota(by_weight.begin(), by_weight.end(), 0);
-  std::sort(by_weight.begin(), by_weight.end(), [&](Index a, Index b) {
-    const double x = weights[static_cast<std::size_t>(a)];
-    const double y = weights[static_cast<std::size_t>(b)];
-    return x != y ? x < y : a < b;
+  std::vector<std::size_t> by_weight(weights.size());
+  std::iota(by_weight.begin(), by_weight.end(), std::size_t{0});
+  std::sort(by_weight.begin(), by_weight.end(), [&](std::size_t a, std::size_t b) {
+    return weights[a] != weights[b] ? weights[a] < weights[b] : a < b;
   });
-  const auto n = static_cast<Index>(weights.size());
-  for (Index k = 0; k < n; ++k) {
-    capacities_[static_cast<std::size_t>(by_weight[static_cast<std::size_t>(k)])] =
-        points_.count / n + (k < points_.count % n ? 1 : 0);
-  }
+  Index left = larger_;
+  for (const std::size_t s : by_weight) capacities_[s] = left-- > 0 ? fewer_ + 1 : fewer_;
 }
 
 /// By how much the sum of size * weight over the cells exceeds the least that capacities allow;
@@ -70,16 +68,13 @@ void ExactAssignment<Scalar>::float_capacities(const std::vector<double>& weight
 template <class Scalar>
 double ExactAssignment<Scalar>::capacity_gap(const std::vector<double>& weights,
                                              const std::vector<Index>& owners) const {
-  std::vector<Index> excess(weights.size());
-  for (std::size_t s = 0; s < excess.size(); ++s) excess[s] = -capacities_[s];
-  for (const Index owner : owners) ++excess[static_cast<std::size_t>(owner)];
-  const Index fewer = points_.count / static_cast<Index>(weights.size());
+  const std::vector<Index> sizes = cell_sizes(owners, weights.size());
   double gap = 0;
-  for (std::size_t s = 0; s < excess.size(); ++s) {
-    const Index size = capacities_[s] + excess[s];
-    const bool met = excess[s] == 0 || (floating_ && (size == fewer || size == fewer + 1));
+  for (std::size_t s = 0; s < sizes.size(); ++s) {
+    const Index excess = sizes[s] - capacities_[s];
+    const bool met = excess == 0 || (floating_ && (sizes[s] == fewer_ || sizes[s] == fewer_ + 1));
     if (!met) return std::numeric_limits<double>::infinity();
-    gap += excess[s] * weights[s];
+    gap += excess * weights[s];
   }
   return gap;
 }
@@ -106,8 +101,7 @@ auto ExactAssignment<Scalar>::improve(std::span<const double> sites, std::vector
     if (slack_ == 0) slack_ = 1;
   }
   std::vector<Index> given = owners;
-  const Prices prices =
-      pricer_.price(weighted(sites, weights), slack_, static_cast<int>(weights.size()), owners);
+  const Prices prices = pricer_.price(weighted(sites, weights), slack_, weights.size(), owners);
   ++certificate_.rounds;
   certificate_.energy = prices.energy;
   certificate_.gap = prices.gap;
@@ -152,17 +146,16 @@ Certificate ExactAssignment<Scalar>::solve(std::span<const double> sites,
 template <class Scalar>
 void ExactAssignment<Scalar>::widen(const WeightedSites& sites, const std::vector<Index>& owners,
                                     ExchangeGraph& graph) const {
-  std::vector<std::uint8_t> inside(static_cast<std::size_t>(sites.count()), 0);
+  std::vector<std::uint8_t> inside(sites.count(), 0);
   std::int64_t stuck = 0;
-  for (const Index s : graph.reached()) {
-    if (s == sites.count()) continue;  // the hub
-    inside[static_cast<std::size_t>(s)] = 1;
+  for (const SiteNumber s : graph.reached()) {
+    if (s == graph.hub()) continue;
+    inside[s] = 1;
     stuck += graph.surplus(s);
   }
   std::vector<Offer> offers = pricer_.offers_outside(sites, slack_, inside, owners);
   const auto slack_of = [&](const Offer& offer) {
-    return offer.key + sites.weight[static_cast<std::size_t>(offer.owner)] -
-           sites.weight[static_cast<std::size_t>(offer.to)];
+    return offer.key + sites.weight[offer.owner] - sites.weight[offer.to];
   };
   std::sort(offers.begin(), offers.end(), [&](const Offer& a, const Offer& b) {
     const double x = slack_of(a);
@@ -171,7 +164,7 @@ void ExactAssignment<Scalar>::widen(const WeightedSites& sites, const std::vecto
     return a.point != b.point ? a.point < b.point : a.to < b.to;
   });
   const double least = std::max(0.0, slack_of(offers.front()));
-  const auto enough = static_cast<std::size_t>(std::max<std::int64_t>(kWidened, stuck));
+  const auto enough = static_cast<std::size_t>(std::max(kWidened, stuck));
   std::size_t kept = 0;
   for (; kept < offers.size(); ++kept) {
     if (kept >= enough && slack_of(offers[kept]) > least + slack_) break;

@@ -72,6 +72,8 @@ class ExactAssignment {
   PointsView<Scalar> points_;
   std::vector<Index> capacities_;
   bool floating_;
+  Index fewer_ = 0;   ///< the capacity of a site where they float, or one more
+  Index larger_ = 0;  ///< how many sites have one more
   const Arena& arena_;
   Pricer<Scalar> pricer_;
   double largest_coordinate_ = 0;

@@ -4,12 +4,14 @@
 #include <functional>
 #include <limits>
 
+#include "cell_sizes.h"
+
 namespace ccvt {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+/// The slot of an edge of the hub, which has none.
+constexpr std::size_t kNoSlot = 0;
 
 }  // namespace
 
@@ -20,14 +22,13 @@ ExchangeGraph::ExchangeGraph(std::vector<Index>& capacities, bool floating,
       owners_(owners),
       weights_(weights),
       cells_(capacities.size()),
-      first_option_(owners.size(), -1),
+      first_option_(owners.size(), kNoOption),
       own_key_(owners.size(), 0.0),
-      count_(capacities.size(), 0),
+      count_(cell_sizes(owners, capacities.size())),
       start_(weights),
       distance_(capacities.size() + 1, kNone),
       parent_(capacities.size() + 1),
       state_(capacities.size() + 1, 0) {
-  for (const Index owner : owners) ++count_[at(owner)];
   if (!floating) return;
   least_capacity_ = *std::min_element(capacities.begin(), capacities.end());
   hub_weight_ = kNone;
@@ -43,51 +44,51 @@ ExchangeGraph::ExchangeGraph(std::vector<Index>& capacities, bool floating,
   floating_ = highest > -kNone;
 }
 
-Index ExchangeGraph::slot_of(Cell& cell, Index to) {
-  const auto found = std::find(cell.to.begin(), cell.to.end(), to);
-  const auto slot = static_cast<Index>(found - cell.to.begin());
-  if (found == cell.to.end()) {
+std::size_t ExchangeGraph::slot_of(Cell& cell, SiteNumber to) {
+  std::size_t slot = 0;
+  while (slot < cell.to.size() && cell.to[slot] != to) ++slot;
+  if (slot == cell.to.size()) {
     cell.to.push_back(to);
     cell.least.push_back(kNone);
-    cell.least_point.push_back(-1);
+    cell.least_point.push_back(kNoPoint);
     cell.heap.emplace_back();
   }
   return slot;
 }
 
-void ExchangeGraph::insert(Index site, Index to, const Entry& entry) {
-  Cell& c = cell(site);
-  const std::size_t slot = at(slot_of(c, to));
+void ExchangeGraph::insert(SiteNumber site, SiteNumber to, const Entry& entry) {
+  Cell& c = cells_[site];
+  const std::size_t slot = slot_of(c, to);
   c.heap[slot].push_back(entry);
   std::push_heap(c.heap[slot].begin(), c.heap[slot].end(), std::greater<>());
   ++c.entries;
-  if (entry < Entry{c.least[slot], c.least_point[slot]} || c.least_point[slot] < 0) {
+  if (entry < Entry{c.least[slot], c.least_point[slot]} || c.least_point[slot] == kNoPoint) {
     c.least[slot] = entry.key;
     c.least_point[slot] = entry.point;
   }
 }
 
 /// Drops what is stale in front of a heap.
-void ExchangeGraph::refresh(Index site, std::size_t slot) {
-  Cell& c = cell(site);
+void ExchangeGraph::refresh(SiteNumber site, std::size_t slot) {
+  Cell& c = cells_[site];
   std::vector<Entry>& heap = c.heap[slot];
-  while (!heap.empty() && owners_[at(heap.front().point)] != site) {
+  while (!heap.empty() && owner_of(heap.front().point) != site) {
     std::pop_heap(heap.begin(), heap.end(), std::greater<>());
     heap.pop_back();
     --c.entries;
     if (c.stale > 0) --c.stale;  // of a point that came back twice, one entry is counted
   }
   c.least[slot] = heap.empty() ? kNone : heap.front().key;
-  c.least_point[slot] = heap.empty() ? -1 : heap.front().point;
+  c.least_point[slot] = heap.empty() ? kNoPoint : heap.front().point;
 }
 
 /// Drops all that is stale in a cell, and all but one entry of points that have come back to it.
-void ExchangeGraph::sweep(Index site) {
-  Cell& c = cell(site);
+void ExchangeGraph::sweep(SiteNumber site) {
+  Cell& c = cells_[site];
   c.entries = 0;
   c.stale = 0;
   for (std::vector<Entry>& heap : c.heap) {
-    std::erase_if(heap, [&](const Entry& entry) { return owners_[at(entry.point)] != site; });
+    std::erase_if(heap, [&](const Entry& entry) { return owner_of(entry.point) != site; });
     std::sort(heap.begin(), heap.end());
     heap.erase(std::unique(heap.begin(), heap.end()), heap.end());
     c.entries += heap.size();
@@ -95,26 +96,26 @@ void ExchangeGraph::sweep(Index site) {
 }
 
 void ExchangeGraph::add(const Offer& offer) {
-  std::int64_t& first = first_option_[at(offer.point)];
-  if (first < 0) {
-    first = static_cast<std::int64_t>(options_.size());
-    options_.push_back({offer.owner, -1, 0});
+  std::size_t& first = first_option_[offer.point];
+  if (first == kNoOption) {
+    first = options_.size();
+    options_.push_back({offer.owner, kNoOption, 0});
   }
-  Option& owner = options_[static_cast<std::size_t>(first)];
-  const Option option{offer.to, owner.next, own_key_[at(offer.point)] + offer.key};
-  owner.next = static_cast<std::int64_t>(options_.size());
+  Option& owner = options_[first];
+  const Option option{offer.to, owner.next, own_key_[offer.point] + offer.key};
+  owner.next = options_.size();
   options_.push_back(option);
   insert(offer.owner, offer.to, {offer.key, offer.point});
 }
 
-void ExchangeGraph::move(Index point, Index from, Index to) {
-  owners_[at(point)] = to;
-  --count_[at(from)];
-  ++count_[at(to)];
-  double& own_key = own_key_[at(point)];
+void ExchangeGraph::move(PointNumber point, SiteNumber from, SiteNumber to) {
+  owners_[point] = to.index();
+  --count_[from];
+  ++count_[to];
+  double& own_key = own_key_[point];
   const auto for_options = [&](auto visit) {
-    for (std::int64_t o = first_option_[at(point)]; o >= 0;) {
-      const Option& option = options_[static_cast<std::size_t>(o)];
+    for (std::size_t o = first_option_[point]; o != kNoOption;) {
+      const Option& option = options_[o];
       o = option.next;
       visit(option);
     }
@@ -122,11 +123,11 @@ void ExchangeGraph::move(Index point, Index from, Index to) {
   for_options([&](const Option& option) {
     if (option.to == to) own_key = option.key;
   });
-  Cell& source = cell(from);
+  Cell& source = cells_[from];
   for_options([&](const Option& option) {
     if (option.to != from) {
       ++source.stale;
-      const std::size_t slot = at(slot_of(source, option.to));
+      const std::size_t slot = slot_of(source, option.to);
       if (source.least_point[slot] == point) refresh(from, slot);
     }
     if (option.to != to) insert(to, option.to, {option.key - own_key, point});
@@ -135,27 +136,27 @@ void ExchangeGraph::move(Index point, Index from, Index to) {
 }
 
 /// Reaches `to` along an edge of `from`, if that is the shortest way so far.
-void ExchangeGraph::relax(Index from, Index slot, Index to, double distance) {
-  if (!(distance < distance_[at(to)])) return;
-  if (state_[at(to)] == 0) {
-    state_[at(to)] = 1;
+void ExchangeGraph::relax(SiteNumber from, std::size_t slot, SiteNumber to, double distance) {
+  if (!(distance < distance_[to])) return;
+  if (state_[to] == 0) {
+    state_[to] = 1;
     seen_.push_back(to);
   }
-  distance_[at(to)] = distance;
-  parent_[at(to)] = {from, slot};
+  distance_[to] = distance;
+  parent_[to] = {from, slot};
   heap_.emplace_back(distance, to);
   std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
 }
 
-ExchangeGraph::Search ExchangeGraph::find_path(Index source, double budget, double& length) {
-  for (const Index s : seen_) {
-    state_[at(s)] = 0;
-    distance_[at(s)] = kNone;
+ExchangeGraph::Search ExchangeGraph::find_path(SiteNumber source, double budget, double& length) {
+  for (const SiteNumber s : seen_) {
+    state_[s] = 0;
+    distance_[s] = kNone;
   }
   seen_.assign(1, source);
   settled_.clear();
   heap_.clear();
-  distance_[at(source)] = 0;
+  distance_[source] = 0;
   heap_.emplace_back(0.0, source);
   // With a path of length l, the weight of a settled site falls by l less its distance.
   double longest = kNone;
@@ -163,18 +164,18 @@ ExchangeGraph::Search ExchangeGraph::find_path(Index source, double budget, doub
     std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
     const auto [distance, i] = heap_.back();
     heap_.pop_back();
-    if (state_[at(i)] == 2) continue;
+    if (state_[i] == 2) continue;
     if (distance > longest) {
       length = longest;
       return Search::exhausted;
     }
-    state_[at(i)] = 2;
+    state_[i] = 2;
     settled_.push_back(i);
     // Never below `distance`, whatever rounding has done to a reduced cost.
     if (i == hub()) {
       const double base = distance + hub_weight_;
-      for (Index a = 0; a < hub(); ++a) {
-        if (has_more(a)) relax(i, -1, a, std::max(distance, base - weights_[at(a)]));
+      for (const SiteNumber a : sites_below(cells_.size())) {
+        if (has_more(a)) relax(i, kNoSlot, a, std::max(distance, base - weights_[a]));
       }
       continue;
     }
@@ -182,42 +183,40 @@ ExchangeGraph::Search ExchangeGraph::find_path(Index source, double budget, doub
       length = distance;
       return Search::found;
     }
-    longest =
-        std::min(longest, std::max(distance, budget + distance + weights_[at(i)] - start_[at(i)]));
-    const Cell& c = cell(i);
-    const double base = distance + weights_[at(i)];
+    longest = std::min(longest, std::max(distance, budget + distance + weights_[i] - start_[i]));
+    const Cell& c = cells_[i];
+    const double base = distance + weights_[i];
     for (std::size_t slot = 0; slot < c.to.size(); ++slot) {
-      const Index j = c.to[slot];
-      relax(i, static_cast<Index>(slot), j,
-            std::max(distance, base + c.least[slot] - weights_[at(j)]));
+      const SiteNumber j = c.to[slot];
+      relax(i, slot, j, std::max(distance, base + c.least[slot] - weights_[j]));
     }
-    if (floating_ && !has_more(i)) relax(i, -1, hub(), std::max(distance, base - hub_weight_));
+    if (floating_ && !has_more(i)) relax(i, kNoSlot, hub(), std::max(distance, base - hub_weight_));
   }
   return Search::closed;
 }
 
 void ExchangeGraph::lower_weights(double length) {
-  for (const Index s : settled_) {
-    (s == hub() ? hub_weight_ : weights_[at(s)]) += std::min(0.0, distance_[at(s)] - length);
+  for (const SiteNumber s : settled_) {
+    (s == hub() ? hub_weight_ : weights_[s]) += std::min(0.0, distance_[s] - length);
   }
 }
 
 void ExchangeGraph::lower_reached(double amount) {
-  for (const Index s : settled_) {
-    (s == hub() ? hub_weight_ : weights_[at(s)]) -= amount;
-    if (s != hub()) start_[at(s)] -= amount;
+  for (const SiteNumber s : settled_) {
+    (s == hub() ? hub_weight_ : weights_[s]) -= amount;
+    if (s != hub()) start_[s] -= amount;
   }
 }
 
-void ExchangeGraph::move_along_path(Index source, Index target) {
-  for (Index j = target; j != source;) {
-    const auto [i, slot] = parent_[at(j)];
+void ExchangeGraph::move_along_path(SiteNumber source, SiteNumber target) {
+  for (SiteNumber j = target; j != source;) {
+    const auto [i, slot] = parent_[j];
     if (j == hub()) {
-      ++capacities_[at(i)];
+      ++capacities_[i];
     } else if (i == hub()) {
-      --capacities_[at(j)];
+      --capacities_[j];
     } else {
-      move(cell(i).least_point[at(slot)], i, j);
+      move(cells_[i].least_point[slot], i, j);
     }
     j = i;
   }
@@ -226,7 +225,7 @@ void ExchangeGraph::move_along_path(Index source, Index target) {
 
 ExchangeGraph::Outcome ExchangeGraph::settle(double budget, const Arena& arena) {
   Outcome outcome = Outcome::settled;
-  for (Index s = 0; s < static_cast<Index>(cells_.size()); ++s) {
+  for (const SiteNumber s : sites_below(cells_.size())) {
     while (surplus(s) > 0) {
       arena.check();
       double length = 0;

@@ -2,12 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "ccvt/types.h"
 #include "exact/pricing.h"
+#include "numbers.h"
 
 namespace ccvt {
 
@@ -32,9 +34,7 @@ class ExchangeGraph {
 
   void add(const Offer& offer);
   /// Points that a site owns beyond its capacity; negative where it lacks some.
-  [[nodiscard]] Index surplus(Index site) const {
-    return count_[static_cast<std::size_t>(site)] - capacities_[static_cast<std::size_t>(site)];
-  }
+  [[nodiscard]] Index surplus(SiteNumber site) const { return count_[site] - capacities_[site]; }
 
   enum class Outcome {
     settled,    ///< no site has too many points
@@ -44,23 +44,27 @@ class ExchangeGraph {
   /// Moves points along shortest paths, as long as no weight falls by more than `budget` since the
   /// start. With all offers of at most that slack at hand, no other offer matters.
   Outcome settle(double budget, const Arena& arena = Arena(1));
-  [[nodiscard]] std::span<const Index> reached() const { return settled_; }
+  [[nodiscard]] std::span<const SiteNumber> reached() const { return settled_; }
+  /// What reached() calls the hub, which is no site.
+  [[nodiscard]] SiteNumber hub() const { return SiteNumber(cells_.size()); }
   /// Lets the weights of the sites that reached() lists fall by `amount` at no charge.
   void lower_reached(double amount);
   /// How many points went their way so far.
   [[nodiscard]] std::int64_t augmentations() const { return augmentations_; }
 
  private:
+  static constexpr std::size_t kNoOption = std::numeric_limits<std::size_t>::max();
+  static constexpr PointNumber kNoPoint{-1};
   /// An offer of a point, in a list of its own; the first offer is of the owner it came with.
   struct Option {
-    Index to;
-    std::int64_t next;  ///< option of the point, -1: none
-    double key;         ///< what `to` costs more than that first owner
+    SiteNumber to;
+    std::size_t next;  ///< option of the point, or kNoOption
+    double key;        ///< what `to` costs more than that first owner
   };
   /// What moving a point along an edge costs; stale when the point has moved on.
   struct Entry {
     double key;
-    Index point;
+    PointNumber point;
     bool operator==(const Entry& other) const { return key == other.key && point == other.point; }
     bool operator<(const Entry& other) const {
       return key != other.key ? key < other.key : point < other.point;
@@ -69,30 +73,27 @@ class ExchangeGraph {
   };
   struct Cell {
     // Edges, one in each slot.
-    std::vector<Index> to;
+    std::vector<SiteNumber> to;
     std::vector<double> least;  ///< infinite: no point has an offer left
-    std::vector<Index> least_point;
+    std::vector<PointNumber> least_point;
     std::vector<std::vector<Entry>> heap;  ///< the least in front
     std::size_t entries = 0;
     std::size_t stale = 0;
   };
 
-  [[nodiscard]] Cell& cell(Index site) { return cells_[static_cast<std::size_t>(site)]; }
-  static Index slot_of(Cell& cell, Index to);
-  void insert(Index site, Index to, const Entry& entry);
-  void refresh(Index site, std::size_t slot);
-  void sweep(Index site);
-  void move(Index point, Index from, Index to);
+  [[nodiscard]] SiteNumber owner_of(PointNumber point) const { return SiteNumber(owners_[point]); }
+  static std::size_t slot_of(Cell& cell, SiteNumber to);
+  void insert(SiteNumber site, SiteNumber to, const Entry& entry);
+  void refresh(SiteNumber site, std::size_t slot);
+  void sweep(SiteNumber site);
+  void move(PointNumber point, SiteNumber from, SiteNumber to);
   enum class Search { found, exhausted, closed };
   /// Shortest paths from `source`, up to the first site with too few points: settled_.back().
-  Search find_path(Index source, double budget, double& length);
-  void relax(Index from, Index slot, Index to, double distance);
+  Search find_path(SiteNumber source, double budget, double& length);
+  void relax(SiteNumber from, std::size_t slot, SiteNumber to, double distance);
   void lower_weights(double length);
-  [[nodiscard]] Index hub() const { return static_cast<Index>(cells_.size()); }
-  [[nodiscard]] bool has_more(Index site) const {
-    return capacities_[static_cast<std::size_t>(site)] > least_capacity_;
-  }
-  void move_along_path(Index source, Index target);
+  [[nodiscard]] bool has_more(SiteNumber site) const { return capacities_[site] > least_capacity_; }
+  void move_along_path(SiteNumber source, SiteNumber target);
 
   std::vector<Index>& capacities_;
   bool floating_;
@@ -102,18 +103,19 @@ class ExchangeGraph {
   std::vector<double>& weights_;
   std::vector<Cell> cells_;
   std::vector<Option> options_;
-  std::vector<std::int64_t> first_option_;  ///< of each point, -1: none
+  std::vector<std::size_t> first_option_;  ///< of each point, or kNoOption
   std::vector<double> own_key_;  ///< of each point: what its owner costs more than its first
   std::vector<Index> count_;
   std::vector<double> start_;  ///< the weights that budgets count from
   std::int64_t augmentations_ = 0;
 
   std::vector<double> distance_;
-  std::vector<std::pair<Index, Index>> parent_;  ///< the site before on the path, and its slot
-  std::vector<std::uint8_t> state_;              ///< 0: not seen, 1: seen, 2: settled
-  std::vector<Index> seen_;
-  std::vector<Index> settled_;
-  std::vector<std::pair<double, Index>> heap_;
+  /// The site before on the path, and the slot of the edge; none along edges of the hub.
+  std::vector<std::pair<SiteNumber, std::size_t>> parent_;
+  std::vector<std::uint8_t> state_;  ///< 0: not seen, 1: seen, 2: settled
+  std::vector<SiteNumber> seen_;
+  std::vector<SiteNumber> settled_;
+  std::vector<std::pair<double, SiteNumber>> heap_;
 };
 
 }  // namespace ccvt

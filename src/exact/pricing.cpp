@@ -7,15 +7,16 @@
 
 #include "geometry/squares.h"
 #include "kernels/products.h"
+#include "parallel/loops.h"
 
 namespace ccvt {
 namespace {
 
 /// Points of a block, and sites of a chunk: a block's costs stay in cache.
-constexpr Index kBlockPoints = 64;
+constexpr std::size_t kBlockPoints = 64;
 constexpr Index kChunkSites = 1020;
 /// A cell with more points is priced in parts of so many.
-constexpr Index kPartPoints = 2048;
+constexpr std::size_t kPartPoints = 2048;
 static_assert(kChunkSites % kernels::kCostSites == 0);
 
 /// An exponent of two; at most half of double's.
@@ -24,20 +25,25 @@ constexpr double kMostScale = 500;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 struct Choice {
-  Index site;
+  SiteNumber site;
   double cost;  ///< squared distance
   double reduced;
 };
 
+/// A cell, or a part of one.
+struct Part {
+  SiteNumber site;
+  std::span<const PointNumber> members;
+};
+
 /// The cells, in parts.
-std::vector<std::pair<Index, std::span<const Index>>> parts_of(
-    const Grouping& groups, std::span<const std::uint8_t> wanted) {
-  std::vector<std::pair<Index, std::span<const Index>>> parts;
-  for (Index s = 0; s < groups.count(); ++s) {
-    if (!wanted.empty() && wanted[static_cast<std::size_t>(s)] == 0) continue;
+std::vector<Part> parts_of(const Grouping& groups, std::span<const std::uint8_t> wanted) {
+  std::vector<Part> parts;
+  for (const SiteNumber s : sites_below(groups.count())) {
+    if (!wanted.empty() && wanted[s] == 0) continue;
     for (auto rest = groups.of(s); !rest.empty();) {
-      const std::size_t size = std::min<std::size_t>(rest.size(), kPartPoints);
-      parts.emplace_back(s, rest.first(size));
+      const std::size_t size = std::min(rest.size(), kPartPoints);
+      parts.push_back({s, rest.first(size)});
       rest = rest.subspan(size);
     }
   }
@@ -46,15 +52,12 @@ std::vector<std::pair<Index, std::span<const Index>>> parts_of(
 
 }  // namespace
 
-Grouping::Grouping(std::span<const Index> owners, Index sites)
-    : order(owners.size()), offset(static_cast<std::size_t>(sites) + 1, 0) {
-  for (const Index owner : owners) ++offset[static_cast<std::size_t>(owner) + 1];
+Grouping::Grouping(std::span<const Index> owners, std::size_t sites)
+    : order(owners.size()), offset(sites + 1, 0) {
+  for (const Index owner : owners) ++offset[SiteNumber(owner) + 1];
   std::partial_sum(offset.begin(), offset.end(), offset.begin());
-  std::vector<Index> next(offset.begin(), offset.end() - 1);
-  for (std::size_t p = 0; p < owners.size(); ++p) {
-    order[static_cast<std::size_t>(next[static_cast<std::size_t>(owners[p])]++)] =
-        static_cast<Index>(p);
-  }
+  std::vector<std::size_t> next(offset.begin(), offset.end() - 1);
+  for (const PointNumber p : points_below(owners.size())) order[next[SiteNumber(owners[p])]++] = p;
 }
 
 /// What is asked of a pricing.
@@ -62,15 +65,13 @@ template <class Scalar>
 struct Pricer<Scalar>::Task {
   WeightedSites sites;
   double slack = 0;
-  int most_offers = 0;
+  std::size_t most_offers = 0;
   std::span<const std::uint8_t> inside;  ///< not empty: only sites outside are looked at
   std::vector<Index>* owners = nullptr;  ///< null: they stay
 
-  [[nodiscard]] double weight(Index site) const {
-    return sites.weight[static_cast<std::size_t>(site)];
-  }
-  [[nodiscard]] bool excluded(Index site) const {
-    return !inside.empty() && inside[static_cast<std::size_t>(site)] != 0;
+  [[nodiscard]] double weight(SiteNumber site) const { return sites.weight[site]; }
+  [[nodiscard]] bool excluded(SiteNumber site) const {
+    return !inside.empty() && inside[site] != 0;
   }
 };
 
@@ -88,7 +89,7 @@ struct Pricer<Scalar>::Cell {
 template <class Scalar>
 struct Pricer<Scalar>::Scratch {
   std::vector<double> squared;   ///< of the distance between the cell's site and each site
-  std::vector<Index> near;       ///< the sites that can be cheapest, or within the slack
+  std::vector<SiteNumber> near;  ///< the sites that can be cheapest, or within the slack
   std::vector<double> constant;  ///< of each: L^2 + w_i - w_j
   std::vector<double> x;         ///< the cell's points relative to its site, one after the other
   double scale = 1;              ///< brings the cell into the range of float
@@ -100,7 +101,7 @@ struct Pricer<Scalar>::Scratch {
   std::vector<float> lowest;
   std::vector<float> limit;
   std::vector<Index> place;
-  std::vector<std::vector<Index>> found;  ///< for each point of the block, places in `near`
+  std::vector<std::vector<SiteNumber>> found;  ///< for each point of the block, those of `near`
   std::vector<Choice> choices;
 };
 
@@ -114,19 +115,18 @@ auto Pricer<Scalar>::price_cells(const Task& task, const Grouping& groups) const
     -> std::vector<Cell> {
   const auto parts = parts_of(groups, task.inside);
   std::vector<Cell> cells(parts.size());
-  std::vector<Scratch> scratch(static_cast<std::size_t>(arena_.threads()));
+  PerWorker<Scratch> scratch(arena_);
   arena_.for_ranges(parts.size(), 4, [&](std::size_t begin, std::size_t end, int worker) {
     for (std::size_t k = begin; k < end; ++k) {
       arena_.check();
-      price_cell(task, parts[k].second, parts[k].first, scratch[static_cast<std::size_t>(worker)],
-                 cells[k]);
+      price_cell(task, parts[k].members, parts[k].site, scratch[worker], cells[k]);
     }
   });
   return cells;
 }
 
 template <class Scalar>
-Prices Pricer<Scalar>::price(const WeightedSites& sites, double slack, int most_offers,
+Prices Pricer<Scalar>::price(const WeightedSites& sites, double slack, std::size_t most_offers,
                              std::vector<Index>& owners) const {
   const Grouping groups(owners, sites.count());
   const Task task{sites, slack, most_offers, {}, &owners};
@@ -149,6 +149,13 @@ Prices Pricer<Scalar>::price(const WeightedSites& sites, double slack, int most_
 }
 
 template <class Scalar>
+std::vector<Index> Pricer<Scalar>::cheapest(const WeightedSites& sites) const {
+  std::vector<Index> owners(static_cast<std::size_t>(points_.count), 0);
+  price(sites, 0, 0, owners);
+  return owners;
+}
+
+template <class Scalar>
 std::vector<Offer> Pricer<Scalar>::offers_outside(const WeightedSites& sites, double slack,
                                                   std::span<const std::uint8_t> inside,
                                                   const std::vector<Index>& owners) const {
@@ -164,88 +171,86 @@ std::vector<Offer> Pricer<Scalar>::offers_outside(const WeightedSites& sites, do
 /// Fills `near` and `constant` with the sites that some point within `radius` of `site` may prefer,
 /// or have within the slack.
 template <class Scalar>
-void Pricer<Scalar>::select_sites(const Task& task, Index site, double radius,
+void Pricer<Scalar>::select_sites(const Task& task, SiteNumber site, double radius,
                                   Scratch& scratch) const {
   const WeightedSites& sites = task.sites;
   const double* own = sites.at(site);
-  const Index count = sites.count();
-  scratch.squared.resize(static_cast<std::size_t>(count));
+  const int dimension = points_.dimension;
+  scratch.squared.resize(sites.count());
   // What the farthest point pays at most for its cheapest site, and then what others cost at least;
   // a little more and less than that, for the rounding of these terms.
   double ceiling = kNever;
-  const auto bounds = [&](Index j) {
-    const double squared = scratch.squared[static_cast<std::size_t>(j)];
+  const auto bounds = [&](SiteNumber j) {
+    const double squared = scratch.squared[j];
     const double constant = squared + task.weight(site) - task.weight(j);
     const double reach = 2 * radius * std::sqrt(squared);
     const double rounding =
-        1e-14 * (1 + sites.dimension / 64.0) *
+        1e-14 * (1 + dimension / 64.0) *
             (squared + reach + std::abs(task.weight(site)) + std::abs(task.weight(j))) +
-        sites.dimension * std::numeric_limits<double>::min();
+        dimension * std::numeric_limits<double>::min();
     return std::pair(constant - reach - rounding, constant + reach + rounding);
   };
-  for (Index j = 0; j < count; ++j) {
-    scratch.squared[static_cast<std::size_t>(j)] =
-        metric_.periodic() ? metric_.squared_distance(sites.at(j), own)
-                           : squared_difference(sites.at(j), own, sites.dimension);
+  for (const SiteNumber j : sites_below(sites.count())) {
+    scratch.squared[j] = metric_.periodic() ? metric_.squared_distance(sites.at(j), own)
+                                            : squared_difference(sites.at(j), own, dimension);
     if (!task.excluded(j)) ceiling = std::min(ceiling, bounds(j).second);
   }
   ceiling += task.slack;
   scratch.near.clear();
   scratch.constant.clear();
-  for (Index j = 0; j < count; ++j) {
+  for (const SiteNumber j : sites_below(sites.count())) {
     if (task.excluded(j) || bounds(j).first > ceiling) continue;
     scratch.near.push_back(j);
-    scratch.constant.push_back(scratch.squared[static_cast<std::size_t>(j)] + task.weight(site) -
-                               task.weight(j));
+    scratch.constant.push_back(scratch.squared[j] + task.weight(site) - task.weight(j));
   }
 }
 
 template <class Scalar>
-void Pricer<Scalar>::price_cell(const Task& task, std::span<const Index> members, Index site,
-                                Scratch& scratch, Cell& result) const {
-  const auto dimension = static_cast<std::size_t>(task.sites.dimension);
+void Pricer<Scalar>::price_cell(const Task& task, std::span<const PointNumber> members,
+                                SiteNumber site, Scratch& scratch, Cell& result) const {
+  const std::size_t dimension = task.sites.dimension;
   const double* own = task.sites.at(site);
   scratch.x.resize(members.size() * dimension);
   double farthest = 0;
   double* x = scratch.x.data();
-  for (const Index p : members) {
-    const Scalar* from = points_[p];
+  for (const PointNumber p : members) {
+    const Scalar* from = points_[p.index()];
     double squared = 0;
     for (std::size_t d = 0; d < dimension; ++d) {
-      x[d] = metric_.wrap(static_cast<double>(from[d]) - own[d], static_cast<int>(d));
+      x[d] = metric_.wrap(from[d] - own[d], d);
       squared += x[d] * x[d];
     }
     result.energy += squared;
     farthest = std::max(farthest, squared);
     x += dimension;
   }
-  const double radius = std::sqrt(farthest) * (1 + 1e-14 * static_cast<double>(dimension));
+  const double radius = std::sqrt(farthest) * (1 + 1e-14 * points_.dimension);
   select_sites(task, site, radius, scratch);
   if (scratch.near.size() == 1 && scratch.near[0] == site) return;
   if (metric_.periodic()) {
-    std::vector<Index> all(scratch.near.size());
-    std::iota(all.begin(), all.end(), 0);
-    for (const Index p : members) decide(task, p, site, all, scratch, result);
+    for (const PointNumber p : members) decide(task, p, site, scratch.near, scratch, result);
     return;
   }
   prepare_product(task, site, radius, scratch);
-  for (Index first = 0; first < static_cast<Index>(members.size()); first += kBlockPoints) {
+  for (std::size_t first = 0; first < members.size(); first += kBlockPoints) {
     arena_.check();
-    price_block(task, members, first, site, scratch, result);
+    const std::size_t count = std::min(kBlockPoints, members.size() - first);
+    price_block(task, members.subspan(first, count), scratch.x.data() + first * dimension, site,
+                scratch, result);
   }
 }
 
 /// Sets up float costs for the sites selected: |p - s_j|^2 - w_j less the same for the cell's site
 /// is constant_j - x . 2 (s_j - s_i), with x = p - s_i. In units in which no term is large.
 template <class Scalar>
-void Pricer<Scalar>::prepare_product(const Task& task, Index site, double radius,
+void Pricer<Scalar>::prepare_product(const Task& task, SiteNumber site, double radius,
                                      Scratch& scratch) const {
-  const auto dimension = static_cast<std::size_t>(task.sites.dimension);
+  const std::size_t dimension = task.sites.dimension;
   const std::size_t near = scratch.near.size();
   double longest = 0;
   double largest_constant = 0;
   for (std::size_t n = 0; n < near; ++n) {
-    longest = std::max(longest, scratch.squared[static_cast<std::size_t>(scratch.near[n])]);
+    longest = std::max(longest, scratch.squared[scratch.near[n]]);
     largest_constant = std::max(largest_constant, std::abs(scratch.constant[n]));
   }
   const double largest = std::max({radius * radius, longest, largest_constant});
@@ -269,37 +274,39 @@ void Pricer<Scalar>::prepare_product(const Task& task, Index site, double radius
   }
   // Rounding of x, v and the constant, and of a sum of dimension + 1 terms; and underflow, of v
   // times an x of at most 1.
-  scratch.margin = (task.sites.dimension + 6) *
-                   (static_cast<double>(std::numeric_limits<float>::epsilon()) *
-                        (2 * radius * std::sqrt(longest) + largest_constant) * squared_scale +
-                    static_cast<double>(std::numeric_limits<float>::min()));
+  constexpr double kEpsilon = std::numeric_limits<float>::epsilon();
+  constexpr double kLeast = std::numeric_limits<float>::min();
+  scratch.margin =
+      (points_.dimension + 6) *
+      (kEpsilon * (2 * radius * std::sqrt(longest) + largest_constant) * squared_scale + kLeast);
 }
 
+/// `x`: the members relative to the cell's site, one after the other.
 template <class Scalar>
-void Pricer<Scalar>::price_block(const Task& task, std::span<const Index> members, Index first,
-                                 Index site, Scratch& scratch, Cell& result) const {
-  const int dimension = task.sites.dimension;
-  const Index count = std::min(kBlockPoints, static_cast<Index>(members.size()) - first);
+void Pricer<Scalar>::price_block(const Task& task, std::span<const PointNumber> members,
+                                 const double* x, SiteNumber site, Scratch& scratch,
+                                 Cell& result) const {
+  const std::ptrdiff_t dimension = points_.dimension;
+  const auto count = static_cast<Index>(members.size());
   const Index step = kernels::product_points();
   const Index stride = (count + step - 1) / step * step;
   const auto wide = static_cast<std::size_t>(stride);
-  scratch.block.resize(wide * static_cast<std::size_t>(dimension));
-  const double* x = scratch.x.data() + static_cast<std::ptrdiff_t>(first) * dimension;
+  scratch.block.resize(wide * task.sites.dimension);
   for (Index k = 0; k < count; ++k) {
     float* to = scratch.block.data() + k;
-    for (int d = 0; d < dimension; ++d, to += stride) {
+    for (std::ptrdiff_t d = 0; d < dimension; ++d, to += stride) {
       *to = static_cast<float>(*x++ * scratch.scale);
     }
   }
-  for (int d = 0; d < dimension; ++d) {
-    float* stream = scratch.block.data() + static_cast<std::size_t>(d) * wide;
+  float* stream = scratch.block.data();
+  for (std::ptrdiff_t d = 0; d < dimension; ++d, stream += stride) {
     std::fill(stream + count, stream + stride, stream[count - 1]);
   }
 
   const auto near = static_cast<Index>(scratch.near.size());
   const auto padded = static_cast<Index>(scratch.c.size());
   scratch.lowest.assign(wide, std::numeric_limits<float>::max());
-  scratch.limit.resize(wide);
+  scratch.limit.assign(wide, std::numeric_limits<float>::lowest());
   scratch.cost.resize(wide * static_cast<std::size_t>(std::min(padded, kChunkSites)));
   scratch.place.resize(scratch.cost.size());
   scratch.found.resize(kBlockPoints);
@@ -307,54 +314,50 @@ void Pricer<Scalar>::price_block(const Task& task, std::span<const Index> member
   const double allowance = task.slack * scratch.scale * scratch.scale + 2 * scratch.margin;
   for (Index begin = 0; begin < near; begin += kChunkSites) {
     const Index rows = std::min(kChunkSites, padded - begin);
-    kernels::site_costs(scratch.block.data(), stride, dimension,
-                        scratch.v.data() + static_cast<std::ptrdiff_t>(begin) * dimension,
-                        scratch.c.data() + begin, rows, scratch.cost.data(), scratch.lowest.data());
-    for (std::size_t k = 0; k < wide; ++k) {
-      const double limit = static_cast<double>(scratch.lowest[k]) + allowance;
+    kernels::site_costs(scratch.block.data(), stride, points_.dimension,
+                        scratch.v.data() + begin * dimension, scratch.c.data() + begin, rows,
+                        scratch.cost.data(), scratch.lowest.data());
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      const double limit = scratch.lowest[k] + allowance;
       scratch.limit[k] =
-          static_cast<Index>(k) < count
-              ? std::nextafter(static_cast<float>(limit), std::numeric_limits<float>::infinity())
-              : std::numeric_limits<float>::lowest();
+          std::nextafter(static_cast<float>(limit), std::numeric_limits<float>::infinity());
     }
     const Index found =
         kernels::costs_within(scratch.cost.data(), stride, std::min(rows, near - begin),
                               scratch.limit.data(), scratch.place.data());
-    for (Index f = 0; f < found; ++f) {
-      const Index place = scratch.place[static_cast<std::size_t>(f)];
-      scratch.found[static_cast<std::size_t>(place % stride)].push_back(begin + place / stride);
+    const SiteNumber* chunk = scratch.near.data() + begin;
+    const Index* place = scratch.place.data();
+    for (const Index* const end = place + found; place < end; ++place) {
+      scratch.found.data()[*place % stride].push_back(chunk[*place / stride]);
     }
   }
-  for (Index k = 0; k < count; ++k) {
-    const std::vector<Index>& found = scratch.found[static_cast<std::size_t>(k)];
-    if (found.size() == 1 && scratch.near[static_cast<std::size_t>(found[0])] == site) continue;
-    decide(task, members[static_cast<std::size_t>(first) + static_cast<std::size_t>(k)], site,
-           found, scratch, result);
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    const std::vector<SiteNumber>& found = scratch.found[k];
+    if (found.size() == 1 && found[0] == site) continue;
+    decide(task, members[k], site, found, scratch, result);
   }
 }
 
-/// Evaluates the sites found for a point, places in `near`, in double.
+/// Evaluates the sites found for a point in double.
 template <class Scalar>
-void Pricer<Scalar>::decide(const Task& task, Index point, Index site, std::span<const Index> found,
-                            Scratch& scratch, Cell& result) const {
-  const auto choice_of = [&](Index j) {
-    const double cost =
-        metric_.periodic()
-            ? metric_.squared_distance(points_[point], task.sites.at(j))
-            : squared_difference(points_[point], task.sites.at(j), task.sites.dimension);
+void Pricer<Scalar>::decide(const Task& task, PointNumber point, SiteNumber site,
+                            std::span<const SiteNumber> found, Scratch& scratch,
+                            Cell& result) const {
+  const Scalar* x = points_[point.index()];
+  const auto choice_of = [&](SiteNumber j) {
+    const double cost = metric_.periodic()
+                            ? metric_.squared_distance(x, task.sites.at(j))
+                            : squared_difference(x, task.sites.at(j), points_.dimension);
     return Choice{j, cost, cost - task.weight(j)};
   };
   std::vector<Choice>& choices = scratch.choices;
   choices.clear();
   const Choice own = choice_of(site);
-  for (const Index n : found) {
-    const Index j = scratch.near[static_cast<std::size_t>(n)];
-    choices.push_back(j == site ? own : choice_of(j));
-  }
+  for (const SiteNumber j : found) choices.push_back(j == site ? own : choice_of(j));
   // Ties go round robin, so that points in one place spread over the sites in one place.
-  const auto turn = [&](Index j) {
-    const auto n = static_cast<std::uint64_t>(task.sites.count());
-    return (static_cast<std::uint64_t>(j) + n - static_cast<std::uint64_t>(point) % n) % n;
+  const auto turn = [&](SiteNumber j) {
+    const std::size_t n = task.sites.count();
+    return (j + n - point % n) % n;
   };
   const auto less = [&](const Choice& a, const Choice& b) {
     return a.reduced != b.reduced ? a.reduced < b.reduced : turn(a.site) < turn(b.site);
@@ -369,15 +372,16 @@ void Pricer<Scalar>::decide(const Task& task, Index point, Index site, std::span
       result.worst = std::max(result.worst, own.reduced - owner.reduced);
       result.saved += own.cost - owner.cost;
       ++result.moved;
-      (*task.owners)[static_cast<std::size_t>(point)] = owner.site;
+      (*task.owners)[point] = owner.site.index();
     }
   }
   if (task.most_offers == 0) return;
   std::erase_if(choices,
                 [&](const Choice& c) { return c.reduced > limit || c.site == owner.site; });
-  if (choices.size() > static_cast<std::size_t>(task.most_offers)) {
-    std::nth_element(choices.begin(), choices.begin() + task.most_offers, choices.end(), less);
-    choices.resize(static_cast<std::size_t>(task.most_offers));
+  if (choices.size() > task.most_offers) {
+    Choice* const first = choices.data();
+    std::nth_element(first, first + task.most_offers, first + choices.size(), less);
+    choices.resize(task.most_offers);
   }
   for (const Choice& c : choices) {
     result.offers.push_back({point, owner.site, c.site, c.cost - owner.cost});

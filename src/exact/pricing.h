@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "ccvt/types.h"
 #include "geometry/metric.h"
+#include "numbers.h"
 #include "parallel/arena.h"
 
 namespace ccvt {
@@ -13,37 +15,38 @@ namespace ccvt {
 /// The points grouped by site: those of site s are order[offset[s] .. offset[s + 1]), ascending.
 struct Grouping {
   /// O(m + n).
-  Grouping(std::span<const Index> owners, Index sites);
+  Grouping(std::span<const Index> owners, std::size_t sites);
 
-  [[nodiscard]] Index count() const { return static_cast<Index>(offset.size()) - 1; }
-  [[nodiscard]] std::span<const Index> of(Index site) const {
-    const auto s = static_cast<std::size_t>(site);
-    return std::span(order).subspan(static_cast<std::size_t>(offset[s]),
-                                    static_cast<std::size_t>(offset[s + 1] - offset[s]));
+  [[nodiscard]] std::size_t count() const { return offset.size() - 1; }
+  [[nodiscard]] std::span<const PointNumber> of(SiteNumber site) const {
+    return std::span(order).subspan(offset[site], offset[site + 1] - offset[site]);
   }
 
-  std::vector<Index> order;
-  std::vector<Index> offset;
+  std::vector<PointNumber> order;
+  std::vector<std::size_t> offset;
 };
 
 /// n sites with a weight each; a point p costs site s the reduced cost |p - s|^2 - weight[s].
 struct WeightedSites {
-  int dimension = 0;
+  WeightedSites(std::span<const double> positions, std::span<const double> weights)
+      : position(positions), weight(weights), dimension(positions.size() / weights.size()) {}
+
+  [[nodiscard]] std::size_t count() const { return weight.size(); }
+  [[nodiscard]] const double* at(SiteNumber site) const {
+    return position.data() + site * dimension;
+  }
+
   std::span<const double> position;  ///< one site after the other
   std::span<const double> weight;
-
-  [[nodiscard]] Index count() const { return static_cast<Index>(weight.size()); }
-  [[nodiscard]] const double* at(Index site) const {
-    return position.data() + static_cast<std::ptrdiff_t>(site) * dimension;
-  }
+  std::size_t dimension;
 };
 
 /// A point that site `to` could have: it would cost `key` more there, without weights, than it
 /// costs its owner.
 struct Offer {
-  Index point;
-  Index owner;
-  Index to;
+  PointNumber point;
+  SiteNumber owner;
+  SiteNumber to;
   double key;
 };
 
@@ -77,8 +80,11 @@ class Pricer {
   /// `owners`: of every point, used to group them, replaced by the cheapest site; a point stays
   /// where nothing is cheaper. Points for which other sites cost at most `slack` more than the
   /// cheapest become offers, at most `most_offers` a point. Same result for any number of threads.
-  Prices price(const WeightedSites& sites, double slack, int most_offers,
+  Prices price(const WeightedSites& sites, double slack, std::size_t most_offers,
                std::vector<Index>& owners) const;
+
+  /// The site of least reduced cost for every point.
+  std::vector<Index> cheapest(const WeightedSites& sites) const;
 
   /// For the points of the sites marked `inside`: the cheapest site outside, searched among those
   /// that cost at most `slack` more than a bound. `owners` stay as they are.
@@ -91,14 +97,14 @@ class Pricer {
   struct Scratch;
   struct Task;
   std::vector<Cell> price_cells(const Task& task, const Grouping& groups) const;
-  void price_cell(const Task& task, std::span<const Index> members, Index site, Scratch& scratch,
-                  Cell& result) const;
-  void select_sites(const Task& task, Index site, double radius, Scratch& scratch) const;
-  void prepare_product(const Task& task, Index site, double radius, Scratch& scratch) const;
-  void price_block(const Task& task, std::span<const Index> members, Index first, Index site,
-                   Scratch& scratch, Cell& result) const;
-  void decide(const Task& task, Index point, Index site, std::span<const Index> found,
-              Scratch& scratch, Cell& result) const;
+  void price_cell(const Task& task, std::span<const PointNumber> members, SiteNumber site,
+                  Scratch& scratch, Cell& result) const;
+  void select_sites(const Task& task, SiteNumber site, double radius, Scratch& scratch) const;
+  void prepare_product(const Task& task, SiteNumber site, double radius, Scratch& scratch) const;
+  void price_block(const Task& task, std::span<const PointNumber> members, const double* x,
+                   SiteNumber site, Scratch& scratch, Cell& result) const;
+  void decide(const Task& task, PointNumber point, SiteNumber site,
+              std::span<const SiteNumber> found, Scratch& scratch, Cell& result) const;
 
   const Metric& metric_;
   PointsView<Scalar> points_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -36,6 +37,10 @@ class Metric {
   }
 
   [[nodiscard]] int dimension() const { return dimension_; }
+  /// The dimension, as the size of what has a number for each.
+  [[nodiscard]] std::size_t coordinate_count() const {
+    return static_cast<std::size_t>(dimension_);
+  }
   [[nodiscard]] bool periodic() const { return !extent_.empty(); }
   [[nodiscard]] const double* extent() const { return extent_.data(); }
   [[nodiscard]] const double* lower() const { return lower_.data(); }
@@ -43,18 +48,16 @@ class Metric {
   [[nodiscard]] double largest_extent() const { return largest_extent_; }
 
   /// The shortest of the differences that `difference`, of two positions in the box, stands for.
-  [[nodiscard]] double wrap(double difference, int d) const {
-    return periodic() ? shortest_difference(difference, extent_[static_cast<std::size_t>(d)])
-                      : difference;
+  [[nodiscard]] double wrap(double difference, std::integral auto d) const {
+    return periodic() ? shortest_difference(difference, extent()[d]) : difference;
   }
 
   /// Whether, along dimension d, what is no farther than `radius` from a coordinate in the box may
   /// lie beyond its faces; also when it nearly does, as rounding must not decide.
-  [[nodiscard]] bool reaches_face(double x, double radius, int d) const {
-    const auto k = static_cast<std::size_t>(d);
-    const double from_lower = x - lower_[k];
-    const double room = radius + 1e-9 * extent_[k];
-    return std::min(from_lower, extent_[k] - from_lower) < room;
+  [[nodiscard]] bool reaches_face(double x, double radius, std::integral auto d) const {
+    const double from_lower = x - lower()[d];
+    const double room = radius + 1e-9 * extent()[d];
+    return std::min(from_lower, extent()[d] - from_lower) < room;
   }
 
   /// How to take shortest differences to `middle` without wrapping them: x - middle, wrapped, is
@@ -64,30 +67,29 @@ class Metric {
     double origin;
     double turn;
   };
-  [[nodiscard]] Unrolled unrolled(double middle, int d) const {
-    const auto k = static_cast<std::size_t>(d);
-    const double half = extent_[k] / 2;
-    if (middle < lower_[k] + half) return {middle + extent_[k], middle + half};
+  [[nodiscard]] Unrolled unrolled(double middle, std::integral auto d) const {
+    const double half = extent()[d] / 2;
+    if (middle < lower()[d] + half) return {middle + extent()[d], middle + half};
     return {middle, middle - half};
   }
 
   /// Moves a coordinate into [lower, upper).
-  [[nodiscard]] double into_box(double x, int d) const {
+  [[nodiscard]] double into_box(double x, std::integral auto d) const {
     if (!periodic()) return x;
-    const auto k = static_cast<std::size_t>(d);
-    const double y = x - extent_[k] * std::floor((x - lower_[k]) / extent_[k]);
-    return y < lower_[k] + extent_[k] && y >= lower_[k] ? y : lower_[k];
+    const double low = lower()[d];
+    const double whole = extent()[d];
+    const double y = x - whole * std::floor((x - low) / whole);
+    return y < low + whole && y >= low ? y : low;
   }
 
   /// A coordinate in [lower, upper) as a Scalar that still is.
   template <class Scalar>
-  [[nodiscard]] Scalar as(double x, int d) const {
+  [[nodiscard]] Scalar as(double x, std::integral auto d) const {
     const auto y = static_cast<Scalar>(x);
     if (!periodic()) return y;
-    const auto k = static_cast<std::size_t>(d);
     constexpr auto infinity = std::numeric_limits<Scalar>::infinity();
-    if (static_cast<double>(y) >= lower_[k] + extent_[k]) return std::nextafter(y, -infinity);
-    return static_cast<double>(y) < lower_[k] ? std::nextafter(y, infinity) : y;
+    if (y >= lower()[d] + extent()[d]) return std::nextafter(y, -infinity);
+    return y < lower()[d] ? std::nextafter(y, infinity) : y;
   }
 
   template <class A, class B>
@@ -104,7 +106,8 @@ class Metric {
     const double* const extent = periodic() ? extent_.data() : nullptr;
     double sum = 0;
     for (int d = 0; d < (Dimension > 0 ? Dimension : dimension_); ++d) {
-      const double difference = static_cast<double>(a[d]) - static_cast<double>(b[d]);
+      const double to = a[d];
+      const double difference = to - b[d];
       const double distance =
           extent != nullptr ? shortest_distance(difference, extent[d]) : difference;
       sum += distance * distance;

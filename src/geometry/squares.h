@@ -11,17 +11,18 @@ template <class A, class B>
 double squared_difference(const A* a, const B* b, int dimension) {
   constexpr int kParts = 8;
   std::array<double, kParts> part{};
-  int d = 0;
-  for (; d + kParts <= dimension; d += kParts) {
-    for (int l = 0; l < kParts; ++l) {
-      const double difference = static_cast<double>(a[d + l]) - static_cast<double>(b[d + l]);
-      part[static_cast<std::size_t>(l)] += difference * difference;
+  for (; dimension >= kParts; dimension -= kParts, a += kParts, b += kParts) {
+    for (std::size_t l = 0; l < part.size(); ++l) {
+      const double to = a[l];
+      const double difference = to - b[l];
+      part[l] += difference * difference;
     }
   }
   double sum =
       ((part[0] + part[4]) + (part[1] + part[5])) + ((part[2] + part[6]) + (part[3] + part[7]));
-  for (; d < dimension; ++d) {
-    const double difference = static_cast<double>(a[d]) - static_cast<double>(b[d]);
+  for (int d = 0; d < dimension; ++d) {
+    const double to = a[d];
+    const double difference = to - b[d];
     sum += difference * difference;
   }
   return sum;

@@ -44,8 +44,8 @@ template <class Tag, class Scalar, class Add>
 HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
                                const Cut<Scalar>& cut, Index k, Add add) {
   auto key = hn::Zero(tag);
-  for (int d = 0; d < dimension; ++d) {
-    const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
+  for (std::ptrdiff_t d = 0; d < dimension; ++d) {
+    const auto x = hn::LoadU(tag, block + d * count + k);
     key = add(key, hn::Sub(x, hn::Set(tag, cut.middle[d])), hn::Set(tag, cut.normal[d]));
   }
   return key;
@@ -55,8 +55,8 @@ template <class Tag, class Scalar, class Add>
 HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
                                const WrappedCut<Scalar>& cut, Index k, Add add) {
   auto key = hn::Zero(tag);
-  for (int d = 0; d < dimension; ++d) {
-    const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
+  for (std::ptrdiff_t d = 0; d < dimension; ++d) {
+    const auto x = hn::LoadU(tag, block + d * count + k);
     const auto around =
         hn::IfThenElseZero(hn::Lt(x, hn::Set(tag, cut.turn[d])), hn::Set(tag, cut.extent[d]));
     const auto difference = hn::Add(hn::Sub(x, hn::Set(tag, cut.origin[d])), around);
@@ -70,7 +70,8 @@ HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int di
                                const FaceCut<Scalar>& cut, Index k, Add add) {
   const Cut<Scalar> straight{cut.origin, cut.normal};
   const auto key = key_at(tag, block, count, dimension, straight, k, add);
-  const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(cut.across) * count + k);
+  const std::ptrdiff_t across = cut.across;
+  const auto x = hn::LoadU(tag, block + across * count + k);
   const auto jump = hn::IfThenElseZero(hn::Lt(x, hn::Set(tag, cut.turn)), hn::Set(tag, cut.jump));
   return hn::Add(key, jump);
 }
@@ -86,8 +87,8 @@ template <class Tag, class Scalar, class Add>
 HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
                                const TorusCut<Scalar>& cut, Index k, Add /*add*/) {
   auto key = hn::Zero(tag);
-  for (int d = 0; d < dimension; ++d) {
-    const auto x = hn::LoadU(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
+  for (std::ptrdiff_t d = 0; d < dimension; ++d) {
+    const auto x = hn::LoadU(tag, block + d * count + k);
     const auto to = [&](const Scalar* site) HWY_ATTR {
       return wrapped(tag, hn::Sub(x, hn::Set(tag, site[d])), cut.extent[d], cut.inverse_extent[d]);
     };

@@ -47,7 +47,7 @@ HWY_INLINE double squared_distance_up_to(const double* a, const double* b, int d
     for (; d <= stop; d += kPartials) {
       for (int l = 0; l < kPartials; ++l) {
         const double difference = size(a[d + l] - b[d + l], d + l);
-        part[static_cast<std::size_t>(l)] += difference * difference;
+        part.data()[l] += difference * difference;
       }
     }
     sum = ((part[0] + part[4]) + (part[1] + part[5])) + ((part[2] + part[6]) + (part[3] + part[7]));
@@ -87,8 +87,8 @@ template <class Tag, class Dimension>
 HWY_INLINE hn::Vec<Tag> squared_distances(Tag tag, Dimension dimension, const double* points,
                                           Index stride, const double* position) {
   auto squared = hn::Zero(tag);
-  for (int d = 0; d < dimension; ++d) {
-    const auto x = hn::LoadU(tag, points + static_cast<std::ptrdiff_t>(d) * stride);
+  for (std::ptrdiff_t d = 0; d < dimension; ++d) {
+    const auto x = hn::LoadU(tag, points + d * stride);
     const auto difference = hn::Sub(x, hn::Set(tag, position[d]));
     squared = hn::Add(squared, hn::Mul(difference, difference));
   }
@@ -109,7 +109,7 @@ HWY_INLINE void nearest_of_few(const double* points, Index stride, Dimension dim
     auto which1 = which0;
     const double* position = positions;
     for (Index c = 0; c < count; ++c, position += dimension) {
-      const auto number = hn::Set(tag, static_cast<double>(c));
+      const auto number = hn::Set(tag, c);
       const auto squared0 = squared_distances(tag, dimension, points + k, stride, position);
       const auto squared1 = squared_distances(tag, dimension, points + k + lanes, stride, position);
       which0 = hn::IfThenElse(hn::Lt(squared0, best0), number, which0);

@@ -25,9 +25,9 @@ HWY_INLINE void costs(const float* block, Index stride, Dimension dimension, con
                       const float* constant, Index sites, float* cost, float* lowest) {
   const hn::ScalableTag<float> wide;
   const auto lanes = static_cast<Index>(hn::Lanes(wide));
-  for (Index s = 0; s < sites; s += kCostSites) {
-    const float* site = v + static_cast<std::ptrdiff_t>(s) * dimension;
-    float* row = cost + static_cast<std::ptrdiff_t>(s) * stride;
+  for (std::ptrdiff_t s = 0; s < sites; s += kCostSites) {
+    const float* site = v + s * dimension;
+    float* row = cost + s * stride;
     for (Index k = 0; k < stride; k += 2 * lanes) {
       auto a0 = hn::Set(wide, constant[s]), b0 = a0;
       auto a1 = hn::Set(wide, constant[s + 1]), b1 = a1;
@@ -141,11 +141,10 @@ double sum_lowered(const float* block, Index stride, Index count, int dimension,
       hn::StoreU(hn::Min(square, hn::LoadU(wide, squared + begin + k)), wide, value.data() + k);
     }
     std::array<float, 8> sum{};
-    for (Index k = 0; k < size; ++k) {
-      sum[static_cast<std::size_t>(k % 8)] += value[static_cast<std::size_t>(k)];
-    }
-    total += static_cast<double>((sum[0] + sum[4]) + (sum[1] + sum[5])) +
-             static_cast<double>((sum[2] + sum[6]) + (sum[3] + sum[7]));
+    for (Index k = 0; k < size; ++k) sum.data()[k % 8] += value.data()[k];
+    const double first = (sum[0] + sum[4]) + (sum[1] + sum[5]);
+    const double second = (sum[2] + sum[6]) + (sum[3] + sum[7]);
+    total += first + second;
   }
   return total;
 }
@@ -156,8 +155,8 @@ HWY_INLINE void dots(const Scalar* block, Index stride, int dimension, const Sca
                      const Scalar* sites, Index site_count, Scalar* largest) {
   const hn::ScalableTag<Scalar> wide;
   const auto lanes = static_cast<Index>(hn::Lanes(wide));
-  for (Index s = 0; s < site_count; s += kDotSites) {
-    const Scalar* site = sites + static_cast<std::ptrdiff_t>(s) * dimension;
+  for (std::ptrdiff_t s = 0; s < site_count; s += kDotSites) {
+    const Scalar* site = sites + s * dimension;
     const auto lowest = hn::Set(wide, std::numeric_limits<Scalar>::lowest());
     auto m0 = lowest, m1 = lowest, m2 = lowest, m3 = lowest, m4 = lowest, m5 = lowest;
     for (Index k = 0; k < stride; k += 2 * lanes) {

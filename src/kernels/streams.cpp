@@ -47,8 +47,9 @@ HWY_INLINE hn::Vec<Partials> load(Partials tag, const float* x) {
 
 /// Differences as they are.
 struct Straight {
-  double operator()(double difference, int) const { return difference; }
-  HWY_INLINE hn::Vec<Partials> operator()(Partials, hn::Vec<Partials> difference, int) const {
+  double operator()(double difference, std::ptrdiff_t) const { return difference; }
+  HWY_INLINE hn::Vec<Partials> operator()(Partials, hn::Vec<Partials> difference,
+                                          std::ptrdiff_t) const {
     return difference;
   }
 };
@@ -56,10 +57,11 @@ struct Straight {
 /// The shortest difference on a torus.
 struct Around {
   const double* extent;
-  double operator()(double difference, int d) const {
+  double operator()(double difference, std::ptrdiff_t d) const {
     return shortest_difference(difference, extent[d]);
   }
-  HWY_INLINE hn::Vec<Partials> operator()(Partials tag, hn::Vec<Partials> difference, int d) const {
+  HWY_INLINE hn::Vec<Partials> operator()(Partials tag, hn::Vec<Partials> difference,
+                                          std::ptrdiff_t d) const {
     const auto whole = hn::Set(tag, extent[d]);
     const auto half = hn::Set(tag, extent[d] / 2);
     const auto turn = hn::IfThenElseZero(hn::Gt(difference, half), whole);
@@ -93,10 +95,7 @@ HWY_INLINE double stream_sum(const Scalar* stream, Index count, double origin, S
     hn::StoreU(sum0, tag, sum.data() + l);
     if (m >= 0) hn::StoreU(sum1, tag, sum.data() + m);
   });
-  for (Index k = whole; k < count; ++k) {
-    sum[static_cast<std::size_t>(k - whole)] +=
-        shortest(static_cast<double>(stream[k]) - origin, 0);
-  }
+  for (Index k = whole; k < count; ++k) sum.data()[k - whole] += shortest(stream[k] - origin, 0);
   return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
 }
 
@@ -110,8 +109,8 @@ HWY_INLINE Spread block_spread(const Scalar* block, Index count, Dimension dimen
   for_partials([&](Index l, Index m) HWY_ATTR {
     const auto squared = [&](Index k) HWY_ATTR {
       auto sum = hn::Zero(tag);
-      for (int d = 0; d < dimension; ++d) {
-        const auto x = load(tag, block + static_cast<std::ptrdiff_t>(d) * count + k);
+      for (std::ptrdiff_t d = 0; d < dimension; ++d) {
+        const auto x = load(tag, block + d * count + k);
         const auto difference = shortest(tag, hn::Sub(x, hn::Set(tag, centre[d])), d);
         sum = hn::Add(sum, hn::Mul(difference, difference));
       }
@@ -138,14 +137,13 @@ HWY_INLINE Spread block_spread(const Scalar* block, Index count, Dimension dimen
   });
   for (Index k = whole; k < count; ++k) {
     double squared = 0;
-    for (int d = 0; d < dimension; ++d) {
-      const auto x = static_cast<double>(block[static_cast<std::ptrdiff_t>(d) * count + k]);
-      const double difference = shortest(x - centre[d], d);
+    for (std::ptrdiff_t d = 0; d < dimension; ++d) {
+      const double difference = shortest(block[d * count + k] - centre[d], d);
       squared += difference * difference;
     }
-    const auto l = static_cast<std::size_t>(k - whole);
-    energy[l] += squared;
-    farthest[l] = std::max(farthest[l], squared);
+    double& most = farthest.data()[k - whole];
+    most = std::max(most, squared);
+    energy.data()[k - whole] += squared;
   }
   Spread result{0, 0};
   for (std::size_t l = 0; l < kPartials; ++l) {

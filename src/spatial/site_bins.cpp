@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <utility>
+
+#include "numbers.h"
 
 namespace ccvt {
 namespace {
 
 /// Of the number of sites in the bin that a site is in, the greatest mean with which bins pay.
-constexpr double kMostCrowded = 8;
+constexpr std::size_t kMostCrowded = 8;
 constexpr std::size_t kPerGrain = 4096;
 
 }  // namespace
@@ -18,11 +21,12 @@ std::optional<SiteBins> SiteBins::sort(const Metric& metric, std::span<const dou
                                        const double* lower, const double* upper,
                                        const Arena& arena) {
   SiteBins bins;
-  bins.dimension_ = static_cast<std::size_t>(metric.dimension());
+  bins.dimension_ = metric.coordinate_count();
   bins.periodic_ = metric.periodic();
   const std::size_t dimension = bins.dimension_;
   if (dimension < 2 || dimension > kMostDimensions || positions.empty()) return std::nullopt;
   const std::size_t count = positions.size() / dimension;
+  const auto sites = static_cast<double>(count);
 
   double volume = 1;
   double farthest = 0;
@@ -31,12 +35,13 @@ std::optional<SiteBins> SiteBins::sort(const Metric& metric, std::span<const dou
     farthest = std::max({farthest, std::abs(lower[d]), std::abs(upper[d])});
   }
   if (!(volume > 0) || !std::isfinite(volume)) return std::nullopt;
-  const double width = std::pow(volume / static_cast<double>(count), 1.0 / metric.dimension());
+  const double width = std::pow(volume / sites, 1.0 / metric.dimension());
   double all = 1;
   for (std::size_t d = 0; d < dimension; ++d) {
     const double extent = upper[d] - lower[d];
-    const double along = std::clamp(std::round(extent / width), 1.0, static_cast<double>(count));
-    bins.bins_[d] = static_cast<std::size_t>(along);
+    const double along = std::clamp(std::round(extent / width), 1.0, sites);
+    bins.bins_[d] = static_cast<std::ptrdiff_t>(along);
+    bins.last_[d] = along - 1;
     bins.lower_[d] = lower[d];
     bins.extent_[d] =
         metric.periodic() ? metric.extent()[d] : std::numeric_limits<double>::infinity();
@@ -46,37 +51,40 @@ std::optional<SiteBins> SiteBins::sort(const Metric& metric, std::span<const dou
     all *= along;
   }
   constexpr double kMostBins = std::numeric_limits<std::uint32_t>::max();
-  if (!(width > 0) || all > std::min(4 * static_cast<double>(count), kMostBins))
-    return std::nullopt;
+  if (!(width > 0) || all > std::min(4 * sites, kMostBins)) return std::nullopt;
   bins.rounding_ = 1e-9 * width + 1e-15 * farthest;
 
   struct Placed {
     std::uint32_t bin;
-    Index site;
+    SiteNumber site;
   };
   const auto placed = [&](std::size_t s) {
     std::size_t bin = 0;
     for (std::size_t d = dimension; d-- > 0;) {
-      bin = bin * bins.bins_[d] + bins.bin_along(positions[s * dimension + d], d);
+      bin = bin * bins.bins(d) + bins.bin_along(positions[s * dimension + d], d);
     }
-    return Placed{static_cast<std::uint32_t>(bin), static_cast<Index>(s)};
+    return Placed{static_cast<std::uint32_t>(bin), SiteNumber(s)};
   };
-  const auto bin_count = static_cast<std::size_t>(all);
+  std::size_t bin_count = 1;
+  for (std::size_t d = 0; d < dimension; ++d) bin_count *= bins.bins(d);
   Groups<Placed> groups = group_by_key<Placed>(arena, count, bin_count, placed,
                                                [](const Placed& p) { return std::size_t{p.bin}; });
-  const double squares = sum_of(arena, bin_count, kPerGrain, [&](std::size_t b) {
-    const auto held = static_cast<double>(groups[b].size());
-    return held * held;
-  });
-  if (squares > kMostCrowded * static_cast<double>(count)) return std::nullopt;
+  const std::size_t squares = reduce(
+      arena, bin_count, kPerGrain, std::size_t{0},
+      [&](std::size_t begin, std::size_t end) {
+        std::size_t sum = 0;
+        for (std::size_t b = begin; b < end; ++b) sum += groups[b].size() * groups[b].size();
+        return sum;
+      },
+      std::plus<>());
+  if (squares > kMostCrowded * count) return std::nullopt;
 
   bins.sites_ = {Buffer<Index>(count), std::move(groups.first)};
   bins.position_.reset(positions.size());
   arena.for_each(count, kPerGrain, [&](std::size_t place) {
-    const Index site = groups.items[place].site;
-    bins.sites_.items[place] = site;
-    std::copy_n(&positions[static_cast<std::size_t>(site) * dimension], dimension,
-                &bins.position_[place * dimension]);
+    const SiteNumber site = groups.items[place].site;
+    bins.sites_.items[place] = site.index();
+    std::copy_n(&positions[site * dimension], dimension, &bins.position_[place * dimension]);
   });
   return bins;
 }

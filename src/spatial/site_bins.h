@@ -39,7 +39,7 @@ class SiteBins {
   [[nodiscard]] std::span<const Index> sites_in(std::size_t bin) const { return sites_[bin]; }
   [[nodiscard]] std::size_t site_count() const { return sites_.items.size(); }
   [[nodiscard]] std::size_t bin_count() const { return sites_.count(); }
-  [[nodiscard]] std::size_t bins(std::size_t d) const { return bins_[d]; }
+  [[nodiscard]] std::size_t bins(std::size_t d) const { return static_cast<std::size_t>(bins_[d]); }
   /// Of a bin, along dimension d.
   [[nodiscard]] double width(std::size_t d) const { return width_[d]; }
   [[nodiscard]] double lower(std::size_t d) const { return lower_[d]; }
@@ -53,23 +53,27 @@ class SiteBins {
 
   /// A position's bin along dimension d; the nearest one of a position outside the box.
   [[nodiscard]] std::size_t bin_along(double x, std::size_t d) const {
-    const double k = (x - lower_[d]) * inverse_width_[d];
-    const auto last = static_cast<double>(bins_[d] - 1);
-    return static_cast<std::size_t>(k < last ? (k > 0 ? k : 0) : last);
+    return static_cast<std::size_t>(along(x, d));
   }
 
  private:
   /// Bins along a dimension; on a torus, of its images too: -1 is the last bin, one turn before.
   struct Range {
     std::ptrdiff_t first;
-    std::size_t count;
+    std::ptrdiff_t count;
   };
+  /// In bins from the lower face; from 0 to the last bin.
+  [[nodiscard]] double along(double x, std::size_t d) const {
+    const double k = (x - lower_[d]) * inverse_width_[d];
+    return k < last_[d] ? (k > 0 ? k : 0) : last_[d];
+  }
   [[nodiscard]] Range range(double centre, double reach, std::size_t d) const;
 
   std::size_t dimension_ = 0;
   bool periodic_ = false;
   double rounding_ = 0;
-  std::array<std::size_t, kMostDimensions> bins_{};
+  std::array<std::ptrdiff_t, kMostDimensions> bins_{};
+  std::array<double, kMostDimensions> last_{};  ///< bins less one
   std::array<double, kMostDimensions> lower_{};
   std::array<double, kMostDimensions> extent_{};  ///< of the torus; infinite in Euclidean space
   std::array<double, kMostDimensions> width_{};
@@ -81,14 +85,18 @@ class SiteBins {
 /// The bins that a range of coordinates touches: all once when it reaches around the torus.
 inline SiteBins::Range SiteBins::range(double centre, double reach, std::size_t d) const {
   const double room = reach + rounding_;
-  if (!periodic_) {
-    const std::size_t first = bin_along(centre - room, d);
-    return {static_cast<std::ptrdiff_t>(first), bin_along(centre + room, d) - first + 1};
+  double from = 0;
+  double to = 0;
+  if (periodic_) {
+    from = std::floor((centre - room - lower_[d]) * inverse_width_[d]);
+    to = std::floor((centre + room - lower_[d]) * inverse_width_[d]);
+    if (!(to - from < last_[d])) return {0, bins_[d]};
+  } else {
+    from = along(centre - room, d);
+    to = along(centre + room, d);
   }
-  const double from = std::floor((centre - room - lower_[d]) * inverse_width_[d]);
-  const double to = std::floor((centre + room - lower_[d]) * inverse_width_[d]);
-  if (!(to - from + 1 < static_cast<double>(bins_[d]))) return {0, bins_[d]};
-  return {static_cast<std::ptrdiff_t>(from), static_cast<std::size_t>(to - from) + 1};
+  const auto first = static_cast<std::ptrdiff_t>(from);
+  return {first, static_cast<std::ptrdiff_t>(to) - first + 1};
 }
 
 template <std::size_t Dimension, class Visit>
@@ -116,22 +124,23 @@ void SiteBins::for_each_offset(const double* centre, double reach, Visit visit) 
   };
   /// The bin within the box, having set the turn that leads to its image.
   const auto into_box = [&](std::ptrdiff_t bin, std::size_t d) {
-    const auto bins = static_cast<std::ptrdiff_t>(bins_[d]);
+    const std::ptrdiff_t bins = bins_[d];
     turn[d] = bin < 0 ? -extent_[d] : bin >= bins ? extent_[d] : 0;
-    return static_cast<std::size_t>(bin < 0 ? bin + bins : bin >= bins ? bin - bins : bin);
+    return bin < 0 ? bin + bins : bin >= bins ? bin - bins : bin;
   };
-  const std::size_t along = ranges[0].count;
-  for (std::ptrdiff_t z = 0; z < static_cast<std::ptrdiff_t>(ranges[2].count); ++z) {
-    const std::size_t plane = Dimension == 3 ? into_box(ranges[2].first + z, 2) * bins_[1] : 0;
-    for (std::ptrdiff_t y = 0; y < static_cast<std::ptrdiff_t>(ranges[1].count); ++y) {
-      const std::size_t row = (plane + into_box(ranges[1].first + y, 1)) * bins_[0];
-      const std::size_t x = into_box(ranges[0].first, 0);
-      const std::size_t stop = std::min(x + along, bins_[0]);
-      visit_run(sites_.first[row + x], sites_.first[row + stop]);
-      const std::size_t beyond = x + along - stop;
+  const std::size_t* first = sites_.first.data();
+  const std::ptrdiff_t wide = ranges[0].count;
+  for (std::ptrdiff_t z = 0; z < ranges[2].count; ++z) {
+    const std::ptrdiff_t plane = Dimension == 3 ? into_box(ranges[2].first + z, 2) * bins_[1] : 0;
+    for (std::ptrdiff_t y = 0; y < ranges[1].count; ++y) {
+      const std::ptrdiff_t row = (plane + into_box(ranges[1].first + y, 1)) * bins_[0];
+      const std::ptrdiff_t x = into_box(ranges[0].first, 0);
+      const std::ptrdiff_t stop = std::min(x + wide, bins_[0]);
+      visit_run(first[row + x], first[row + stop]);
+      const std::ptrdiff_t beyond = x + wide - stop;
       if (beyond == 0) continue;
-      into_box(ranges[0].first + static_cast<std::ptrdiff_t>(along) - 1, 0);
-      visit_run(sites_.first[row], sites_.first[row + beyond]);
+      into_box(ranges[0].first + wide - 1, 0);
+      visit_run(first[row], first[row + beyond]);
     }
   }
 }

@@ -6,9 +6,8 @@ namespace ccvt {
 
 SiteSearch::SiteSearch(const Metric& metric, std::span<const double> positions, const Arena& arena)
     : metric_(metric) {
-  const auto dimension = static_cast<std::size_t>(metric.dimension());
-  std::vector<double> lower(positions.begin(),
-                            positions.begin() + static_cast<std::ptrdiff_t>(dimension));
+  const auto dimension = metric.coordinate_count();
+  std::vector<double> lower(positions.data(), positions.data() + dimension);
   std::vector<double> upper(lower);
   if (metric.periodic()) {
     lower.assign(metric.lower(), metric.lower() + dimension);

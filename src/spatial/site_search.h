@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -53,10 +54,9 @@ void SiteSearch::within(const double* query, double radius, std::vector<Index>& 
   if (bins_) return within_bins<3>(query, radius, visit);
   scratch.clear();
   tree_->within(query, radius, scratch);
+  const std::ptrdiff_t width = metric_.dimension();
   for (const Index site : scratch) {
-    const double squared = metric_.squared_distance(
-        &positions_[static_cast<std::size_t>(site) * static_cast<std::size_t>(metric_.dimension())],
-        query);
+    const double squared = metric_.squared_distance(positions_.data() + site * width, query);
     if (squared <= radius * radius) visit(site, squared);
   }
 }

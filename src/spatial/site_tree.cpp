@@ -22,15 +22,13 @@ using FlannIndex = flann::KDTreeSingleIndex<flann::L2_Simple<double>>;
 /// point of the box. The distance from an image to the box is the sum of squares of its offsets.
 template <class Reach, class Visit>
 void for_each_image(const Metric& metric, const double* query, Reach reach, Visit visit) {
-  const int dimension = metric.dimension();
-  std::vector<double> image(query, query + dimension);
-  const auto recurse = [&](auto& self, int d, double squared) -> void {
-    if (d == dimension) {
+  std::vector<double> image(query, query + metric.dimension());
+  const auto recurse = [&](auto& self, std::size_t d, double squared) -> void {
+    if (d == image.size()) {
       visit(image.data());
       return;
     }
     self(self, d + 1, squared);
-    const auto k = static_cast<std::size_t>(d);
     const double below = query[d] - metric.lower()[d];
     const double above = metric.extent()[d] - below;
     // An image one extent up lies `below` beyond the upper face, and the other way round.
@@ -38,19 +36,19 @@ void for_each_image(const Metric& metric, const double* query, Reach reach, Visi
          {std::pair{below, metric.extent()[d]}, std::pair{above, -metric.extent()[d]}}) {
       const double outside = std::max(0.0, gap);
       if (squared + outside * outside > reach()) continue;
-      image[k] = query[d] + shift;
+      image[d] = query[d] + shift;
       self(self, d + 1, squared + outside * outside);
-      image[k] = query[d];
+      image[d] = query[d];
     }
   };
-  recurse(recurse, 0, 0.0);
+  recurse(recurse, std::size_t{0}, 0.0);
 }
 
 }  // namespace
 
 struct SiteTree::Tree {
-  Tree(std::vector<double>& positions, std::size_t count, int dimension)
-      : index(flann::Matrix<double>(positions.data(), count, static_cast<std::size_t>(dimension)),
+  Tree(std::vector<double>& positions, std::size_t count, std::size_t dimension)
+      : index(flann::Matrix<double>(positions.data(), count, dimension),
               flann::KDTreeSingleIndexParams(10, true)) {
     index.buildIndex();
   }
@@ -65,15 +63,15 @@ struct SiteTree::Tree {
 
 SiteTree::SiteTree(const Metric& metric, std::span<const double> positions)
     : metric_(metric),
-      dimension_(metric.dimension()),
+      dimension_(metric.coordinate_count()),
       positions_(positions.begin(), positions.end()) {
-  const std::size_t count = positions.size() / static_cast<std::size_t>(dimension_);
+  const std::size_t count = positions.size() / dimension_;
   site_.resize(count);
-  std::iota(site_.begin(), site_.end(), 0);
-  slot_ = site_;
+  std::iota(site_.begin(), site_.end(), SiteNumber(0));
+  slot_.assign(site_.begin(), site_.end());
   present_.assign(count, 1);
   available_ = static_cast<Index>(count);
-  scan_ = dimension_ > (metric.periodic() ? kTorusTreeDimensions : kTreeDimensions);
+  scan_ = metric.dimension() > (metric.periodic() ? kTorusTreeDimensions : kTreeDimensions);
   build();
 }
 
@@ -82,23 +80,24 @@ SiteTree::SiteTree(SiteTree&&) noexcept = default;
 
 /// Keeps the sites that are present, and builds the tree of them.
 void SiteTree::build() {
-  const auto width = static_cast<std::size_t>(dimension_);
   std::size_t kept = 0;
   for (std::size_t k = 0; k < site_.size(); ++k) {
-    const Index site = site_[k];
-    if (present_[static_cast<std::size_t>(site)] == 0) continue;
-    std::copy_n(positions_.begin() + static_cast<std::ptrdiff_t>(k * width), width,
-                positions_.begin() + static_cast<std::ptrdiff_t>(kept * width));
-    slot_[static_cast<std::size_t>(site)] = static_cast<Index>(kept);
+    const SiteNumber site = site_[k];
+    if (present_[site] == 0) continue;
+    std::copy_n(positions_.data() + k * dimension_, dimension_,
+                positions_.data() + kept * dimension_);
+    slot_[site] = kept;
     site_[kept++] = site;
   }
   site_.resize(kept);
+  built_ = available_;
   tree_.reset();
   if (!scan_ && kept > 0) tree_ = std::make_unique<Tree>(positions_, kept, dimension_);
 }
 
 void SiteTree::remove(Index site) {
-  present_[static_cast<std::size_t>(site)] = 0;
+  const SiteNumber number(site);
+  present_[number] = 0;
   --available_;
   if (available_ == 0) {
     tree_.reset();
@@ -106,20 +105,19 @@ void SiteTree::remove(Index site) {
     return;
   }
   if (scan_) {  // the last site takes the place of the removed one
-    const auto slot = static_cast<std::size_t>(slot_[static_cast<std::size_t>(site)]);
-    const auto width = static_cast<std::ptrdiff_t>(dimension_);
+    const std::size_t slot = slot_[number];
     const std::size_t last = site_.size() - 1;
-    std::copy_n(positions_.begin() + static_cast<std::ptrdiff_t>(last) * width, width,
-                positions_.begin() + static_cast<std::ptrdiff_t>(slot) * width);
+    std::copy_n(positions_.data() + last * dimension_, dimension_,
+                positions_.data() + slot * dimension_);
     site_[slot] = site_[last];
-    slot_[static_cast<std::size_t>(site_[slot])] = static_cast<Index>(slot);
+    slot_[site_[slot]] = slot;
     site_.pop_back();
     return;
   }
-  if (static_cast<double>(available_) < 0.8 * static_cast<double>(site_.size())) {
+  if (available_ < 0.8 * built_) {
     build();
   } else {
-    tree_->index.removePoint(static_cast<std::size_t>(slot_[static_cast<std::size_t>(site)]));
+    tree_->index.removePoint(slot_[number]);
   }
 }
 
@@ -127,9 +125,9 @@ Index SiteTree::nearest(const double* query) const {
   if (available_ == 0) return -1;
   if (scan_) {
     const Index slot =
-        kernels::nearest_position(query, positions_.data(), static_cast<Index>(site_.size()),
-                                  dimension_, metric_.periodic() ? metric_.extent() : nullptr);
-    return site_[static_cast<std::size_t>(slot)];
+        kernels::nearest_position(query, positions_.data(), available_, metric_.dimension(),
+                                  metric_.periodic() ? metric_.extent() : nullptr);
+    return site_.data()[slot].index();
   }
   double best = std::numeric_limits<double>::infinity();
   std::size_t best_slot = 0;
@@ -150,7 +148,7 @@ Index SiteTree::nearest(const double* query) const {
   } else {
     ask(query);
   }
-  return site_[best_slot];
+  return site_[best_slot].index();
 }
 
 void SiteTree::nearest(const double* query, int k, std::vector<Index>& found) const {
@@ -172,9 +170,9 @@ void SiteTree::nearest(const double* query, int k, std::vector<Index>& found) co
   if (scan_) {
     const double* position = positions_.data();
     for (std::size_t s = 0; s < site_.size(); ++s, position += dimension_) {
-      best.emplace_back(metric_.squared_distance(query, position), site_[s]);
+      best.emplace_back(metric_.squared_distance(query, position), site_[s].index());
     }
-    std::partial_sort(best.begin(), best.begin() + static_cast<std::ptrdiff_t>(wanted), best.end());
+    std::partial_sort(best.data(), best.data() + wanted, best.data() + best.size());
     best.resize(wanted);
   } else {
     const auto ask = [&](const double* image) {
@@ -184,7 +182,9 @@ void SiteTree::nearest(const double* query, int k, std::vector<Index>& found) co
       std::vector<double> squared(wanted);
       const std::size_t count = result.size();
       result.copy(slots.data(), squared.data(), count, true);
-      for (std::size_t i = 0; i < count; ++i) best.emplace_back(squared[i], site_[slots[i]]);
+      for (std::size_t i = 0; i < count; ++i) {
+        best.emplace_back(squared[i], site_[slots[i]].index());
+      }
       keep_best();
     };
     const auto reach = [&] {
@@ -204,7 +204,8 @@ void SiteTree::within(const double* query, double radius, std::vector<Index>& fo
   if (scan_) {
     const double* position = positions_.data();
     for (std::size_t k = 0; k < site_.size(); ++k, position += dimension_) {
-      if (metric_.squared_distance(query, position) <= radius * radius) found.push_back(site_[k]);
+      if (metric_.squared_distance(query, position) <= radius * radius)
+        found.push_back(site_[k].index());
     }
     return;
   }
@@ -221,7 +222,7 @@ void SiteTree::within(const double* query, double radius, std::vector<Index>& fo
     std::vector<std::size_t> slots(count);
     std::vector<double> squared(count);
     result.copy(slots.data(), squared.data(), count, false);
-    for (const std::size_t slot : slots) found.push_back(site_[slot]);
+    for (const std::size_t slot : slots) found.push_back(site_[slot].index());
   };
   if (metric_.periodic()) {
     for_each_image(
@@ -230,9 +231,10 @@ void SiteTree::within(const double* query, double radius, std::vector<Index>& fo
     ask(query);
   }
   if (images > 1) {
-    const auto begin = found.begin() + static_cast<std::ptrdiff_t>(first);
-    std::sort(begin, found.end());
-    found.erase(std::unique(begin, found.end()), found.end());
+    const std::span added = std::span(found).subspan(first);
+    std::sort(added.begin(), added.end());
+    const auto repeated = std::unique(added.begin(), added.end());
+    found.erase(found.end() - (added.end() - repeated), found.end());
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -7,6 +8,7 @@
 
 #include "ccvt/types.h"
 #include "geometry/metric.h"
+#include "numbers.h"
 
 namespace ccvt {
 
@@ -50,12 +52,13 @@ class SiteTree {
   void build();
 
   const Metric& metric_;
-  int dimension_ = 0;
+  std::size_t dimension_ = 0;
   std::vector<double> positions_;      ///< of the sites in the tree, one after the other
-  std::vector<Index> site_;            ///< which they are
-  std::vector<Index> slot_;            ///< where each site is in them
+  std::vector<SiteNumber> site_;       ///< which they are
+  std::vector<std::size_t> slot_;      ///< where each site is in them
   std::vector<std::uint8_t> present_;  ///< by site
   Index available_ = 0;
+  Index built_ = 0;  ///< how many there were when the tree was built
   bool scan_ = false;
   std::unique_ptr<Tree> tree_;
 };
