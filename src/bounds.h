@@ -10,23 +10,26 @@
 
 namespace ccvt {
 
-/// The problem's box, or the smallest around its points.
+/// Over which coordinates points extend, in each dimension.
 template <class Scalar>
-Box bounding_box(const Problem<Scalar>& problem, const Arena& arena) {
-  if (problem.domain().has_box()) return problem.domain().box();
+struct CoordinateRange {
+  std::vector<Scalar> lower;
+  std::vector<Scalar> upper;
+  bool ordered = true;  ///< none of them is not a number
+};
+
+template <class Scalar>
+CoordinateRange<Scalar> coordinate_range(const PointsView<Scalar>& points, const Arena& arena) {
+  using Range = CoordinateRange<Scalar>;
   constexpr std::size_t kPointsPerGrain = std::size_t{1} << 13;  // stays in the cache
-  const auto& points = problem.points();
-  struct Range {
-    std::vector<Scalar> lower;
-    std::vector<Scalar> upper;
-  };
-  const Range all = reduce(
+  return reduce(
       arena, static_cast<std::size_t>(points.count), kPointsPerGrain, Range{},
       [&](std::size_t begin, std::size_t end) {
         const Scalar* const first = points[PointNumber(begin).index()];
         Range range;
         range.lower.assign(first, first + points.dimension);
         range.upper = range.lower;
+        bool ordered = true;
         for (std::size_t d = 0; d < range.lower.size(); ++d) {
           Scalar lower = first[d];
           Scalar upper = first[d];
@@ -34,10 +37,12 @@ Box bounding_box(const Problem<Scalar>& problem, const Arena& arena) {
             const Scalar x = points[p.index()][d];
             lower = x < lower ? x : lower;
             upper = x > upper ? x : upper;
+            ordered = ordered & (x == x);
           }
           range.lower[d] = lower;
           range.upper[d] = upper;
         }
+        range.ordered = ordered;
         return range;
       },
       [](Range a, const Range& b) {
@@ -45,11 +50,19 @@ Box bounding_box(const Problem<Scalar>& problem, const Arena& arena) {
           a.lower[d] = std::min(a.lower[d], b.lower[d]);
           a.upper[d] = std::max(a.upper[d], b.upper[d]);
         }
+        a.ordered = a.ordered && b.ordered;
         return a;
       });
+}
+
+/// The problem's box, or the smallest around its points.
+template <class Scalar>
+Box bounding_box(const Problem<Scalar>& problem, const Arena& arena) {
+  if (problem.domain().has_box()) return problem.domain().box();
+  const CoordinateRange<Scalar> range = coordinate_range(problem.points(), arena);
   Box box = Box::unit(problem.dimension());
-  std::copy(all.lower.begin(), all.lower.end(), box.lower.data());
-  std::copy(all.upper.begin(), all.upper.end(), box.upper.data());
+  std::copy(range.lower.begin(), range.lower.end(), box.lower.data());
+  std::copy(range.upper.begin(), range.upper.end(), box.upper.data());
   return box;
 }
 

@@ -12,9 +12,20 @@
 namespace ccvt {
 namespace {
 
+/// Fewer points are checked by one thread: others would not have started before the end.
+constexpr Index kPointsForThreads = 1 << 18;
+
+/// Points are not looked at one by one unless one of them is outside.
 template <class Scalar>
-void require_inside(const char* argument, const PointsView<Scalar>& points, const Box& box) {
-  for (Index p = 0; p < points.count; ++p) {
+void require_inside(const char* argument, const PointsView<Scalar>& points, const Box& box,
+                    const Arena& arena) {
+  const CoordinateRange<Scalar> range = coordinate_range(points, arena);
+  bool inside = true;
+  for (std::size_t d = 0; d < range.lower.size(); ++d) {
+    inside =
+        inside && range.lower[d] >= box.lower.data()[d] && range.upper[d] <= box.upper.data()[d];
+  }
+  for (Index p = 0; p < points.count && !inside; ++p) {
     for (int d = 0; d < points.dimension; ++d) {
       const double value = points[p][d];
       if (value >= box.lower[d] && value <= box.upper[d]) continue;
@@ -52,7 +63,8 @@ void require_scale(const Domain& domain) {
 }  // namespace
 
 template <class Scalar>
-Problem<Scalar>::Problem(PointsView<Scalar> points, Index sites) : points_(points) {
+Problem<Scalar>::Problem(PointsView<Scalar> points, Index sites, int threads)
+    : points_(points), threads_(points.count < kPointsForThreads ? 1 : threads) {
   if (points.dimension < 1) throw InvalidInput("points: they have no dimension");
   if (points.count < 1) throw InvalidInput("points: there are none");
   if (points.data == nullptr) throw InvalidInput("points: the view has no data");
@@ -61,7 +73,7 @@ Problem<Scalar>::Problem(PointsView<Scalar> points, Index sites) : points_(point
                        ": it must be at least the dimension, " + std::to_string(points.dimension));
   }
   capacities_ = equal_capacities(points.count, sites);
-  require_scale("points", points);
+  require_scale("points", points, Arena(threads_));
 }
 
 template <class Scalar>
@@ -72,7 +84,7 @@ Problem<Scalar>& Problem<Scalar>::set_domain(Domain domain) {
                          " dimensions, the points have " + std::to_string(dimension()));
     }
     require_scale<Scalar>(domain);
-    require_inside("points", points_, domain.box());
+    require_inside("points", points_, domain.box(), Arena(threads_));
   }
   domain_ = std::move(domain);
   return *this;
@@ -137,12 +149,12 @@ Problem<Scalar>& Problem<Scalar>::set_initial_owners(std::vector<Index> owners) 
 
 template <class Scalar>
 Box Problem<Scalar>::bounding_box() const {
-  return ccvt::bounding_box(*this, Arena(1));
+  return ccvt::bounding_box(*this, Arena(threads_));
 }
 
 // Each member that is compiled here; a whole class would bring along what is inline.
-template CCVT_EXPORT Problem<float>::Problem(PointsView<float>, Index);
-template CCVT_EXPORT Problem<double>::Problem(PointsView<double>, Index);
+template CCVT_EXPORT Problem<float>::Problem(PointsView<float>, Index, int);
+template CCVT_EXPORT Problem<double>::Problem(PointsView<double>, Index, int);
 template CCVT_EXPORT Problem<float>& Problem<float>::set_domain(Domain);
 template CCVT_EXPORT Problem<double>& Problem<double>::set_domain(Domain);
 template CCVT_EXPORT Problem<float>& Problem<float>::set_capacities(std::vector<Index>);

@@ -1,24 +1,31 @@
 #include "scales.h"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
-#include <vector>
 
+#include "bounds.h"
 #include "format.h"
 
 namespace ccvt {
 
 template <class Scalar>
-double require_moderate(const char* argument, const PointsView<Scalar>& points) {
+double require_moderate(const char* argument, const PointsView<Scalar>& points,
+                        const Arena& arena) {
   const double largest = largest_coordinate<Scalar>(points.dimension);
   if (points.count == 0) return 0;
-  std::vector<Scalar> lower(points[0], points[0] + points.dimension);
-  std::vector<Scalar> upper = lower;
-  for (Index p = 0; p < points.count; ++p) {
-    const Scalar* x = points[p];
-    for (std::size_t d = 0; d < lower.size(); ++d) {
-      lower[d] = std::min(lower[d], x[d]);
-      upper[d] = std::max(upper[d], x[d]);
-      const double value = x[d];
+  const CoordinateRange<Scalar> range = coordinate_range(points, arena);
+  bool moderate = range.ordered;
+  double widest = 0;
+  for (std::size_t d = 0; d < range.lower.size(); ++d) {
+    const double low = range.lower[d];
+    moderate = moderate && low >= -largest && range.upper[d] <= largest;
+    widest = std::max(widest, range.upper[d] - low);
+  }
+  if (moderate) return widest;
+  for (Index p = 0;; ++p) {  // to the first one
+    for (std::size_t d = 0; d < range.lower.size(); ++d) {
+      const double value = points[p][d];
       if (std::abs(value) <= largest) continue;
       throw InvalidInput(std::string(argument) + ": coordinate " + std::to_string(d) + " of " +
                          argument + "[" + std::to_string(p) + "] is " + text(value) +
@@ -26,17 +33,11 @@ double require_moderate(const char* argument, const PointsView<Scalar>& points) 
                          " in magnitude");
     }
   }
-  double widest = 0;
-  for (std::size_t d = 0; d < lower.size(); ++d) {
-    const double low = lower[d];
-    widest = std::max(widest, upper[d] - low);
-  }
-  return widest;
 }
 
 template <class Scalar>
-void require_scale(const char* argument, const PointsView<Scalar>& points) {
-  const double widest = require_moderate(argument, points);
+void require_scale(const char* argument, const PointsView<Scalar>& points, const Arena& arena) {
+  const double widest = require_moderate(argument, points, arena);
   if (widest == 0 || widest >= kSmallestExtent<Scalar>) return;
   throw InvalidInput(std::string(argument) + ": their coordinates differ by at most " +
                      text(widest) + ": they must be all equal or differ by " +
@@ -44,9 +45,9 @@ void require_scale(const char* argument, const PointsView<Scalar>& points) {
                      " or more somewhere; multiply them by a power of two");
 }
 
-template double require_moderate(const char*, const PointsView<float>&);
-template double require_moderate(const char*, const PointsView<double>&);
-template void require_scale(const char*, const PointsView<float>&);
-template void require_scale(const char*, const PointsView<double>&);
+template double require_moderate(const char*, const PointsView<float>&, const Arena&);
+template double require_moderate(const char*, const PointsView<double>&, const Arena&);
+template void require_scale(const char*, const PointsView<float>&, const Arena&);
+template void require_scale(const char*, const PointsView<double>&, const Arena&);
 
 }  // namespace ccvt

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ccvt/types.h"
+#include "parallel/arena.h"
 
 namespace ccvt {
 
@@ -38,10 +39,11 @@ double largest_coordinate(int dimension) {
 /// Scalar's range. `argument` is what the points are called. Returns over how much they extend in
 /// the dimension where that is most.
 template <class Scalar>
-double require_moderate(const char* argument, const PointsView<Scalar>& points);
+double require_moderate(const char* argument, const PointsView<Scalar>& points,
+                        const Arena& arena = Arena(1));
 
 /// The same, and that the points are all equal or extend over kSmallestExtent.
 template <class Scalar>
-void require_scale(const char* argument, const PointsView<Scalar>& points);
+void require_scale(const char* argument, const PointsView<Scalar>& points, const Arena& arena);
 
 }  // namespace ccvt

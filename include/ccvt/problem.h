@@ -24,13 +24,14 @@ class CCVT_EXPORT Problem {
  public:
   /// `points`: #dimensions by m, at least one dimension; coordinates at most 1e17 (double: 1e140)
   /// in magnitude, less beyond 8192 dimensions, by 1 / sqrt(dimensions / 8192); all equal, or 1e-30
-  /// (double: 1e-140) or more apart somewhere. `sites`: 1 <= n <= m.
+  /// (double: 1e-140) or more apart somewhere. `sites`: 1 <= n <= m. `threads` look at the points
+  /// when there are many; 0: one per processor.
   template <class Derived>
-  Problem(const Eigen::DenseBase<Derived>& points, Index sites)
-      : Problem(view_points(points), sites) {}
+  Problem(const Eigen::DenseBase<Derived>& points, Index sites, int threads = 0)
+      : Problem(view_points(points), sites, threads) {}
   template <class Derived>
-  Problem(Eigen::PlainObjectBase<Derived>&& points, Index sites) = delete;
-  Problem(PointsView<Scalar> points, Index sites);
+  Problem(Eigen::PlainObjectBase<Derived>&& points, Index sites, int threads = 0) = delete;
+  Problem(PointsView<Scalar> points, Index sites, int threads = 0);
 
   /// Default: Euclidean space. A box must have the points' dimension and contain all points (a
   /// periodic box: both faces included); its corners are as moderate as coordinates, and a periodic
@@ -70,6 +71,7 @@ class CCVT_EXPORT Problem {
 
  private:
   PointsView<Scalar> points_;
+  int threads_;
   Domain domain_;
   std::vector<Index> capacities_;
   Columns<Scalar> initial_sites_;
@@ -77,6 +79,6 @@ class CCVT_EXPORT Problem {
 };
 
 template <class Derived>
-Problem(const Eigen::DenseBase<Derived>&, Index) -> Problem<typename Derived::Scalar>;
+Problem(const Eigen::DenseBase<Derived>&, Index, int = 0) -> Problem<typename Derived::Scalar>;
 
 }  // namespace ccvt

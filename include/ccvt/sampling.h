@@ -34,9 +34,9 @@ CCVT_EXPORT void check_sampling(const Box& box, Index count, int fixed_dimension
                                 std::size_t scalar_bytes);
 /// Fills #dimensions * count coordinates. The arguments have passed check_sampling().
 CCVT_EXPORT void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution,
-                              std::span<float> coordinates);
+                              int threads, std::span<float> coordinates);
 CCVT_EXPORT void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution,
-                              std::span<double> coordinates);
+                              int threads, std::span<double> coordinates);
 }  // namespace detail
 
 /// Exactly `count` points, #dimensions by #points, that spread uniformly over `box`, in float or
@@ -45,7 +45,8 @@ CCVT_EXPORT void fill_uniform(const Box& box, std::uint64_t seed, Distribution d
 ///     Eigen::Matrix2Xf points = ccvt::sample_uniform<float, 2>(ccvt::Box::unit(2), 1 << 18, seed);
 ///
 /// Every coordinate lies in [lower, upper), after rounding to Scalar too. The bits depend on the
-/// arguments only. Neighbours in memory are neighbours in space, except for white points.
+/// arguments only, not on `threads` (0: one per processor; many points are drawn by them at once).
+/// Neighbours in memory are neighbours in space, except for white points.
 ///
 /// The grid that jittered, square and body-centred points use has cells of exactly equal volume and
 /// as cubic as possible for any count and any box: the box is cut into slabs, these into smaller
@@ -63,10 +64,10 @@ CCVT_EXPORT void fill_uniform(const Box& box, std::uint64_t seed, Distribution d
 template <class Scalar = double, int Dimension = Eigen::Dynamic>
 Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sample_uniform(
     const Box& box, Index count, std::uint64_t seed = 0,
-    Distribution distribution = Distribution::jittered) {
+    Distribution distribution = Distribution::jittered, int threads = 0) {
   detail::check_sampling(box, count, Dimension, sizeof(Scalar));
   Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> points(box.dimension(), count);
-  detail::fill_uniform(box, seed, distribution,
+  detail::fill_uniform(box, seed, distribution, threads,
                        std::span<Scalar>(points.data(), static_cast<std::size_t>(points.size())));
   return points;
 }

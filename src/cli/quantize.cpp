@@ -77,8 +77,9 @@ Training train(const QuantizeArguments& arguments, const std::string& source,
   std::vector<Index> capacities;
   if (!arguments.capacities.empty()) {
     capacities = read_indices(arguments.capacities);
-    blame(arguments.capacities,
-          [&] { Problem<Scalar>(vectors, arguments.codewords).set_capacities(capacities); });
+    blame(arguments.capacities, [&] {
+      Problem<Scalar>(vectors, arguments.codewords, arguments.threads).set_capacities(capacities);
+    });
   }
   Points<double> codewords;
   if (seeds_from_file(arguments)) {

@@ -17,9 +17,9 @@ int sample(const SampleArguments& arguments) {
   const Index count = arguments.sites * arguments.points_per_site;
   const Box box = Box::unit(arguments.dimension);
   const Points<Scalar> points =
-      sample_uniform<Scalar>(box, count, arguments.seed, arguments.distribution);
+      sample_uniform<Scalar>(box, count, arguments.seed, arguments.distribution, arguments.threads);
 
-  Problem<Scalar> problem(points, arguments.sites);
+  Problem<Scalar> problem(points, arguments.sites, arguments.threads);
   problem.set_domain(arguments.periodic ? Domain::periodic(box) : Domain::euclidean(box));
   const auto result = [&] {
     Progress progress(arguments.quiet);

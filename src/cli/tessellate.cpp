@@ -35,7 +35,8 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
   }
   const Points<Scalar> points = read_points<Scalar>(arguments.points, arguments.reading);
 
-  Problem<Scalar> problem = blame(arguments.points, [&] { return Problem<Scalar>(points, sites); });
+  Problem<Scalar> problem =
+      blame(arguments.points, [&] { return Problem<Scalar>(points, sites, arguments.threads); });
   blame(arguments.points, [&] { problem.set_domain(std::move(domain)); });
   if (!arguments.capacities.empty()) {
     auto capacities = read_indices(arguments.capacities);

@@ -4,6 +4,8 @@
 #include <limits>
 
 #include "ccvt/sampling.h"
+#include "numbers.h"
+#include "parallel/arena.h"
 #include "random.h"
 #include "sampling/scalar_box.h"
 #include "sampling/strata.h"
@@ -14,7 +16,9 @@ namespace ccvt {
 namespace {
 
 // Points that share a random stream. Chunks may be filled in any order.
-constexpr Index chunk_points = 4096;
+constexpr std::size_t chunk_points = 4096;
+// Fewer are drawn before other threads have started.
+constexpr Index points_for_threads = 1 << 18;
 
 template <class Scalar>
 struct Fill {
@@ -105,7 +109,7 @@ struct Fill {
     }
   }
 
-  void run(std::uint64_t seed, Distribution distribution) const {
+  void run(std::uint64_t seed, Distribution distribution, int threads) const {
     if (distribution == Distribution::hexagonal && dimension > 1) {
       dimension == 2 ? hexagonal() : body_centred();
       return;
@@ -115,17 +119,18 @@ struct Fill {
       diagonal(strata, count, 0.5, 0, 1);
       return;
     }
-    std::uint64_t chunk = 0;
-    for (Index begin = 0; begin < count; ++chunk) {
-      const Index end = begin + std::min(chunk_points, count - begin);
-      Random random(seed, streams::uniform + chunk);
-      if (distribution == Distribution::white) {
-        white(random, begin, end);
-      } else {
-        jittered(random, strata, begin, end);
-      }
-      begin = end;
-    }
+    const Arena arena(count < points_for_threads ? 1 : threads);
+    arena.for_ranges(static_cast<std::size_t>(count), chunk_points,
+                     [&](std::size_t begin, std::size_t end, int) {
+                       Random random(seed, streams::uniform + begin / chunk_points);
+                       const Index first = PointNumber(begin).index();
+                       const Index last = PointNumber(end).index();
+                       if (distribution == Distribution::white) {
+                         white(random, first, last);
+                       } else {
+                         jittered(random, strata, first, last);
+                       }
+                     });
   }
 };
 
@@ -190,14 +195,14 @@ void check_sampling(const Box& box, Index count, int fixed_dimension, std::size_
   single ? check_box<float>(box, "float") : check_box<double>(box, "double");
 }
 
-void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution,
+void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution, int threads,
                   std::span<float> coordinates) {
-  Fill<float>(box, coordinates).run(seed, distribution);
+  Fill<float>(box, coordinates).run(seed, distribution, threads);
 }
 
-void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution,
+void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution, int threads,
                   std::span<double> coordinates) {
-  Fill<double>(box, coordinates).run(seed, distribution);
+  Fill<double>(box, coordinates).run(seed, distribution, threads);
 }
 
 }  // namespace detail

@@ -11,6 +11,7 @@
 #include "ccvt/domain.h"
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
+#include "parallel/arena.h"
 #include "point_count.h"
 
 namespace ccvt {
@@ -30,16 +31,19 @@ void StippleOptions::validate() const {
   tessellation.validate();
 }
 
-std::vector<float> darkness(const Image& image, bool invert, double gamma) {
+std::vector<float> darkness(const Image& image, bool invert, double gamma, int threads) {
+  constexpr std::size_t kPixelsPerGrain = std::size_t{1} << 14;
   std::vector<float> result(image.values);
   for (std::size_t i = 0; i < result.size(); ++i) {
-    if (!(result[i] >= 0 && result[i] <= 1)) {
-      throw InvalidInput("image: value " + std::to_string(i) + " is " + std::to_string(result[i]) +
-                         "; must be in [0, 1]");
-    }
+    if (result[i] >= 0 && result[i] <= 1) continue;
+    throw InvalidInput("image: value " + std::to_string(i) + " is " + std::to_string(result[i]) +
+                       "; must be in [0, 1]");
+  }
+  const Arena arena(result.size() <= kPixelsPerGrain ? 1 : threads);
+  arena.for_each(result.size(), kPixelsPerGrain, [&](std::size_t i) {
     const float dark = invert ? result[i] : 1 - result[i];
     result[i] = gamma == 1 ? dark : static_cast<float>(std::pow(dark, gamma));
-  }
+  });
   return result;
 }
 
@@ -53,7 +57,8 @@ Stippling<Scalar> stipple(const Image& image, Index sites, const StippleOptions&
                        std::to_string(image.width) + " x " + std::to_string(image.height) +
                        " pixels; needs one value for each");
   }
-  const std::vector<float> dark = darkness(image, options.invert, options.gamma);
+  const std::vector<float> dark =
+      darkness(image, options.invert, options.gamma, options.tessellation.threads);
   const double ink = std::accumulate(dark.begin(), dark.end(), 0.0);
   if (!(ink > 0)) {
     throw InvalidInput(std::string("image: is ") + (options.invert ? "black" : "white") +
@@ -69,7 +74,7 @@ Stippling<Scalar> stipple(const Image& image, Index sites, const StippleOptions&
     const Points<Scalar> sampled = sample_density<Scalar>(
         density, points, options.tessellation.seed, DensitySampling::stratified,
         options.tessellation.threads, options.tessellation.cancelled);
-    Problem<Scalar> problem(sampled, sites);
+    Problem<Scalar> problem(sampled, sites, options.tessellation.threads);
     problem.set_domain(Domain::euclidean(std::move(box)));
     Solver<Scalar> solver(std::move(problem), options.tessellation);
     solver.run();

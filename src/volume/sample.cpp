@@ -10,7 +10,7 @@
 #include "ccvt/solver.h"
 #include "ccvt/volume.h"
 #include "numbers.h"
-#include "parallel/arena.h"
+#include "parallel/loops.h"
 #include "point_count.h"
 #include "sampling/cell_densities.h"
 #include "sampling/density_mass.h"
@@ -20,23 +20,32 @@ namespace ccvt {
 
 namespace {
 
-/// Capacities and radii, from the points of each cell.
+/// Capacities and radii, from the points of each cell: in the order of the points, part by part.
 template <class Scalar>
 void measure_cells(PointsView<Scalar> points, PointsView<Scalar> sites,
-                   const std::vector<Index>& owners, VolumeSamples& samples) {
+                   const std::vector<Index>& owners, const Arena& arena, VolumeSamples& samples) {
+  constexpr std::size_t kPointsAtOnce = std::size_t{1} << 22;
+  constexpr std::size_t kSitesPerGrain = 256;
   const auto count = static_cast<std::size_t>(sites.count);
   std::vector<double> squared(count);
   samples.capacities.assign(count, 0);
-  for (const PointNumber p : points_below(points.count)) {
-    const SiteNumber s(owners[p]);
-    ++samples.capacities[s];
-    const Scalar* const point = points[p.index()];
-    const Scalar* const site = sites[s.index()];
-    for (int d = 0; d < points.dimension; ++d) {
-      const double at = point[d];
-      const double difference = at - site[d];
-      squared[s] += difference * difference;
-    }
+  for (std::size_t begin = 0; begin < owners.size(); begin += kPointsAtOnce) {
+    const auto by_owner = group_by_key<PointNumber>(
+        arena, std::min(kPointsAtOnce, owners.size() - begin), count,
+        [&](std::size_t k) { return PointNumber(begin + k); },
+        [&](PointNumber p) { return std::size_t{SiteNumber(owners[p])}; });
+    arena.for_each(count, kSitesPerGrain, [&](std::size_t s) {
+      const Scalar* const site = sites[SiteNumber(s).index()];
+      for (const PointNumber p : by_owner[s]) {
+        ++samples.capacities[s];
+        const Scalar* const point = points[p.index()];
+        for (int d = 0; d < points.dimension; ++d) {
+          const double at = point[d];
+          const double difference = at - site[d];
+          squared[s] += difference * difference;
+        }
+      }
+    });
   }
   const double dimension = points.dimension;
   samples.radii.resize(count);
@@ -59,8 +68,9 @@ void weigh_cells(const DensityGrid& density, const Arena& arena, VolumeSamples& 
 /// first. `points` are relative to `origin`.
 template <class Scalar>
 void put_back(const DensityGrid& density, const Points<Scalar>& points,
-              const Eigen::VectorXd& origin, const std::vector<Index>& owners,
+              const Eigen::VectorXd& origin, const std::vector<Index>& owners, const Arena& arena,
               VolumeSamples& samples) {
+  constexpr std::size_t kPointsPerGrain = std::size_t{1} << 14;
   const CellDensities densities(density);
   const CellLocator cell_of(density);
   const auto sites = sites_below(samples.sites.cols());
@@ -73,10 +83,16 @@ void put_back(const DensityGrid& density, const Points<Scalar>& points,
     ++samples.put_back;
   }
   if (samples.put_back == 0) return;
+  const Buffer<PointNumber> theirs = collect<PointNumber>(
+      arena, owners.size(), kPointsPerGrain,
+      [&](std::size_t begin, std::size_t end, std::vector<PointNumber>& out, int) {
+        for (std::size_t p = begin; p < end; ++p) {
+          if (least[SiteNumber(owners[p])] >= 0) out.emplace_back(p);
+        }
+      });
   std::vector<PointNumber> nearest(count);
-  for (const PointNumber p : points_below(points.cols())) {
+  for (const PointNumber p : theirs) {
     const SiteNumber owner(owners[p]);
-    if (least[owner] < 0) continue;
     const double squared =
         (points.col(p.index()).template cast<double>() + origin - samples.sites.col(owner.index()))
             .squaredNorm();
@@ -111,7 +127,8 @@ VolumeSamples sample_volume(const DensityGrid& density, Index sites, const Volum
   const auto points =
       sample_local_density<Scalar>(local, count, options.tessellation.seed, options.sampling,
                                    options.tessellation.threads, options.tessellation.cancelled);
-  Solver<Scalar> solver(Problem<Scalar>(points, sites), options.tessellation);
+  const int threads = options.tessellation.threads;
+  Solver<Scalar> solver(Problem<Scalar>(points, sites, threads), options.tessellation);
   solver.run();
   const Points<Scalar> centroids = solver.sites();
   std::vector<Index> owners = solver.owners();
@@ -120,9 +137,10 @@ VolumeSamples sample_volume(const DensityGrid& density, Index sites, const Volum
   samples.scalar = sizeof(Scalar) == sizeof(float) ? ScalarType::float32 : ScalarType::float64;
   samples.summary = solver.summary();
   samples.sites = centroids.template cast<double>().colwise() + local.origin;
-  measure_cells(view_points(points), view_points(centroids), owners, samples);
-  weigh_cells(density, Arena(options.tessellation.threads), samples);
-  put_back(density, points, local.origin, owners, samples);
+  const Arena arena(threads);
+  measure_cells(view_points(points), view_points(centroids), owners, arena, samples);
+  weigh_cells(density, arena, samples);
+  put_back(density, points, local.origin, owners, arena, samples);
   if (options.keep_points) {
     samples.points = points.template cast<double>().colwise() + local.origin;
     samples.owners = std::move(owners);
