@@ -64,10 +64,8 @@ class SortedDraws {
   /// Puts the draws of a bin into `draws`.
   void open(std::size_t bin, std::vector<double>& draws) const {
     Random random(seed_, streams::density_mass + bin);
-    draws.clear();
-    for (Index k = before_[bin]; k < before_[bin + 1]; ++k) {
-      draws.push_back(draw_from(bin, bins(), random));
-    }
+    draws.resize(static_cast<std::size_t>(before_[bin + 1] - before_[bin]));
+    for (double& draw : draws) draw = draw_from(bin, bins(), random);
     std::sort(draws.begin(), draws.end());
   }
 

@@ -71,7 +71,8 @@ class Strata {
     // Slab s holds cells floor(s * count / parts) up to floor((s + 1) * count / parts).
     const std::int64_t parts = std::min(cuts_[depth].parts, count);
     const auto begin_of = [&](std::int64_t s) { return static_cast<Index>(s * count / parts); };
-    std::int64_t s = ((std::int64_t{skip} + 1) * parts - 1) / count;
+    std::int64_t s = skip;
+    s = ((s + 1) * parts - 1) / count;
     for (Index begin = begin_of(s); begin < count && base + begin < walk.last; ++s) {
       const Index end = begin_of(s + 1);
       walk.corner[d] = lower + begin * unit;

@@ -27,15 +27,17 @@ struct Fill {
   std::size_t dimension;
   Index count;
   Scalar* coordinates;
+  std::ptrdiff_t pitch;  // from one point to the next
 
   Fill(const Box& b, std::span<Scalar> out)
       : box(b),
         bounds(b),
         dimension(bounds.dimension()),
         count(static_cast<Index>(out.size() / dimension)),
-        coordinates(out.data()) {}
+        coordinates(out.data()),
+        pitch(b.lower.size()) {}
 
-  [[nodiscard]] Scalar* point(Index p) const { return coordinates + p * box.lower.size(); }
+  [[nodiscard]] Scalar* point(Index p) const { return coordinates + p * pitch; }
 
   void white(Random& random, Index first, Index last) const {
     const Eigen::VectorXd extent = box.extent();
