@@ -15,12 +15,12 @@
 #include "relax/initial_sites.h"
 #include "relax/nearest_sites.h"
 #include "relax/update.h"
+#include "rounding.h"
 #include "stopwatch.h"
 
 namespace ccvt {
 namespace {
 
-constexpr double kHalfUlp = 0x1p-53;
 constexpr std::size_t kPointsPerGrain = 4096;
 constexpr std::size_t kSitesPerGrain = 64;
 
@@ -82,7 +82,10 @@ template <class Scalar>
 void Lloyd<Scalar>::start() {
   const Stopwatch total(summary_.seconds_total);
   const Stopwatch initialization(summary_.seconds_initialization);
-  sites_ = initial_sites(problem_, metric_, options_.seed);
+  {
+    const Stop::Pause pause(stop_);  // without sites there is no tessellation
+    sites_ = initial_sites(problem_, metric_, options_.seed, arena_);
+  }
   owners_ = problem_.initial_owners();
   changed_.assign(sites_.radius.size(), 1);
   if (owners_.empty()) {
@@ -181,7 +184,7 @@ void Lloyd<Scalar>::gather() {
     const double error = kHalfUlp * (coordinate_bound_ + summed);
     margin_ += count * error * error * metric_.dimension();
   }
-  summary_.energy = total_energy(sites_);
+  summary_.energy = total_energy(sites_, arena_);
 }
 
 template <class Scalar>

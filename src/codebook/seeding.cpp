@@ -6,18 +6,17 @@
 #include <numeric>
 #include <utility>
 
-#include "codebook/lloyd.h"
+#include "codebook/centroids.h"
 #include "codebook/reseat.h"
 #include "exact/pricing.h"
 #include "geometry/as_matrix.h"
 #include "kernels/products.h"
 #include "random.h"
+#include "streams.h"
 
 namespace ccvt {
 namespace {
 
-constexpr std::uint64_t kSampleStream = 16;
-constexpr std::uint64_t kFirstSeedStream = 64;
 /// The sample has this many points a site, and no fewer than kLeastSample.
 constexpr std::int64_t kSamplePerSite = 64;
 constexpr std::int64_t kLeastSample = 8192;
@@ -35,7 +34,7 @@ struct Sample {
 
 template <class Scalar>
 Sample draw_sample(PointsView<Scalar> points, Index count, std::uint64_t seed) {
-  const auto chosen = draw_distinct(count, points.count, seed, kSampleStream);
+  const auto chosen = draw_distinct(count, points.count, seed, streams::codebook_sample);
   Sample sample;
   std::vector<double>& mean = sample.mean;
   mean.assign(static_cast<std::size_t>(points.dimension), 0.0);
@@ -155,11 +154,11 @@ double sampled_energy(PointsView<Scalar> points, const std::vector<double>& site
   const Index count = sample_size(std::max(kLeastSample, few), points.count);
   Points<Scalar> sample(points.dimension, count);
   Index k = 0;
-  for (const Index p : draw_distinct(count, points.count, seed, kSampleStream)) {
+  for (const Index p : draw_distinct(count, points.count, seed, streams::codebook_sample)) {
     std::copy_n(points[p], points.dimension, sample.col(k++).data());
   }
   const Metric metric(points.dimension, Domain());
-  std::vector<Index> owners = nearest_sites(metric, view_points(sample), sites, arena);
+  std::vector<Index> owners = nearest_owners(metric, view_points(sample), sites, arena);
   return Pricer<Scalar>(metric, view_points(sample), arena)
       .price({sites, weights}, 0, 0, owners)
       .energy;
@@ -177,16 +176,16 @@ std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int resta
   best.energy = std::numeric_limits<double>::infinity();
   Seeds seeds;
   try {
-    std::uint64_t stream = kFirstSeedStream;
+    std::uint64_t stream = streams::codebook_restarts;
     for (int r = 0; r < restarts; ++r, ++stream) {
       seeds = {};
       seeds.sites = plus_plus(view, sites, seed, stream, arena);
-      seeds.owners = nearest_sites(metric, view, seeds.sites, arena);
+      seeds.owners = nearest_owners(metric, view, seeds.sites, arena);
       relax(metric, view, arena, seeds);
       for (int k = 0; k < kReseatings; ++k) {
         Seeds changed = seeds;
         if (!reseat_sites(view, seeds.owners, changed.sites, arena)) break;
-        changed.owners = nearest_sites(metric, view, changed.sites, arena);
+        changed.owners = nearest_owners(metric, view, changed.sites, arena);
         relax(metric, view, arena, changed);
         if (changed.energy >= seeds.energy * (1 - kRough)) break;
         seeds = std::move(changed);
@@ -196,7 +195,7 @@ std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int resta
   } catch (const Stopped&) {
     if (best.sites.empty()) best.sites = std::move(seeds.sites);
     for (const Index p :
-         draw_distinct(best.sites.empty() ? sites : 0, count, seed, kSampleStream)) {
+         draw_distinct(best.sites.empty() ? sites : 0, count, seed, streams::codebook_sample)) {
       best.sites.insert(best.sites.end(), view[p], view[p] + view.dimension);
     }
   }

@@ -11,19 +11,18 @@
 #include "ccvt/codebook.h"
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
-#include "codebook/lloyd.h"
+#include "codebook/centroids.h"
 #include "codebook/seeding.h"
 #include "exact/assignment.h"
 #include "numbers.h"
 #include "precision.h"
+#include "streams.h"
 
 namespace ccvt {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint64_t kSeedStream = 17;
-constexpr std::uint64_t kLevelStream = 18;
 /// Balanced training starts on a sample of this many vectors a codeword, then takes
 /// kLevelFactor times as many, until it has all.
 constexpr std::int64_t kLevelVectors = 32;
@@ -98,7 +97,7 @@ void Trainer<Scalar>::seed() {
     return;
   }
   double least = std::numeric_limits<double>::infinity();
-  std::uint64_t stream = kSeedStream;
+  std::uint64_t stream = streams::codebook_seeding;
   for (int r = 0; r < options_.restarts; ++r, stream += 256) {
     std::vector<double> sites;
     for (const Index p : draw_distinct(n, vectors_.count, options_.seed, stream)) {
@@ -136,7 +135,7 @@ bool Trainer<Scalar>::go_on(Index vectors, double energy, std::int64_t moved) {
 
 template <class Scalar>
 void Trainer<Scalar>::lloyd() {
-  owners_ = nearest_sites(metric_, vectors_, sites_, arena_);
+  owners_ = nearest_owners(metric_, vectors_, sites_, arena_);
   const Pricer<Scalar> pricer(metric_, vectors_, arena_);
   if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
   double before = std::numeric_limits<double>::infinity();
@@ -184,7 +183,7 @@ void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index>
   const Index n = problem_.site_count();
   ExactAssignment<Scalar> assignment(metric_, vectors, n, std::move(capacities), arena_);
   using Round = typename ExactAssignment<Scalar>::Round;
-  owners_ = nearest_sites(metric_, vectors, sites_, arena_);
+  owners_ = nearest_owners(metric_, vectors, sites_, arena_);
   const double tolerance = finest ? options_.tolerance : kLevelTolerance;
   double before = std::numeric_limits<double>::infinity();
   bool comparable = false;  // the owners before met the capacities
@@ -246,7 +245,7 @@ void Trainer<Scalar>::exact() {
     arena_.check();
     Points<Scalar> sample(vectors_.dimension, count);
     Index k = 0;
-    for (const Index p : draw_distinct(count, m, options_.seed, kLevelStream)) {
+    for (const Index p : draw_distinct(count, m, options_.seed, streams::codebook_levels)) {
       std::copy_n(vectors_[p], vectors_.dimension, sample.col(k++).data());
     }
     exact_level(view_points(sample), share_capacities(capacities, m, count), false);
@@ -304,7 +303,7 @@ void Trainer<Scalar>::end_cancelled() {
   stop_.allow(kTimeToFinish);
   try {
     if (std::cmp_not_equal(owners_.size(), vectors_.count)) {
-      owners_ = nearest_sites(metric_, vectors_, sites_, arena_);
+      owners_ = nearest_owners(metric_, vectors_, sites_, arena_);
     }
     prove();
   } catch (const Stopped&) {

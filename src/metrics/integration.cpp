@@ -9,12 +9,12 @@
 #include "numbers.h"
 #include "parallel/arena.h"
 #include "random.h"
+#include "streams.h"
 
 namespace ccvt {
 
 namespace {
 
-constexpr std::uint64_t kPlaceStream = 0x696e7467'00000000ULL;
 constexpr int kPlaces = 256;
 
 /// The points in the unit cube.
@@ -134,7 +134,7 @@ IntegrationVariance integration_variance(const PointSet& set, std::uint64_t seed
   const Points<double> points = in_unit_cube(set);
   std::vector<std::array<Trial, 3>> trials(kPlaces);
   arena.for_each(trials.size(), 1, [&](std::size_t place) {
-    Random random(seed, kPlaceStream + place);
+    Random random(seed, streams::integration_places + place);
     const Functions functions(set.domain().is_periodic(), set.dimension(), random);
     trials[place] = functions.evaluate(points);
   });

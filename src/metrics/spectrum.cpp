@@ -12,6 +12,7 @@
 #include "metrics/shells.h"
 #include "parallel/arena.h"
 #include "random.h"
+#include "streams.h"
 
 namespace ccvt {
 
@@ -25,7 +26,6 @@ constexpr double kNoPower = 1e-20;        ///< what rounding leaves of none
 constexpr int kRingDraws = 128;
 constexpr Eigen::Index kBetweenChecks = 1 << 12;
 constexpr int kLowDraws = 512;
-constexpr std::uint64_t kDrawStream = 0x73706563'00000000ULL;
 
 /// Mean and variance of the power of the frequencies in a ring.
 struct Sums {
@@ -167,7 +167,7 @@ void fill_from_draws(std::span<const PointSet> sets, const SpectrumOptions& opti
   std::vector<std::size_t> ring_of;
   std::vector<int> drawn;  // one frequency after the other
   const auto draw = [&](double lower, double upper, int draws, std::size_t ring) {
-    Random random(options.seed, kDrawStream + ring);
+    Random random(options.seed, streams::spectrum_frequencies + ring);
     for (int i = 0; i < draws; ++i) {
       arena.check();
       const Eigen::VectorXi k = shells.draw(lower, upper, random);

@@ -16,7 +16,7 @@
 #include "sampling/grid_world.h"
 #include "sampling/hilbert.h"
 #include "sampling/mass.h"
-#include "sampling/streams.h"
+#include "streams.h"
 #include "sampling/text.h"
 
 namespace ccvt {

@@ -11,7 +11,7 @@
 #include "sampling/hilbert.h"
 #include "sampling/mass.h"
 #include "sampling/scalar_box.h"
-#include "sampling/streams.h"
+#include "streams.h"
 #include "sampling/text.h"
 
 namespace ccvt {

@@ -12,7 +12,7 @@
 #include "numbers.h"
 #include "parallel/arena.h"
 #include "random.h"
-#include "sampling/streams.h"
+#include "streams.h"
 
 namespace ccvt {
 

@@ -9,7 +9,7 @@
 #include "random.h"
 #include "sampling/scalar_box.h"
 #include "sampling/strata.h"
-#include "sampling/streams.h"
+#include "streams.h"
 #include "sampling/text.h"
 
 namespace ccvt {

@@ -1,4 +1,4 @@
-#include "codebook/lloyd.h"
+#include "codebook/centroids.h"
 
 #include <algorithm>
 
@@ -44,8 +44,8 @@ void move_to_centroids(const Metric& metric, PointsView<Scalar> points, const Gr
 }
 
 template <class Scalar>
-std::vector<Index> nearest_sites(const Metric& metric, PointsView<Scalar> points,
-                                 const std::vector<double>& sites, const Arena& arena) {
+std::vector<Index> nearest_owners(const Metric& metric, PointsView<Scalar> points,
+                                  const std::vector<double>& sites, const Arena& arena) {
   const std::vector<double> weights = no_weights(sites, points.dimension);
   if (points.dimension <= kTreeDimensions && weights.size() > kProductSites) {
     SiteState state(points.dimension, static_cast<Index>(weights.size()));
@@ -71,9 +71,9 @@ template void move_to_centroids(const Metric&, PointsView<float>, const Grouping
                                 std::vector<double>&);
 template void move_to_centroids(const Metric&, PointsView<double>, const Grouping&, const Arena&,
                                 std::vector<double>&);
-template std::vector<Index> nearest_sites(const Metric&, PointsView<float>,
-                                          const std::vector<double>&, const Arena&);
-template std::vector<Index> nearest_sites(const Metric&, PointsView<double>,
-                                          const std::vector<double>&, const Arena&);
+template std::vector<Index> nearest_owners(const Metric&, PointsView<float>,
+                                           const std::vector<double>&, const Arena&);
+template std::vector<Index> nearest_owners(const Metric&, PointsView<double>,
+                                           const std::vector<double>&, const Arena&);
 
 }  // namespace ccvt

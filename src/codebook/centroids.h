@@ -22,7 +22,7 @@ inline std::vector<double> no_weights(const std::vector<double>& sites, int dime
 
 /// The nearest site of every point; exact.
 template <class Scalar>
-std::vector<Index> nearest_sites(const Metric& metric, PointsView<Scalar> points,
+std::vector<Index> nearest_owners(const Metric& metric, PointsView<Scalar> points,
                                  const std::vector<double>& sites, const Arena& arena);
 
 }  // namespace ccvt

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+/// All random streams of one seed: each is used for one thing, so that points and what is done with
+/// them may share a seed. Those with room have 2^32 more behind them, for parts of the work.
+namespace ccvt::streams {
+
+// The solver.
+constexpr std::uint64_t initial_sites = 1;
+constexpr std::uint64_t levels = 2;
+constexpr std::uint64_t joining_order = 3;
+
+// Codebooks.
+constexpr std::uint64_t codebook_sample = 16;
+constexpr std::uint64_t codebook_seeding = 17;
+constexpr std::uint64_t codebook_levels = 18;
+constexpr std::uint64_t codebook_restarts = 64;  ///< with room
+
+// Drawing points, with room.
+constexpr std::uint64_t uniform = 0x73616d70'00000000ULL;
+constexpr std::uint64_t density_mass = 0x73616d71'00000000ULL;
+constexpr std::uint64_t density_place = 0x73616d72'00000000ULL;
+constexpr std::uint64_t function_tabulate = 0x73616d73'00000000ULL;
+constexpr std::uint64_t density_deal = 0x73616d74'00000000ULL;
+
+// Metrics, with room.
+constexpr std::uint64_t integration_places = 0x696e7467'00000000ULL;
+constexpr std::uint64_t spectrum_frequencies = 0x73706563'00000000ULL;
+
+}  // namespace ccvt::streams
