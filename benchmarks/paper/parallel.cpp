@@ -2,12 +2,17 @@
 // machine to give, phase by phase; and what the tasks of one thread would take on more workers.
 
 #include <chrono>
+#include <cmath>
+#include <vector>
 
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
+#include "ccvt/stipple.h"
+#include "ccvt/volume.h"
 #include "paper/experiments.h"
 #include "parallel/arena.h"
 #include "random.h"
+#include "stopwatch.h"
 #include "support/replay.h"
 #include "support/statistics.h"
 
@@ -19,7 +24,58 @@ struct ParallelCase {
   Case size;
   bool periodic = false;
   bool unequal = false;  ///< capacities, from 1 to 1000
+  /// In place of a tessellation of white noise: what is timed as a whole, points drawn included,
+  /// and the values it is given.
+  void (*whole)(const std::vector<float>& values, const Case& size,
+                const Options& options) = nullptr;
+  std::vector<float> (*values)() = nullptr;
 };
+
+constexpr int kPictureSide = 1500;
+constexpr int kVolumeSide = 180;
+
+/// Of pixels: dark and light rings.
+std::vector<float> rings() {
+  std::vector<float> values;
+  for (int y = 0; y < kPictureSide; ++y) {
+    for (int x = 0; x < kPictureSide; ++x) {
+      const double r = std::hypot(x - 500, y - 750);
+      values.push_back(static_cast<float>(0.5 + 0.4 * std::sin(r / 60) * std::exp(-r / 900)));
+    }
+  }
+  return values;
+}
+
+void stipple_rings(const std::vector<float>& values, const Case& size, const Options& options) {
+  StippleOptions all;
+  all.points_per_site = size.points_per_site;
+  all.tessellation = options;
+  stipple<float>({kPictureSide, kPictureSide, values}, size.sites, all);
+}
+
+/// Of voxels: a ball that is denser inside and empty around.
+std::vector<float> ball() {
+  constexpr double kRadius = kVolumeSide / 2;
+  std::vector<float> values;
+  for (int z = 0; z < kVolumeSide; ++z) {
+    for (int y = 0; y < kVolumeSide; ++y) {
+      for (int x = 0; x < kVolumeSide; ++x) {
+        const double r = std::hypot(x - kRadius, y - kRadius, z - kRadius) / kRadius;
+        values.push_back(r < 1 ? static_cast<float>(1.5 - r) : 0.0F);
+      }
+    }
+  }
+  return values;
+}
+
+void sample_ball(const std::vector<float>& values, const Case& size, const Options& options) {
+  const DensityGrid grid{
+      std::span<const float>(values), {kVolumeSide, kVolumeSide, kVolumeSide}, Box::unit(3)};
+  VolumeOptions all;
+  all.points_per_site = size.points_per_site;
+  all.tessellation = options;
+  sample_volume<float>(grid, size.sites, all);
+}
 
 std::vector<ParallelCase> make_cases(const Scale& scale) {
   if (scale.quick) return {{"box", {2, 512, 64}}, {"torus", {3, 512, 64}, true}};
@@ -32,6 +88,9 @@ std::vector<ParallelCase> make_cases(const Scale& scale) {
   }
   cases.push_back({"box, capacities 1 to 1000", {2, 16384, 256}, false, true});
   cases.push_back({"box", {16, 4096, 64}});
+  cases.push_back(
+      {"stippling 1500 x 1500 pixels", {2, 100000, 64}, false, false, stipple_rings, rings});
+  cases.push_back({"a volume of 180^3 voxels", {3, 200000, 64}, false, false, sample_ball, ball});
   if (scale.is_long) {
     cases.push_back({"box", {2, 262144, 256}});
     cases.push_back({"box", {3, 262144, 256}});
@@ -76,12 +135,22 @@ Json phases_of(const Summary& summary) {
   return json;
 }
 
-/// Seconds, and those of each phase.
+/// Seconds, and those of each phase of a tessellation.
 Json run_once(const ParallelCase& which, const Points<float>& points, const Options& options) {
   const Summary summary = tessellate(make_problem(which, points), options).summary;
   return {{"seconds", summary.seconds_total},
           {"energy", summary.normalized_energy},
           {"phases", phases_of(summary)}};
+}
+
+Json run_whole(const ParallelCase& which, const std::vector<float>& values,
+               const Options& options) {
+  double seconds = 0;
+  {
+    const Stopwatch watch(seconds);
+    which.whole(values, which.size, options);
+  }
+  return {{"seconds", seconds}};
 }
 
 /// What a loop costs two workers beside its tasks.
@@ -145,9 +214,12 @@ void parallel(const Scale& scale, const std::filesystem::path& directory) {
     Json last_two;
     for (int r = 0; r < scale.repetitions; ++r) {
       const auto seed = static_cast<std::uint64_t>(r + 1);
-      const Points<float> points = white_points(which.size, seed);
+      const bool whole = which.whole != nullptr;
+      const auto points = whole ? Points<float>() : white_points(which.size, seed);
+      const auto values = whole ? which.values() : std::vector<float>();
       const auto run = [&](int threads) {
-        return run_once(which, points, {.threads = threads, .seed = seed});
+        const Options options{.threads = threads, .seed = seed};
+        return whole ? run_whole(which, values, options) : run_once(which, points, options);
       };
       const auto [left, right] = run_side_by_side([&] { return run(1); });
       const double beside = (left["seconds"].get<double>() + right["seconds"].get<double>()) / 2;
@@ -161,7 +233,6 @@ void parallel(const Scale& scale, const std::filesystem::path& directory) {
           ": " + std::to_string(one.back()) + " s, " + std::to_string(two.back()) +
           " s on two threads, share " + std::to_string(shares.back()));
     }
-    const Json replay = replay_runs(which, scale.repetitions, barrier, median(slowdowns));
     Json run;
     run["name"] = which.name;
     run["dimension"] = which.size.dimension;
@@ -171,10 +242,13 @@ void parallel(const Scale& scale, const std::filesystem::path& directory) {
     run["two"] = repeated(two);
     run["ceiling"] = repeated(ceilings);
     run["share"] = repeated(shares);
-    run["predicted_over_measured"] = replay["predicted_seconds"].get<double>() / median(two);
-    run["predicted"] = replay["predicted"];
-    run["phases"] = replay["phases"];
-    run["phases_on_two"] = last_two["phases"];
+    if (which.whole == nullptr) {
+      const Json replay = replay_runs(which, scale.repetitions, barrier, median(slowdowns));
+      run["predicted_over_measured"] = replay["predicted_seconds"].get<double>() / median(two);
+      run["predicted"] = replay["predicted"];
+      run["phases"] = replay["phases"];
+      run["phases_on_two"] = last_two["phases"];
+    }
     record.json["runs"].push_back(std::move(run));
     record.save();
   }
