@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "ccvt/types.h"
-#include "format.h"
+#include "number_text.h"
 
 namespace ccvt {
 

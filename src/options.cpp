@@ -3,7 +3,7 @@
 #include <string>
 
 #include "ccvt/types.h"
-#include "format.h"
+#include "number_text.h"
 
 namespace ccvt {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "ccvt/domain.h"
 #include "ccvt/types.h"
-#include "format.h"
+#include "number_text.h"
 
 namespace ccvt {
 

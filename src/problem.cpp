@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "bounds.h"
-#include "format.h"
+#include "number_text.h"
 #include "numbers.h"
 #include "scales.h"
 

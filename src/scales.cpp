@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bounds.h"
-#include "format.h"
+#include "number_text.h"
 
 namespace ccvt {
 

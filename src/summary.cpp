@@ -1,6 +1,6 @@
 #include "ccvt/summary.h"
 
-#include "format.h"
+#include "number_text.h"
 
 namespace ccvt {
 namespace {

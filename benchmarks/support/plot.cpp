@@ -6,12 +6,12 @@
 #include <stdexcept>
 
 #include "cli/chart.h"
+#include "number_text.h"
 
 namespace ccvt::bench {
 namespace {
 
 using cli::escaped;
-using cli::short_number;
 
 constexpr double kNumbers = 66;  ///< room for numbers to the left
 constexpr double kNames = 170;   ///< for names
@@ -21,16 +21,16 @@ constexpr double kBelow = 50;
 constexpr double kLegendLine = 20;
 constexpr std::size_t kColours = 8;
 
-std::string number(double value) { return short_number(value, 2); }
+std::string number(double value) { return decimal_text(value, 2); }
 
 /// What stands at a tick: plain where that is short, else as a power of ten.
 std::string tick_text(double value) {
   if (value != 0 && (std::abs(value) >= 1e6 || std::abs(value) < 1e-3)) {
     const double power = std::floor(std::log10(std::abs(value)) + 1e-9);
-    const std::string digits = short_number(value / std::pow(10, power), 3);
-    return (digits == "1" ? "" : digits + "\xC2\xB7") + "10^" + short_number(power, 0);
+    const std::string digits = decimal_text(value / std::pow(10, power), 3);
+    return (digits == "1" ? "" : digits + "\xC2\xB7") + "10^" + decimal_text(power, 0);
   }
-  return short_number(value, 4);
+  return decimal_text(value, 4);
 }
 
 std::vector<double> ticks_of(const Axis& axis) {

@@ -124,7 +124,7 @@ Json metrics_of(const AnalyzedSet& set) {
 std::string radial_csv(const Analysis& analysis) {
   std::string csv = "frequency,power,anisotropy_db\n";
   // Of what does not exist, the field is empty.
-  const auto field = [](double value) { return std::isfinite(value) ? to_text(value) : ""; };
+  const auto field = [](double value) { return std::isfinite(value) ? concat(value) : ""; };
   for (const SpectrumRing& ring : analysis.spectrum.rings) {
     csv += field(ring.middle()) + "," + field(ring.power) + "," + field(ring.anisotropy_db) + "\n";
   }

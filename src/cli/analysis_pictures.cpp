@@ -6,6 +6,7 @@
 
 #include "cli/analysis_files.h"
 #include "cli/chart.h"
+#include "number_text.h"
 
 namespace ccvt::cli {
 
@@ -143,7 +144,7 @@ std::string points_svg(const AnalyzedSet& set) {
   const double width_drawn = share * extent[0] * scale;
   const double height_drawn = share * height * scale;
   const double radius = std::clamp(0.2 * run.mean_spacing() * scale, 0.6, 4.0);
-  const auto number = [](double value) { return short_number(value, 2); };
+  const auto number = [](double value) { return decimal_text(value, 2); };
   std::string svg = R"(<svg class="ccvt" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 )" +
                     number(width_drawn + 20) + " " + number(height_drawn + 20) +
                     R"(" role="img"><title>)" + escaped("Points of " + set.name) + "</title>\n" +

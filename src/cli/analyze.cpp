@@ -112,7 +112,7 @@ void check_unit_box(const fs::path& path, const Points<double>& points) {
     for (Eigen::Index d = 0; d < points.rows(); ++d) {
       if (points(d, p) >= 0 && points(d, p) <= 1) continue;
       throw InvalidInput(path.string() + ": coordinate " + std::to_string(d) + " of point " +
-                         std::to_string(p) + " is " + to_text(points(d, p)) +
+                         std::to_string(p) + " is " + concat(points(d, p)) +
                          ", outside the unit box; say which box the points fill: --box LO.. HI..");
     }
   }

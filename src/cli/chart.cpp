@@ -1,8 +1,9 @@
 #include "cli/chart.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+
+#include "number_text.h"
 
 namespace ccvt::cli {
 
@@ -51,7 +52,7 @@ class Drawing {
   }
 
  private:
-  static std::string number(double value) { return short_number(value, 2); }
+  static std::string number(double value) { return decimal_text(value, 2); }
   [[nodiscard]] double at_x(double x) const {
     return kLeft + (kWidth - kLeft - kRight) * x / chart_.x_most;
   }
@@ -75,14 +76,14 @@ class Drawing {
     const double x_step = tick_step(chart_.x_most);
     for (int i = 0; i * x_step <= chart_.x_most * (1 + 1e-9); ++i) {
       line("grid", at_x(i * x_step), kTop, at_x(i * x_step), bottom);
-      text(at_x(i * x_step), bottom + 18, "middle", short_number(i * x_step, 3));
+      text(at_x(i * x_step), bottom + 18, "middle", decimal_text(i * x_step, 3));
     }
     const double y_step = tick_step(chart_.y_most - chart_.y_least);
     const double first = std::ceil(chart_.y_least / y_step - 1e-9);
     for (int i = 0; (first + i) * y_step <= chart_.y_most + 1e-9 * y_step; ++i) {
       const double y = (first + i) * y_step;
       line("grid", kLeft, at_y(y), kWidth - kRight, at_y(y));
-      text(kLeft - 6, at_y(y) + 5, "end", short_number(y, 3));
+      text(kLeft - 6, at_y(y) + 5, "end", decimal_text(y, 3));
     }
     text((kLeft + kWidth - kRight) / 2, bottom + 40, "middle", chart_.x_label);
     const std::string middle = number(kTop + kPlotHeight / 2);
@@ -119,18 +120,6 @@ class Drawing {
 };
 
 }  // namespace
-
-std::string short_number(double value, int decimals) {
-  char buffer[352];  // the largest double, written out
-  const auto [end, error] =
-      std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals);
-  std::string text(buffer, end);
-  if (text.find('.') != std::string::npos) {
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-  }
-  return text == "-0" ? "0" : text;
-}
 
 std::string escaped(const std::string& text) {
   std::string result;

@@ -42,7 +42,4 @@ std::string svg_file(const std::string& element);
 /// `text` for use in XML and HTML.
 std::string escaped(const std::string& text);
 
-/// A number for coordinates and labels: at most `decimals` behind the point, no trailing zeros.
-std::string short_number(double value, int decimals);
-
 }  // namespace ccvt::cli

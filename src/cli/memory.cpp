@@ -20,7 +20,7 @@ std::string bytes_text(double bytes) {
     bytes /= 1024;
     ++unit;
   }
-  return to_text(std::round(bytes * 10) / 10) + " " + units[unit];
+  return concat(std::round(bytes * 10) / 10) + " " + units[unit];
 }
 
 }  // namespace

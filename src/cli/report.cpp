@@ -1,7 +1,6 @@
 #include "cli/report.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <set>
@@ -52,10 +51,7 @@ constexpr const char* kWhyNone =
 std::string value_text(double value) {
   if (std::abs(value) < 1e-12) return "0";  // all that rounding leaves of it
   if (!std::isfinite(value)) return kNone;
-  char buffer[64];
-  const auto [end, error] =
-      std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 4);
-  return {buffer, end};
+  return text(value, 4);
 }
 
 std::string base64(const std::string& bytes) {

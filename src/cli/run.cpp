@@ -10,7 +10,7 @@
 #include "cli/outputs.h"
 #include "cli/signals.h"
 #include "cli/streams.h"
-#include "format.h"
+#include "number_text.h"
 
 namespace ccvt::cli {
 

@@ -10,6 +10,8 @@
 #include <system_error>
 #include <type_traits>
 
+#include "number_text.h"
+
 namespace ccvt::cli {
 
 /// What a number on the command line must be.
@@ -22,22 +24,15 @@ struct Range {
 };
 
 template <class Number>
-std::string to_text(Number value) {
-  char digits[64];
-  const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
-  return {digits, end};
-}
-
-template <class Number>
 std::string describe(const Range<Number>& range, bool too_large) {
   std::string text = std::is_integral_v<Number> ? "a whole number" : "a finite number";
   const bool least =
       std::is_unsigned_v<Number> || range.least != std::numeric_limits<Number>::lowest();
   const bool most = too_large || range.most != std::numeric_limits<Number>::max();
-  if (least) text += (range.open_below ? " above " : " of at least ") + to_text(range.least);
+  if (least) text += (range.open_below ? " above " : " of at least ") + concat(range.least);
   if (most) {
     text += least ? " and" : "";
-    text += (range.open_above ? " below " : " at most ") + to_text(range.most);
+    text += (range.open_above ? " below " : " at most ") + concat(range.most);
   }
   return text;
 }

@@ -54,7 +54,7 @@ void visit_values(const Volume& volume, const Visit& visit) {
 [[noreturn]] void refuse_value(const VolumeArguments& arguments, std::size_t cell, double value) {
   const std::string file = arguments.volume.string();
   throw InvalidInput(
-      file + ": value " + std::to_string(cell) + " is " + to_text(value) +
+      file + ": value " + std::to_string(cell) + " is " + concat(value) +
       (std::isnan(value)
            ? "; leave such cells out with --mask FILE, a volume that is 0 or NaN there: " + file +
                  " itself would do"
@@ -107,8 +107,8 @@ void check_values(const VolumeArguments& arguments, const Volume& volume,
     return true;
   });
   if (limits || map.invert || !(least < 0)) return;
-  throw InvalidInput(arguments.volume.string() + ": has values from " + to_text(least) + " to " +
-                     to_text(most) +
+  throw InvalidInput(arguments.volume.string() + ": has values from " + concat(least) + " to " +
+                     concat(most) +
                      ", but a density is not negative; choose which values matter with --map "
                      "window:LO,HI (0 up to LO, full from HI) or --map threshold:T");
 }

@@ -9,8 +9,8 @@
 #include "ccvt/publication.h"
 #include "cell_sizes.h"
 #include "codebook/encode.h"
-#include "format.h"
 #include "geometry/squares.h"
+#include "number_text.h"
 #include "numbers.h"
 #include "scales.h"
 

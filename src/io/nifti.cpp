@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "format.h"
 #include "io/volume_file.h"
+#include "number_text.h"
 
 namespace ccvt::io {
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <system_error>
 
+#include "number_text.h"
+
 namespace ccvt::io {
 
 namespace {
@@ -59,13 +61,6 @@ std::from_chars_result parse_whole(std::string_view field, Number& value) {
   auto result = std::from_chars(field.data(), end, value);
   if (result.ec == std::errc() && result.ptr != end) result.ec = std::errc::invalid_argument;
   return result;
-}
-
-template <class Number>
-void append_shortest(std::string& text, Number value) {
-  char digits[64];
-  const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
-  text.append(digits, end);
 }
 
 const char* check_finite(double value) {
@@ -201,8 +196,8 @@ const char* parse(std::string_view field, std::int32_t& value) {
   return error == std::errc() ? nullptr : "is not a whole number";
 }
 
-void append(std::string& text, float value) { append_shortest(text, value); }
-void append(std::string& text, double value) { append_shortest(text, value); }
-void append(std::string& text, std::int32_t value) { append_shortest(text, value); }
+void append(std::string& text, float value) { append_text(text, value); }
+void append(std::string& text, double value) { append_text(text, value); }
+void append(std::string& text, std::int32_t value) { append_text(text, value); }
 
 }  // namespace ccvt::io

@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "ccvt/volume.h"
-#include "format.h"
 #include "io/formats.h"
 #include "io/npy.h"
+#include "number_text.h"
 
 namespace ccvt {
 

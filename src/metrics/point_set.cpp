@@ -4,9 +4,9 @@
 
 #include "ccvt/capacity.h"
 #include "ccvt/metrics.h"
-#include "format.h"
 #include "geometry/metric.h"
 #include "metrics/sets.h"
+#include "number_text.h"
 #include "numbers.h"
 #include "scales.h"
 

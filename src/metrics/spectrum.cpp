@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "ccvt/metrics.h"
-#include "format.h"
 #include "metrics/periodogram.h"
 #include "metrics/sets.h"
 #include "metrics/shells.h"
+#include "number_text.h"
 #include "parallel/arena.h"
 #include "random.h"
 #include "streams.h"

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "number_text.h"
 #include "parallel/arena.h"
 #include "parallel/loops.h"
 #include "random.h"
@@ -17,7 +18,6 @@
 #include "sampling/hilbert.h"
 #include "sampling/mass.h"
 #include "streams.h"
-#include "sampling/text.h"
 
 namespace ccvt {
 namespace {

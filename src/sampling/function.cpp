@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "ccvt/density.h"
+#include "number_text.h"
 #include "parallel/arena.h"
 #include "random.h"
 #include "sampling/hilbert.h"
 #include "sampling/mass.h"
 #include "sampling/scalar_box.h"
 #include "streams.h"
-#include "sampling/text.h"
 
 namespace ccvt {
 namespace {

@@ -4,13 +4,13 @@
 #include <limits>
 
 #include "ccvt/sampling.h"
+#include "number_text.h"
 #include "numbers.h"
 #include "parallel/arena.h"
 #include "random.h"
 #include "sampling/scalar_box.h"
 #include "sampling/strata.h"
 #include "streams.h"
-#include "sampling/text.h"
 
 namespace ccvt {
 namespace {

@@ -1,13 +1,12 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <string>
-#include <string_view>
 
 #include "ccvt/stipple.h"
 #include "io/input_file.h"
 #include "io/output_file.h"
+#include "number_text.h"
 
 namespace ccvt {
 
@@ -16,19 +15,6 @@ namespace {
 constexpr double kLeastDrawnRadius = 3;
 constexpr double kMostAutomaticPixels = 1 << 25;
 constexpr double kMostPixels = 1 << 28;
-
-/// With as many decimals as matter for what is drawn, and no zeros at the end.
-void append_decimal(std::string& text, double value, int decimals) {
-  char digits[400];
-  const auto [end, error] =
-      std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed, decimals);
-  std::string_view shown(digits, end);
-  if (shown.find('.') != std::string_view::npos) {
-    shown.remove_suffix(shown.size() - 1 - shown.find_last_not_of('0'));
-    if (shown.back() == '.') shown.remove_suffix(1);
-  }
-  text += shown == "-0" ? "0" : shown;
-}
 
 double scale_for(double radius, int width, int height) {
   const double area = 1.0 * width * height;
@@ -64,7 +50,7 @@ void write_svg(const std::filesystem::path& path, const Stippling<Scalar>& stipp
   const std::string width = std::to_string(stippling.width);
   const std::string height = std::to_string(stippling.height);
   std::string r;
-  append_decimal(r, radius, decimals + 1);
+  r += decimal_text(radius, decimals + 1);
   io::OutputFile file(path);
   std::string text =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
@@ -74,9 +60,9 @@ void write_svg(const std::filesystem::path& path, const Stippling<Scalar>& stipp
       "\" fill=\"#fff\"/>\n<g fill=\"#000\">\n";
   for (Eigen::Index dot = 0; dot < stippling.dots.cols(); ++dot) {
     text += "<circle cx=\"";
-    append_decimal(text, stippling.dots(0, dot), decimals);
+    text += decimal_text(stippling.dots(0, dot), decimals);
     text += "\" cy=\"";
-    append_decimal(text, stippling.dots(1, dot), decimals);
+    text += decimal_text(stippling.dots(1, dot), decimals);
     text += "\" r=\"" + r + "\"/>\n";
     if (text.size() > (1U << 16)) {
       file.write(text);

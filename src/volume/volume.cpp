@@ -9,7 +9,7 @@
 #include <numeric>
 #include <utility>
 
-#include "format.h"
+#include "number_text.h"
 
 namespace ccvt {
 
