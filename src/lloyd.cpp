@@ -13,6 +13,7 @@
 #include "relax/initial_sites.h"
 #include "relax/nearest_sites.h"
 #include "relax/update.h"
+#include "schedule/tiling.h"
 #include "stopwatch.h"
 
 namespace ccvt {
@@ -40,7 +41,7 @@ class Lloyd {
   Index assign();
   void gather();
   void finish(Termination termination);
-  [[nodiscard]] bool gains(Index point, Index site) const;
+  [[nodiscard]] bool gains(PointNumber point, SiteNumber site) const;
 
   const Problem<Scalar>& problem_;
   const Options& options_;
@@ -51,7 +52,6 @@ class Lloyd {
   double coordinate_bound_;
   SiteState sites_;
   Cells<Scalar> cells_;
-  std::vector<Index> points_;  ///< 0..m-1
   std::vector<Index> owners_;
   std::vector<std::uint8_t> changed_;  ///< of each site: whether its cell has changed
   double margin_ = 0;
@@ -67,9 +67,7 @@ Lloyd<Scalar>::Lloyd(const Problem<Scalar>& problem, const Options& options)
       metric_(problem.dimension(), problem.domain()),
       box_(problem.bounding_box()),
       coordinate_bound_(std::max(box_.lower.eigen().cwiseAbs().maxCoeff(),
-                                 box_.upper.eigen().cwiseAbs().maxCoeff())),
-      points_(static_cast<std::size_t>(problem.point_count())) {
-  std::iota(points_.begin(), points_.end(), 0);
+                                 box_.upper.eigen().cwiseAbs().maxCoeff())) {
   summary_.dimension = problem.dimension();
   summary_.points = problem.point_count();
   summary_.sites = problem.site_count();
@@ -85,10 +83,10 @@ void Lloyd<Scalar>::start() {
   const Stopwatch initialization(summary_.seconds_initialization);
   sites_ = initial_sites(problem_, metric_, options_.seed);
   owners_ = problem_.initial_owners();
-  changed_.assign(static_cast<std::size_t>(sites_.count()), 1);
+  changed_.assign(sites_.count(), 1);
   if (owners_.empty()) {
     summary_.initialization_used = "nearest";
-    owners_.assign(points_.size(), -1);
+    owners_.assign(static_cast<std::size_t>(problem_.point_count()), -1);
     assign_first();
   } else {
     summary_.initialization_used = "owners";
@@ -120,10 +118,9 @@ void Lloyd<Scalar>::assign_first() {
 
 /// Whether `point` is nearer to `site` than to its owner, beyond what rounding can fake.
 template <class Scalar>
-bool Lloyd<Scalar>::gains(Index point, Index site) const {
-  const Scalar* x = problem_.points()[point];
-  const Index owner = owners_[static_cast<std::size_t>(point)];
-  const double own = metric_.squared_distance(x, sites_.at(owner));
+bool Lloyd<Scalar>::gains(PointNumber point, SiteNumber site) const {
+  const Scalar* x = problem_.points()[point.index()];
+  const double own = metric_.squared_distance(x, sites_.at(SiteNumber(owners_[point])));
   const double other = metric_.squared_distance(x, sites_.at(site));
   const double distance = std::sqrt(own);
   const double rounding = 4 * (metric_.dimension() + 4) *
@@ -135,19 +132,21 @@ bool Lloyd<Scalar>::gains(Index point, Index site) const {
 /// Gives every point to its nearest site [eq. 3]; returns how many change their owner.
 template <class Scalar>
 Index Lloyd<Scalar>::assign() {
-  const Buffer<Index> nearest =
+  const Buffer<SiteNumber> nearest =
       NearestSites<Scalar>(metric_, sites_, box_, arena_).owners(problem_.points(), arena_);
   std::vector<std::uint8_t> moves(owners_.size());
   arena_.for_each(owners_.size(), kPointsPerGrain, [&](std::size_t p) {
-    const Index site = nearest[p];
-    moves[p] = owners_[p] < 0 || (site != owners_[p] && gains(static_cast<Index>(p), site)) ? 1 : 0;
+    const SiteNumber site = nearest[p];
+    const SiteNumber owner(owners_[p]);
+    moves[p] =
+        owner == SiteNumber::none() || (site != owner && gains(PointNumber(p), site)) ? 1 : 0;
   });
   Index count = 0;
   for (std::size_t p = 0; p < moves.size(); ++p) {
     if (moves[p] == 0) continue;
-    if (owners_[p] >= 0) changed_[static_cast<std::size_t>(owners_[p])] = 1;
-    changed_[static_cast<std::size_t>(nearest[p])] = 1;
-    owners_[p] = nearest[p];
+    if (owners_[p] >= 0) changed_[SiteNumber(owners_[p])] = 1;
+    changed_[nearest[p]] = 1;
+    owners_[p] = nearest[p].index();
     ++count;
   }
   return count;
@@ -158,19 +157,19 @@ template <class Scalar>
 void Lloyd<Scalar>::gather() {
   const Stop::Pause pause(stop_);
   std::vector<Index> sizes(changed_.size(), 0);
-  for (const Index owner : owners_) ++sizes[static_cast<std::size_t>(owner)];
+  for (const Index owner : owners_) ++sizes[SiteNumber(owner)];
   cells_ = {};  // before there is another copy of the coordinates
   cells_ = Cells<Scalar>(metric_.dimension(), sizes);
   std::vector<Index> filled(sizes.size(), 0);
-  for (const Index p : points_) {
-    const Index owner = owners_[static_cast<std::size_t>(p)];
-    cells_.put(owner, filled[static_cast<std::size_t>(owner)]++, p, problem_.points()[p]);
+  for (const PointNumber p : points_below(owners_.size())) {
+    const SiteNumber owner(owners_[p]);
+    cells_.put(owner, filled[owner]++, p, problem_.points()[p.index()]);
   }
-  arena_.for_each(sizes.size(), kSitesPerGrain, [&](std::size_t s) {
+  for_each_site(arena_, sizes.size(), kSitesPerGrain, [&](SiteNumber s) {
     if (changed_[s] == 0) return;
     if (sizes[s] > 0) {
       sites_.radius[s] = std::numeric_limits<double>::infinity();
-      update_site(metric_, cells_, sites_, static_cast<Index>(s));
+      update_site(metric_, cells_, sites_, s);
     } else {
       sites_.radius[s] = sites_.energy[s] = 0;
     }
@@ -245,9 +244,9 @@ detail::LloydResult<Scalar> Lloyd<Scalar>::run() {
   }
   detail::LloydResult<Scalar> result;
   result.sites = {summary_.dimension, summary_.sites};
-  for (Index s = 0; s < summary_.sites; ++s) {
+  for (const SiteNumber s : sites_.all()) {
     for (int d = 0; d < summary_.dimension; ++d) {
-      result.sites(d, s) = metric_.template as<Scalar>(sites_.at(s)[d], d);
+      result.sites(d, s.index()) = metric_.template as<Scalar>(sites_.at(s)[d], d);
     }
   }
   result.owners = std::move(owners_);

@@ -62,9 +62,9 @@ std::vector<Index> nearest_sites(const Metric& metric, PointsView<Scalar> points
         box.upper[d] = std::max(box.upper[d], static_cast<double>(points[p][d]));
       }
     }
-    const Buffer<Index> nearest =
+    const Buffer<SiteNumber> nearest =
         NearestSites<Scalar>(metric, state, box, arena).owners(points, arena);
-    owners.assign(nearest.begin(), nearest.end());
+    for (const PointNumber p : points_below(points.count)) owners[p] = nearest[p].index();
     return owners;
   }
   const std::vector<double> weights(static_cast<std::size_t>(n), 0.0);

@@ -64,12 +64,12 @@ std::vector<Level> make_levels(std::span<const Index> capacities, Index points,
     levels[l].joining.reset(exclusive_scan(arena, std::span(place[l])));
   }
   arena.for_ranges(count, kBlock, [&](std::size_t begin, std::size_t end, int) {
-    std::vector<Index*> next;
+    std::vector<PointNumber*> next;
     for (std::size_t l = 0; l < levels.size(); ++l) {
       next.push_back(levels[l].joining.data() + place[l][begin / kBlock]);
     }
     for (std::size_t p = begin; p < end; ++p) {
-      *next[subsets.smallest_with(p)]++ = static_cast<Index>(p);
+      *next[subsets.smallest_with(p)]++ = PointNumber(p);
     }
   });
   return levels;

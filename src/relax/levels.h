@@ -6,6 +6,7 @@
 
 #include "ccvt/options.h"
 #include "ccvt/types.h"
+#include "numbers.h"
 #include "parallel/arena.h"
 #include "parallel/buffer.h"
 
@@ -14,7 +15,7 @@ namespace ccvt {
 /// One level of the multi-level optimisation [5.2].
 struct Level {
   std::vector<Index> capacities;  ///< of the sites on this level
-  Buffer<Index> joining;          ///< points that join here, ascending
+  Buffer<PointNumber> joining;    ///< points that join here, ascending
 };
 
 /// Splits the points into nested random subsets: level l holds the points that join on levels
