@@ -55,15 +55,20 @@ CoordinateRange<Scalar> coordinate_range(const PointsView<Scalar>& points, const
       });
 }
 
-/// The problem's box, or the smallest around its points.
+/// The smallest around points, of which there are some.
 template <class Scalar>
-Box bounding_box(const Problem<Scalar>& problem, const Arena& arena) {
-  if (problem.domain().has_box()) return problem.domain().box();
-  const CoordinateRange<Scalar> range = coordinate_range(problem.points(), arena);
-  Box box = Box::unit(problem.dimension());
+Box box_around(const PointsView<Scalar>& points, const Arena& arena) {
+  const CoordinateRange<Scalar> range = coordinate_range(points, arena);
+  Box box = Box::unit(points.dimension);
   std::copy(range.lower.begin(), range.lower.end(), box.lower.data());
   std::copy(range.upper.begin(), range.upper.end(), box.upper.data());
   return box;
+}
+
+/// The problem's box, or the smallest around its points.
+template <class Scalar>
+Box bounding_box(const Problem<Scalar>& problem, const Arena& arena) {
+  return problem.domain().has_box() ? problem.domain().box() : box_around(problem.points(), arena);
 }
 
 /// On the absolute values of all coordinates in it.

@@ -16,6 +16,7 @@
 #include "relax/nearest_sites.h"
 #include "relax/update.h"
 #include "rounding.h"
+#include "schedule/tiling.h"
 #include "stopwatch.h"
 
 namespace ccvt {
@@ -87,7 +88,7 @@ void Lloyd<Scalar>::start() {
     sites_ = initial_sites(problem_, metric_, options_.seed, arena_);
   }
   owners_ = problem_.initial_owners();
-  changed_.assign(sites_.radius.size(), 1);
+  changed_.assign(sites_.count(), 1);
   if (owners_.empty()) {
     summary_.initialization_used = "nearest";
     owners_.assign(static_cast<std::size_t>(problem_.point_count()), -1);
@@ -124,8 +125,8 @@ void Lloyd<Scalar>::assign_first() {
 template <class Scalar>
 bool Lloyd<Scalar>::gains(PointNumber point, SiteNumber site) const {
   const Scalar* x = problem_.points()[point.index()];
-  const double own = metric_.squared_distance(x, sites_.at(owners_[point]));
-  const double other = metric_.squared_distance(x, sites_.at(site.index()));
+  const double own = metric_.squared_distance(x, sites_.at(SiteNumber(owners_[point])));
+  const double other = metric_.squared_distance(x, sites_.at(site));
   const double distance = std::sqrt(own);
   const double rounding = 4 * (metric_.dimension() + 4) *
                           (kHalfUlp * distance * (distance + metric_.largest_extent()) +
@@ -136,20 +137,21 @@ bool Lloyd<Scalar>::gains(PointNumber point, SiteNumber site) const {
 /// Gives every point to its nearest site [eq. 3]; returns how many change their owner.
 template <class Scalar>
 Index Lloyd<Scalar>::assign() {
-  const Buffer<Index> nearest =
+  const Buffer<SiteNumber> nearest =
       NearestSites<Scalar>(metric_, sites_, box_, arena_).owners(problem_.points(), arena_);
   std::vector<std::uint8_t> moves(owners_.size());
   arena_.for_each(owners_.size(), kPointsPerGrain, [&](std::size_t p) {
-    const Index site = nearest[p];
+    const SiteNumber site = nearest[p];
+    const SiteNumber owner(owners_[p]);
     moves[p] =
-        owners_[p] < 0 || (site != owners_[p] && gains(PointNumber(p), SiteNumber(site))) ? 1 : 0;
+        owner == SiteNumber::none() || (site != owner && gains(PointNumber(p), site)) ? 1 : 0;
   });
   Index count = 0;
   for (std::size_t p = 0; p < moves.size(); ++p) {
     if (moves[p] == 0) continue;
     if (owners_[p] >= 0) changed_[SiteNumber(owners_[p])] = 1;
-    changed_[SiteNumber(nearest[p])] = 1;
-    owners_[p] = nearest[p];
+    changed_[nearest[p]] = 1;
+    owners_[p] = nearest[p].index();
     ++count;
   }
   return count;
@@ -165,24 +167,20 @@ void Lloyd<Scalar>::gather() {
   std::vector<Index> filled(sizes.size(), 0);
   for (const PointNumber p : points_below(owners_.size())) {
     const SiteNumber owner(owners_[p]);
-    cells_.put(owner.index(), filled[owner]++, p.index(), problem_.points()[p.index()]);
+    cells_.put(owner, filled[owner]++, p, problem_.points()[p.index()]);
   }
-  arena_.for_each(sizes.size(), kSitesPerGrain, [&](std::size_t s) {
+  for_each_site(arena_, sizes.size(), kSitesPerGrain, [&](SiteNumber s) {
     if (changed_[s] == 0) return;
     if (sizes[s] > 0) {
       sites_.radius[s] = std::numeric_limits<double>::infinity();
-      update_site(metric_, cells_, sites_, static_cast<Index>(s));
+      update_site(metric_, cells_, sites_, s);
     } else {
       sites_.radius[s] = sites_.energy[s] = 0;
     }
   });
   margin_ = 0;
   for (std::size_t s = 0; s < sizes.size(); ++s) {
-    const double count = sizes[s];
-    const double summed = metric_.periodic() ? (count + 16) * metric_.largest_extent()
-                                             : (count / 8 + 16) * 2 * sites_.radius[s];
-    const double error = kHalfUlp * (coordinate_bound_ + summed);
-    margin_ += count * error * error * metric_.dimension();
+    margin_ += energy_of_rounding(metric_, coordinate_bound_, sizes[s], sites_.radius[s]);
   }
   summary_.energy = total_energy(sites_, arena_);
 }
@@ -245,9 +243,9 @@ detail::LloydResult<Scalar> Lloyd<Scalar>::run() {
   }
   detail::LloydResult<Scalar> result;
   result.sites = {summary_.dimension, summary_.sites};
-  for (Index s = 0; s < summary_.sites; ++s) {
+  for (const SiteNumber s : sites_.all()) {
     for (int d = 0; d < summary_.dimension; ++d) {
-      result.sites(d, s) = metric_.template as<Scalar>(sites_.at(s)[d], d);
+      result.sites(d, s.index()) = metric_.template as<Scalar>(sites_.at(s)[d], d);
     }
   }
   result.owners = std::move(owners_);

@@ -18,7 +18,11 @@ class Number {
   template <std::integral Integer>
   constexpr explicit Number(Integer value) : value_(static_cast<Index>(value)) {}
 
+  /// The number of nothing: no array has it.
+  [[nodiscard]] static constexpr Number none() { return Number(-1); }
+
   [[nodiscard]] constexpr Index index() const { return value_; }
+  [[nodiscard]] constexpr Number next() const { return Number(value_ + 1); }
   constexpr operator std::size_t() const { return static_cast<std::size_t>(value_); }
 
   constexpr Number& operator++() {
@@ -58,12 +62,22 @@ class NumberRange {
   constexpr NumberRange(N begin, N end) : begin_(begin), end_(end) {}
   [[nodiscard]] constexpr Iterator begin() const { return Iterator(begin_); }
   [[nodiscard]] constexpr Iterator end() const { return Iterator(end_); }
+  [[nodiscard]] constexpr std::size_t size() const { return end_ - begin_; }
+  /// Those after one of them.
+  [[nodiscard]] constexpr NumberRange after(N number) const { return {number.next(), end_}; }
 
  private:
   N begin_;
   N end_;
 };
 
+template <class Number>
+NumberRange<Number> numbers_below(std::integral auto count) {
+  return {Number(0), Number(count)};
+}
+inline NumberRange<SiteNumber> sites_between(std::integral auto begin, std::integral auto end) {
+  return {SiteNumber(begin), SiteNumber(end)};
+}
 inline NumberRange<SiteNumber> sites_below(std::integral auto count) {
   return {SiteNumber(0), SiteNumber(count)};
 }

@@ -60,7 +60,7 @@ struct Solver<Scalar>::Implementation {
   void divide_points();
   void take_owners();
   void enter_level(std::size_t next);
-  void join(std::span<const Index> joining, std::span<const Pair> near, Filling<Scalar>& filling);
+  void join(const JoiningPoints& joining, std::span<const Pair> near, Filling<Scalar>& filling);
   void deal(const Cells<Scalar>& owned, std::span<const Index> filled);
   void begin_level();
   [[nodiscard]] double energy_of_sites() {
@@ -79,13 +79,13 @@ struct Solver<Scalar>::Implementation {
   Box box;
 
   /// The solver numbers sites by where they are: site_of[k] is the caller's number of site k.
-  std::vector<Index> site_of;
+  std::vector<SiteNumber> site_of;
   std::vector<Level> levels;
   std::size_t level = 0;
   LevelState<Scalar> state;
   std::unique_ptr<Relaxer<Scalar>> relaxer;
   /// Of a run that was cancelled, when there was no time for more: the owners, by deal_rest().
-  std::vector<Index> dealt;
+  std::vector<SiteNumber> dealt;
 };
 
 template <class Scalar>
@@ -178,13 +178,12 @@ template <class Scalar>
 void Solver<Scalar>::Implementation::place_sites() {
   const auto charge = arena.phase(Phase::sites);
   box = bounding_box(problem, arena);
-  const int dimension = problem.dimension();
   const SiteState given = initial_sites(problem, metric, options.seed, arena);
   state.tiling = Tiling::of_points(problem.site_count(), problem.point_count(), options.tile_sites);
-  site_of = spatial_order(given.position, dimension, state.tiling.sites_per_tile(), arena);
-  state.sites = SiteState(dimension, given.count());
-  for (std::size_t k = 0; k < site_of.size(); ++k) {
-    std::copy_n(given.at(site_of[k]), dimension, state.sites.at(static_cast<Index>(k)));
+  site_of = spatial_order(given, state.tiling.sites_per_tile(), arena);
+  state.sites = SiteState(given.dimension, given.count());
+  for (const SiteNumber k : state.sites.all()) {
+    std::copy_n(given.at(site_of[k]), given.dimension, state.sites.at(k));
   }
 }
 
@@ -192,10 +191,9 @@ void Solver<Scalar>::Implementation::place_sites() {
 template <class Scalar>
 void Solver<Scalar>::Implementation::divide_points() {
   const auto charge = arena.phase(Phase::levels);
-  std::vector<Index> capacities(site_of.size());
-  for (std::size_t k = 0; k < capacities.size(); ++k) {
-    capacities[k] = problem.capacities()[static_cast<std::size_t>(site_of[k])];
-  }
+  std::vector<Index> capacities;
+  capacities.reserve(site_of.size());
+  for (const SiteNumber given : site_of) capacities.push_back(problem.capacities()[given]);
   levels.resize(1);
   levels[0].capacities = capacities;
   levels = make_levels(capacities, problem.point_count(), options, arena);
@@ -203,33 +201,29 @@ void Solver<Scalar>::Implementation::divide_points() {
 
 template <class Scalar>
 void Solver<Scalar>::Implementation::take_owners() {
-  std::vector<Index> rank(site_of.size());
-  for (std::size_t k = 0; k < site_of.size(); ++k) {
-    rank[static_cast<std::size_t>(site_of[k])] = static_cast<Index>(k);
-  }
+  std::vector<SiteNumber> rank(site_of.size());
+  for (const SiteNumber k : state.sites.all()) rank[site_of[k]] = k;
   state.cells = Cells<Scalar>(problem.dimension(), levels[0].capacities);
   Filling<Scalar> filling(state.cells, problem.points(), state.tiling);
-  for (Index p = 0; p < problem.point_count(); ++p) {
-    const Index owner = problem.initial_owners()[static_cast<std::size_t>(p)];
-    filling.add(rank[static_cast<std::size_t>(owner)], p);
+  for (const PointNumber p : points_below(problem.point_count())) {
+    filling.add(rank[SiteNumber(problem.initial_owners()[p])], p);
   }
-  levels[0].joining = {};
   begin_level();
 }
 
 /// Gives the joining points owners by the chosen initialization.
 template <class Scalar>
-void Solver<Scalar>::Implementation::join(std::span<const Index> joining,
-                                          std::span<const Pair> near, Filling<Scalar>& filling) {
+void Solver<Scalar>::Implementation::join(const JoiningPoints& joining, std::span<const Pair> near,
+                                          Filling<Scalar>& filling) {
   const auto charge = arena.phase(Phase::join);
   switch (options.initialization) {
     case Initialization::automatic:  // decided by resolved()
     case Initialization::balanced:
       return join_balanced(metric, state.sites, box, joining, near, arena, filling);
     case Initialization::coherent:
-      return join_coherent(metric, state.sites, joining, options.seed, filling, arena);
+      return join_coherent(metric, state.sites, joining.all(arena), options.seed, filling, arena);
     case Initialization::random:
-      return join_random(joining, options.seed, filling, arena);
+      return join_random(joining.all(arena), options.seed, filling, arena);
   }
 }
 
@@ -244,12 +238,7 @@ void Solver<Scalar>::Implementation::enter_level(std::size_t next) {
   if (level < next) {
     const auto charge = arena.phase(Phase::join);
     const Stop::Pause pause(stop);
-    arena.for_each(state.tiling.count(), 1, [&](std::size_t t) {
-      const Tile tile{static_cast<Index>(t)};
-      for (Index s = state.tiling.begin(tile); s < state.tiling.end(tile); ++s) {
-        filling.add_cell(state.cells, s);
-      }
-    });
+    for_each_site(arena, state.tiling, [&](SiteNumber s) { filling.add_cell(state.cells, s); });
   }
   state.cells = {};
   level = next;
@@ -262,7 +251,6 @@ void Solver<Scalar>::Implementation::enter_level(std::size_t next) {
     end(Termination::cancelled);
     throw;
   }
-  levels[level].joining = {};
   state.cells = std::move(larger);
   begin_level();
 }
@@ -275,11 +263,10 @@ void Solver<Scalar>::Implementation::deal(const Cells<Scalar>& owned,
   dealt = deal_rest(metric, state.sites, box, problem.points(), levels.back().capacities, owned,
                     filled);
   level = levels.size() - 1;
-  levels[level].joining = {};
   state.cells = {};
   relaxer.reset();
   const double energy = sum_of(arena, dealt.size(), kPointsPerGrain, [&](std::size_t p) {
-    return metric.squared_distance(problem.points()[static_cast<Index>(p)],
+    return metric.squared_distance(problem.points()[PointNumber(p).index()],
                                    state.sites.at(dealt[p]));
   });
   record.begin(energy, true);
@@ -288,7 +275,7 @@ void Solver<Scalar>::Implementation::deal(const Cells<Scalar>& owned,
 /// All points of the level are in cells: the sites move to their centroids.
 template <class Scalar>
 void Solver<Scalar>::Implementation::begin_level() {
-  relaxer = std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, problem.site_count(),
+  relaxer = std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, state.sites.count(),
                                               largest_coordinate(box));
   {
     const Stop::Pause pause(stop);
@@ -335,11 +322,10 @@ template <class Scalar>
 Columns<Scalar> Solver<Scalar>::site_columns() const {
   const Implementation& i = *implementation_;
   Columns<Scalar> sites(i.problem.dimension(), i.problem.site_count());
-  for (Index k = 0; k < i.problem.site_count(); ++k) {
+  for (const SiteNumber k : i.state.sites.all()) {
     const double* position = i.state.sites.at(k);
     for (int d = 0; d < i.problem.dimension(); ++d) {
-      sites(d, i.site_of[static_cast<std::size_t>(k)]) =
-          i.metric.template as<Scalar>(position[d], d);
+      sites(d, i.site_of[k].index()) = i.metric.template as<Scalar>(position[d], d);
     }
   }
   return sites;
@@ -349,19 +335,13 @@ template <class Scalar>
 std::vector<Index> Solver<Scalar>::owners() const {
   const Implementation& i = *implementation_;
   std::vector<Index> owners(static_cast<std::size_t>(i.problem.point_count()), -1);
-  const auto given = [&](Index site) { return i.site_of[static_cast<std::size_t>(site)]; };
+  const auto given = [&](SiteNumber site) { return i.site_of[site].index(); };
   const Arena arena(i.options.threads);  // not the run's: nothing of this belongs to it
   arena.for_each(i.dealt.size(), kPointsPerGrain,
                  [&](std::size_t p) { owners[p] = given(i.dealt[p]); });
-  const std::size_t tiles = i.dealt.empty() ? i.state.tiling.count() : 0;
-  arena.for_each(tiles, 1, [&](std::size_t t) {
-    const Tile tile{static_cast<Index>(t)};
-    for (Index k = i.state.tiling.begin(tile); k < i.state.tiling.end(tile); ++k) {
-      const Index* points = i.state.cells.points(k);
-      for (Index p = 0; p < i.state.cells.size(k); ++p) {
-        owners[static_cast<std::size_t>(points[p])] = given(k);
-      }
-    }
+  if (!i.dealt.empty()) return owners;
+  for_each_site(arena, i.state.tiling, [&](SiteNumber k) {
+    for (const PointNumber p : i.state.cells.points(k)) owners[p] = given(k);
   });
   return owners;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "bounds.h"
 #include "relax/nearest_sites.h"
 
 namespace ccvt {
@@ -50,19 +51,11 @@ std::vector<Index> nearest_owners(const Metric& metric, PointsView<Scalar> point
   if (points.dimension <= kTreeDimensions && weights.size() > kProductSites) {
     SiteState state(points.dimension, static_cast<Index>(weights.size()));
     state.position = sites;
-    Box box = Box::unit(points.dimension);
-    for (int d = 0; d < points.dimension; ++d) box.lower[d] = points[0][d];
-    box.upper = box.lower;
-    for (Index p = 1; p < points.count; ++p) {
-      for (int d = 0; d < points.dimension; ++d) {
-        const double x = points[p][d];
-        box.lower[d] = std::min(box.lower[d], x);
-        box.upper[d] = std::max(box.upper[d], x);
-      }
-    }
-    const Buffer<Index> nearest =
-        NearestSites<Scalar>(metric, state, box, arena).owners(points, arena);
-    return {nearest.begin(), nearest.end()};
+    const auto nearest =
+        NearestSites<Scalar>(metric, state, box_around(points, arena), arena).owners(points, arena);
+    std::vector<Index> owners(nearest.size());
+    for (std::size_t p = 0; p < owners.size(); ++p) owners[p] = nearest[p].index();
+    return owners;
   }
   return Pricer<Scalar>(metric, points, arena).cheapest({sites, weights});
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
@@ -121,9 +120,7 @@ Buffer<T> collect(const Arena& arena, std::size_t count, std::size_t grain, cons
 template <class T>
 void touch(const Arena& arena, Buffer<T>& buffer) {
   constexpr std::size_t kPage = 4096 / sizeof(T) + 1;
-  arena.for_each(buffer.size() / kPage, 64, [&](std::size_t k) {
-    std::memset(static_cast<void*>(&buffer[k * kPage]), 0, sizeof(T));
-  });
+  arena.for_each(buffer.size() / kPage, 64, [&](std::size_t k) { buffer[k * kPage] = T{}; });
 }
 
 /// Items in groups: those of group g are items[first[g]] to items[first[g + 1] - 1].

@@ -18,31 +18,26 @@ class AllPairs {
   /// Valid until the next call.
   [[nodiscard]] std::span<const Schedule::Task> batch(std::size_t b) {
     tasks_.clear();
-    const auto tiles = static_cast<Index>(tiling_.count());
-    if (b == 0) {
-      for (Index t = 0; t < tiles && tiling_.sites_per_tile() > 1; ++t) add({t}, {t});
-    } else {
-      round_robin(tiles, static_cast<Index>(b) - 1, [&](Index t, Index u) { add({t}, {u}); });
+    if (b > 0) {
+      round_robin(tiling_.count(), b - 1,
+                  [&](std::size_t t, std::size_t u) { add(Tile(t), Tile(u)); });
+    } else if (tiling_.sites_per_tile() > 1) {
+      for (const Tile tile : numbers_below<Tile>(tiling_.count())) add(tile, tile);
     }
     return tasks_;
   }
 
   template <class Visit>
   void for_pairs(const Schedule::Task& task, const Visit& visit) const {
-    for (Index i = tiling_.begin(task.a); i < tiling_.end(task.a); ++i) {
-      for (Index j = task.a == task.b ? i + 1 : tiling_.begin(task.b); j < tiling_.end(task.b);
-           ++j) {
-        visit(i, j);
-      }
+    const auto others = tiling_.sites_of(task.b);
+    for (const SiteNumber i : tiling_.sites_of(task.a)) {
+      for (const SiteNumber j : task.a == task.b ? others.after(i) : others) visit(i, j);
     }
   }
 
  private:
   void add(Tile t, Tile u) {
-    const auto sites = [&](Tile tile) {
-      return static_cast<std::size_t>(tiling_.end(tile) - tiling_.begin(tile));
-    };
-    tasks_.push_back({t, u, 0, sites(t) * sites(u)});
+    tasks_.push_back({t, u, 0, tiling_.sites_of(t).size() * tiling_.sites_of(u).size()});
   }
 
   Tiling tiling_;

@@ -22,8 +22,8 @@ constexpr int kMostRounds = 64;
 template <class Scalar>
 std::vector<Index> surpluses(const Filling<Scalar>& filling, const Arena& arena) {
   std::vector<Index> surplus(filling.filled.size());
-  arena.for_each(surplus.size(), kSitesPerGrain,
-                 [&](std::size_t s) { surplus[s] = filling.surplus(static_cast<Index>(s)); });
+  for_each_site(arena, surplus.size(), kSitesPerGrain,
+                [&](SiteNumber s) { surplus[s] = filling.surplus(s); });
   return surplus;
 }
 
@@ -36,31 +36,28 @@ class Flow {
         phi_(potential(graph, surplus, arena)),
         to_parent_(surplus.size()) {
     const auto charge = arena.phase(Phase::flow);
-    arena.for_each(surplus.size(), kSitesPerGrain, [&](std::size_t k) {
-      const auto s = static_cast<Index>(k);
-      to_parent_[k] = surplus[k];
-      for (const Index t : graph.neighbours(s)) {
-        if (!in_tree(s, t)) to_parent_[k] -= drop(s, t);
+    for_each_site(arena, surplus.size(), kSitesPerGrain, [&](SiteNumber s) {
+      to_parent_[s] = surplus[s];
+      for (const SiteNumber t : graph.neighbours(s)) {
+        if (!in_tree(s, t)) to_parent_[s] -= drop(s, t);
       }
     });
     tree_.add_subtrees(to_parent_, arena);
     if (to_parent_[0] != 0) throw std::logic_error("balance: surpluses do not sum to zero");
   }
 
-  [[nodiscard]] std::int64_t operator()(Index from, Index to) const {
-    if (tree_.parent(from) == to) return to_parent_[static_cast<std::size_t>(from)];
-    if (tree_.parent(to) == from) return -to_parent_[static_cast<std::size_t>(to)];
+  [[nodiscard]] std::int64_t operator()(SiteNumber from, SiteNumber to) const {
+    if (tree_.parent(from) == to) return to_parent_[from];
+    if (tree_.parent(to) == from) return -to_parent_[to];
     return drop(from, to);
   }
-  [[nodiscard]] double potential_at(Index site) const {
-    return phi_[static_cast<std::size_t>(site)];
-  }
+  [[nodiscard]] double potential_at(SiteNumber site) const { return phi_[site]; }
 
  private:
-  [[nodiscard]] bool in_tree(Index s, Index t) const {
+  [[nodiscard]] bool in_tree(SiteNumber s, SiteNumber t) const {
     return tree_.parent(s) == t || tree_.parent(t) == s;
   }
-  [[nodiscard]] std::int64_t drop(Index from, Index to) const {
+  [[nodiscard]] std::int64_t drop(SiteNumber from, SiteNumber to) const {
     return static_cast<std::int64_t>(std::nearbyint(potential_at(from) - potential_at(to)));
   }
 
@@ -77,23 +74,18 @@ class FlowRounds {
   FlowRounds(const Metric& metric, const SiteState& sites, const SiteGraph& graph, const Flow& flow,
              const Arena& arena, Filling<Scalar>& filling)
       : arena_(arena) {
-    const Buffer<Pair> edges =
-        collect<Pair>(arena, static_cast<std::size_t>(graph.site_count()), kSitesPerGrain,
-                      [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int) {
-                        for (std::size_t k = begin; k < end; ++k) {
-                          const auto s = static_cast<Index>(k);
-                          for (const Index t : graph.neighbours(s)) {
-                            if (flow(s, t) > 0) out.emplace_back(s, t);
-                          }
-                        }
-                      });
+    const Buffer<Pair> edges = collect_by_site<Pair>(
+        arena, graph.site_count(), kSitesPerGrain, [&](SiteNumber s, std::vector<Pair>& out, int) {
+          for (const SiteNumber t : graph.neighbours(s)) {
+            if (flow(s, t) > 0) out.emplace_back(s, t);
+          }
+        });
     schedule_ = schedule_pairs(edges, filling.tiles, arena);
     left_.reset(edges.size());
     arena.for_each(schedule_.tasks.size(), 16, [&](std::size_t t) {
       const Schedule::Task& task = schedule_.tasks[t];
-      auto* const begin = schedule_.pairs.begin() + task.begin;
-      auto* const end = schedule_.pairs.begin() + task.end;
-      std::sort(begin, end, [&](const Pair& x, const Pair& y) {
+      const std::span<Pair> own = schedule_.pairs.span().subspan(task.begin, task.size());
+      std::sort(own.begin(), own.end(), [&](const Pair& x, const Pair& y) {
         const double high = flow.potential_at(x.first);
         const double low = flow.potential_at(y.first);
         return high != low ? high > low : x < y;
@@ -102,7 +94,6 @@ class FlowRounds {
         left_[e] = flow(schedule_.pairs[e].first, schedule_.pairs[e].second);
       }
     });
-    movers_.reserve(static_cast<std::size_t>(arena.threads()));
     for (int w = 0; w < arena.threads(); ++w) movers_.emplace_back(metric, sites, filling);
   }
 
@@ -114,13 +105,13 @@ class FlowRounds {
     };
     PerWorker<Count> counts(arena_);
     schedule_.run(arena_, [&](const Schedule::Task& task, int w) {
-      Mover<Scalar>& mover = movers_[static_cast<std::size_t>(w)];
-      Index from = -1;
+      Mover<Scalar>& mover = movers_.data()[w];
+      SiteNumber from = SiteNumber::none();
       for (std::size_t e = task.begin; e < task.end; ++e) {
         if (left_[e] == 0) continue;
         const Pair& edge = schedule_.pairs[e];
         if (edge.first != from) {
-          if (from >= 0) mover.stay();
+          if (from != SiteNumber::none()) mover.stay();
           mover.leave(from = edge.first);
         }
         const auto wanted = std::min<std::int64_t>(left_[e], std::numeric_limits<Index>::max());
@@ -129,7 +120,7 @@ class FlowRounds {
         counts[w].moved += moved;
         counts[w].left += left_[e];
       }
-      if (from >= 0) mover.stay();
+      if (from != SiteNumber::none()) mover.stay();
     });
     Count all;
     for (int w = 0; w < arena_.threads(); ++w) {
@@ -154,22 +145,22 @@ void flow_along_tree(const Metric& metric, const SiteState& sites, const SiteGra
   std::vector<Index> subtree = surpluses(filling, arena);
   if (std::all_of(subtree.begin(), subtree.end(), [](Index s) { return s == 0; })) return;
   const SpanningTree& tree = graph.spanning_tree();
-  const std::vector<Index> order = tree.order();
+  const std::vector<SiteNumber> order = tree.order();
   Mover<Scalar> mover(metric, sites, filling);
-  const auto pass = [&](Index from, Index to, Index count) {
+  const auto pass = [&](SiteNumber from, SiteNumber to, Index count) {
     arena.check();
     mover.leave(from);
     mover.move(to, count);
     mover.stay();
   };
   for (std::size_t k = order.size(); k-- > 1;) {
-    const Index count = subtree[static_cast<std::size_t>(order[k])];
-    const Index parent = tree.parent(order[k]);
-    subtree[static_cast<std::size_t>(parent)] += count;
+    const Index count = subtree[order[k]];
+    const SiteNumber parent = tree.parent(order[k]);
+    subtree[parent] += count;
     if (count > 0) pass(order[k], parent, count);
   }
   for (std::size_t k = 1; k < order.size(); ++k) {
-    const Index count = subtree[static_cast<std::size_t>(order[k])];
+    const Index count = subtree[order[k]];
     if (count < 0) pass(tree.parent(order[k]), order[k], -count);
   }
 }

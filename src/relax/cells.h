@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "ccvt/types.h"
-#include "geometry/metric.h"
+#include "numbers.h"
 #include "parallel/buffer.h"
 
 namespace ccvt {
@@ -25,80 +24,89 @@ class Cells {
  public:
   Cells() = default;
   Cells(int dimension, std::span<const Index> sizes)
-      : dimension_(dimension), offset_(sizes.size() + 1, 0) {
-    for (std::size_t s = 0; s < sizes.size(); ++s) offset_[s + 1] = offset_[s] + sizes[s];
-    order_.reset(at(offset_.back()));
-    coordinates_.reset(order_.size() * at(dimension));
+      : dimension_(static_cast<std::size_t>(dimension)) {
+    first_.reserve(sizes.size() + 1);
+    for (const Index size : sizes) first_.emplace_back(first_.back().index() + size);
+    order_.reset(first_.back());
+    coordinates_.reset(order_.size() * dimension_);
   }
 
-  [[nodiscard]] int dimension() const { return dimension_; }
-  [[nodiscard]] Index site_count() const { return static_cast<Index>(offset_.size()) - 1; }
-  [[nodiscard]] Index point_count() const { return static_cast<Index>(order_.size()); }
-  [[nodiscard]] Index size(Index site) const { return offset_[at(site) + 1] - offset_[at(site)]; }
+  [[nodiscard]] std::size_t dimension() const { return dimension_; }
+  [[nodiscard]] std::size_t site_count() const { return first_.size() - 1; }
+  [[nodiscard]] NumberRange<SiteNumber> sites() const { return sites_below(site_count()); }
+  [[nodiscard]] Index point_count() const { return first_.back().index(); }
+  [[nodiscard]] Index size(SiteNumber site) const {
+    return first_[site + 1].index() - first_[site].index();
+  }
 
   [[nodiscard]] std::vector<Index> sizes() const {
-    std::vector<Index> sizes(static_cast<std::size_t>(site_count()));
-    for (std::size_t s = 0; s < sizes.size(); ++s) sizes[s] = size(static_cast<Index>(s));
+    std::vector<Index> sizes;
+    sizes.reserve(site_count());
+    for (const SiteNumber site : this->sites()) sizes.push_back(size(site));
     return sizes;
   }
 
-  /// The points of a cell, by number.
-  [[nodiscard]] Index* points(Index site) { return order_.data() + offset_[at(site)]; }
-  [[nodiscard]] const Index* points(Index site) const { return order_.data() + offset_[at(site)]; }
+  /// The points of a cell.
+  [[nodiscard]] std::span<const PointNumber> points(SiteNumber site) const {
+    return order_.span().subspan(first_[site], first_[site + 1] - first_[site]);
+  }
 
   /// The block of a cell: coordinate d of its k-th point is at [d * size(site) + k].
-  [[nodiscard]] Scalar* block(Index site) {
-    return coordinates_.data() + at(offset_[at(site)]) * at(dimension_);
+  [[nodiscard]] Scalar* block(SiteNumber site) {
+    return coordinates_.data() + first_[site] * dimension_;
   }
-  [[nodiscard]] const Scalar* block(Index site) const {
-    return coordinates_.data() + at(offset_[at(site)]) * at(dimension_);
+  [[nodiscard]] const Scalar* block(SiteNumber site) const {
+    return coordinates_.data() + first_[site] * dimension_;
   }
 
   /// Puts a point at place k of a cell. `coordinates` are contiguous.
-  void put(Index site, Index k, Index point, const Scalar* coordinates) {
-    points(site)[k] = point;
+  void put(SiteNumber site, Index k, PointNumber point, const Scalar* coordinates) {
+    order(site)[k] = point;
     Scalar* to = block(site) + k;
-    for (int d = 0; d < dimension_; ++d, to += size(site)) *to = coordinates[d];
+    for (std::size_t d = 0; d < dimension_; ++d, to += size(site)) *to = coordinates[d];
   }
 
   /// Reads the coordinates at place k of a cell.
-  void get(Index site, Index k, Scalar* coordinates) const {
+  void get(SiteNumber site, Index k, Scalar* coordinates) const {
     const Scalar* from = block(site) + k;
-    for (int d = 0; d < dimension_; ++d, from += size(site)) coordinates[d] = *from;
+    for (std::size_t d = 0; d < dimension_; ++d, from += size(site)) coordinates[d] = *from;
   }
 
   /// Copies a cell of others, no larger, to the first places of this cell.
-  void copy_points(const Cells& from, Index site) {
-    const auto count = at(from.size(site));
-    std::copy_n(from.points(site), count, points(site));
+  void copy_points(const Cells& from, SiteNumber site) {
+    const auto points = from.points(site);
+    std::copy(points.begin(), points.end(), order(site));
     const Scalar* stream = from.block(site);
     Scalar* to = block(site);
-    for (int d = 0; d < dimension_; ++d, stream += count, to += size(site)) {
-      std::copy_n(stream, count, to);
+    for (std::size_t d = 0; d < dimension_; ++d, stream += points.size(), to += size(site)) {
+      std::copy_n(stream, points.size(), to);
     }
   }
 
   /// Copies what is at place `from` of a cell to place `to` of it.
-  void copy_within(Index site, Index from, Index to) {
-    points(site)[to] = points(site)[from];
+  void copy_within(SiteNumber site, Index from, Index to) {
+    order(site)[to] = order(site)[from];
     Scalar* stream = block(site);
-    for (int d = 0; d < dimension_; ++d, stream += size(site)) stream[to] = stream[from];
+    for (std::size_t d = 0; d < dimension_; ++d, stream += size(site)) stream[to] = stream[from];
   }
 
   /// Exchanges place k of cell i with place l of cell j.
-  void exchange(Index i, Index k, Index j, Index l) {
-    std::swap(points(i)[k], points(j)[l]);
+  void exchange(SiteNumber i, Index k, SiteNumber j, Index l) {
+    std::swap(order(i)[k], order(j)[l]);
     Scalar* a = block(i) + k;
     Scalar* b = block(j) + l;
-    for (int d = 0; d < dimension_; ++d, a += size(i), b += size(j)) std::swap(*a, *b);
+    for (std::size_t d = 0; d < dimension_; ++d, a += size(i), b += size(j)) std::swap(*a, *b);
   }
 
  private:
-  static std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+  [[nodiscard]] PointNumber* order(SiteNumber site) { return order_.data() + first_[site]; }
 
-  int dimension_ = 0;
-  std::vector<Index> offset_;
-  Buffer<Index> order_;
+  /// In the order of the cells.
+  using Place = Number<struct OfPlaces>;
+
+  std::size_t dimension_ = 0;
+  std::vector<Place> first_{Place(0)};  ///< of each cell, and one more
+  Buffer<PointNumber> order_;
   Buffer<Scalar> coordinates_;
 };
 

@@ -17,7 +17,7 @@ class Places {
   Places(const Metric& metric, const SiteState& sites, const Box& box)
       : bins_(SiteBins::sort(metric, sites.position, box.lower.data(), box.upper.data())) {
     if (!bins_) {
-      all_.resize(static_cast<std::size_t>(sites.count()));
+      all_.resize(sites.count());
       std::iota(all_.begin(), all_.end(), 0);
     }
   }
@@ -27,7 +27,7 @@ class Places {
     if (!bins_) return 0;
     std::size_t bin = 0;
     for (std::size_t d = bins_->dimension(); d-- > 0;) {
-      bin = bin * bins_->bins(d) + bins_->bin_along(static_cast<double>(x[d]), d);
+      bin = bin * bins_->bins(d) + bins_->bin_along(x[d], d);
     }
     return bin;
   }
@@ -56,67 +56,62 @@ class Places {
 }  // namespace
 
 template <class Scalar>
-std::vector<Index> deal_rest(const Metric& metric, const SiteState& sites, const Box& box,
-                             const PointsView<Scalar>& points, std::span<const Index> capacities,
-                             const Cells<Scalar>& cells, std::span<const Index> filled) {
-  std::vector<Index> owners(static_cast<std::size_t>(points.count), -1);
+std::vector<SiteNumber> deal_rest(const Metric& metric, const SiteState& sites, const Box& box,
+                                  const PointsView<Scalar>& points,
+                                  std::span<const Index> capacities, const Cells<Scalar>& cells,
+                                  std::span<const Index> filled) {
+  std::vector<SiteNumber> owners(static_cast<std::size_t>(points.count), SiteNumber::none());
   std::vector<Index> room(capacities.begin(), capacities.end());
-  for (std::size_t s = 0; s < filled.size(); ++s) {
-    const auto site = static_cast<Index>(s);
-    for (Index k = 0; k < filled[s]; ++k) {
-      owners[static_cast<std::size_t>(cells.points(site)[k])] = site;
-    }
-    room[s] -= filled[s];
+  for (const SiteNumber site : sites_below(filled.size())) {
+    const PointNumber* const own = cells.points(site).data();
+    for (Index k = 0; k < filled[site]; ++k) owners[own[k]] = site;
+    room[site] -= filled[site];
   }
   const Places<Scalar> places(metric, sites, box);
   // Of each bin, the place of the first site that may have room.
-  std::vector<Index> next(places.bin_count(), 0);
+  std::vector<std::size_t> next(places.bin_count(), 0);
   const auto take_from = [&](std::size_t bin) {
     const auto here = places.sites_in(bin);
-    Index& k = next[bin];
-    while (k < static_cast<Index>(here.size()) &&
-           room[static_cast<std::size_t>(here[static_cast<std::size_t>(k)])] == 0) {
-      ++k;
+    for (std::size_t& k = next[bin]; k < here.size(); ++k) {
+      const SiteNumber site(here[k]);
+      if (room[site] == 0) continue;
+      --room[site];
+      return site;
     }
-    if (k == static_cast<Index>(here.size())) return Index{-1};
-    const Index site = here[static_cast<std::size_t>(k)];
-    --room[static_cast<std::size_t>(site)];
-    return site;
+    return SiteNumber::none();
   };
-  std::vector<Index> left_in(places.bin_count() + 1, 0);
-  std::vector<Index> left;
-  for (Index p = 0; p < points.count; ++p) {
-    Index& owner = owners[static_cast<std::size_t>(p)];
-    if (owner >= 0) continue;
-    const std::size_t bin = places.bin_of(points[p]);
+  std::vector<std::size_t> left_in(places.bin_count() + 1, 0);
+  std::vector<PointNumber> left;
+  for (const PointNumber p : points_below(points.count)) {
+    SiteNumber& owner = owners[p];
+    if (owner != SiteNumber::none()) continue;
+    const std::size_t bin = places.bin_of(points[p.index()]);
     owner = take_from(bin);
-    if (owner >= 0) continue;
+    if (owner != SiteNumber::none()) continue;
     ++left_in[bin + 1];
     left.push_back(p);
   }
   // The rest, bin by bin along the curve, to the next bins with room.
   std::partial_sum(left_in.begin(), left_in.end(), left_in.begin());
-  std::vector<Index> end_of(left_in.begin(), left_in.end() - 1);
-  std::vector<Index> by_bin(left.size());
-  for (const Index p : left) {
-    by_bin[static_cast<std::size_t>(end_of[places.bin_of(points[p])]++)] = p;
-  }
+  std::vector<std::size_t> end_of(left_in.begin(), left_in.end() - 1);
+  std::vector<PointNumber> by_bin(left.size());
+  for (const PointNumber p : left) by_bin[end_of[places.bin_of(points[p.index()])]++] = p;
   const std::vector<std::size_t> curve = places.curve();
   auto giving = curve.begin();
   for (const std::size_t bin : curve) {
-    for (Index k = left_in[bin]; k < left_in[bin + 1]; ++k) {
-      Index owner = take_from(*giving);
-      while (owner < 0) owner = take_from(*++giving);
-      owners[static_cast<std::size_t>(by_bin[static_cast<std::size_t>(k)])] = owner;
+    for (std::size_t k = left_in[bin]; k < left_in[bin + 1]; ++k) {
+      SiteNumber owner = take_from(*giving);
+      while (owner == SiteNumber::none()) owner = take_from(*++giving);
+      owners[by_bin[k]] = owner;
     }
   }
   return owners;
 }
 
-#define CCVT_INSTANTIATE(Scalar)                                                           \
-  template std::vector<Index> deal_rest(const Metric&, const SiteState&, const Box&,       \
-                                        const PointsView<Scalar>&, std::span<const Index>, \
-                                        const Cells<Scalar>&, std::span<const Index>);
+#define CCVT_INSTANTIATE(Scalar)                                                                \
+  template std::vector<SiteNumber> deal_rest(const Metric&, const SiteState&, const Box&,       \
+                                             const PointsView<Scalar>&, std::span<const Index>, \
+                                             const Cells<Scalar>&, std::span<const Index>);
 
 CCVT_INSTANTIATE(float)
 CCVT_INSTANTIATE(double)

@@ -16,8 +16,9 @@ namespace ccvt {
 /// three dimensions one in the bin of a grid that they are in, as long as there is one. Sites own
 /// as many points as `capacities` say. O(m); the sites stay where they are.
 template <class Scalar>
-std::vector<Index> deal_rest(const Metric& metric, const SiteState& sites, const Box& box,
-                             const PointsView<Scalar>& points, std::span<const Index> capacities,
-                             const Cells<Scalar>& cells, std::span<const Index> filled);
+std::vector<SiteNumber> deal_rest(const Metric& metric, const SiteState& sites, const Box& box,
+                                  const PointsView<Scalar>& points,
+                                  std::span<const Index> capacities, const Cells<Scalar>& cells,
+                                  std::span<const Index> filled);
 
 }  // namespace ccvt

@@ -5,23 +5,25 @@
 
 #include "parallel/loops.h"
 #include "relax/subsets.h"
+#include "schedule/tiling.h"
+#include "streams.h"
 
 namespace ccvt {
 namespace {
 
-constexpr std::uint64_t kSiteStream = 1;
 constexpr std::size_t kSitesPerGrain = 4096;
 
 /// `count` distinct points, each set of so many equally likely, ascending.
-Buffer<Index> distinct_points(std::size_t count, std::size_t points, std::uint64_t seed,
-                              const Arena& arena) {
-  const NestedSubsets subset(seed, kSiteStream, points, std::array{count}, arena);
-  return collect<Index>(arena, points, NestedSubsets::kBlock,
-                        [&](std::size_t begin, std::size_t end, std::vector<Index>& out, int) {
-                          for (std::size_t p = begin; p < end; ++p) {
-                            if (subset.smallest_with(p) == 0) out.push_back(static_cast<Index>(p));
-                          }
-                        });
+Buffer<PointNumber> distinct_points(std::size_t count, std::size_t points, std::uint64_t seed,
+                                    const Arena& arena) {
+  const NestedSubsets subset(seed, streams::initial_sites, points, std::array{count}, arena);
+  return collect<PointNumber>(
+      arena, points, NestedSubsets::kBlock,
+      [&](std::size_t begin, std::size_t end, std::vector<PointNumber>& out, int) {
+        for (std::size_t p = begin; p < end; ++p) {
+          if (subset.smallest_with(p) == 0) out.emplace_back(p);
+        }
+      });
 }
 
 }  // namespace
@@ -30,25 +32,23 @@ template <class Scalar>
 SiteState initial_sites(const Problem<Scalar>& problem, const Metric& metric, std::uint64_t seed,
                         const Arena& arena) {
   const int dimension = problem.dimension();
-  const Index count = problem.site_count();
-  SiteState sites(dimension, count);
-  const auto put = [&](Index site, const Scalar* x) {
-    for (int d = 0; d < dimension; ++d) {
-      sites.at(site)[d] = metric.into_box(static_cast<double>(x[d]), d);
-    }
+  SiteState sites(dimension, problem.site_count());
+  const auto put = [&](SiteNumber site, const Scalar* x) {
+    for (int d = 0; d < dimension; ++d) sites.at(site)[d] = metric.into_box(x[d], d);
   };
   if (problem.initial_sites().size() > 0) {
-    for (Index s = 0; s < count; ++s) put(s, problem.initial_sites().col(s).data());
+    for (const SiteNumber s : sites.all()) put(s, problem.initial_sites().col(s.index()).data());
   } else if (!problem.initial_owners().empty()) {
     const auto& owners = problem.initial_owners();
+    // From the last to the first, which stays.
     for (Index p = problem.point_count(); p-- > 0;) {
-      put(owners[static_cast<std::size_t>(p)], problem.points()[p]);
+      put(SiteNumber(owners[PointNumber(p)]), problem.points()[p]);
     }
   } else {
-    const auto drawn = distinct_points(
-        sites.radius.size(), static_cast<std::size_t>(problem.point_count()), seed, arena);
-    arena.for_each(drawn.size(), kSitesPerGrain,
-                   [&](std::size_t s) { put(static_cast<Index>(s), problem.points()[drawn[s]]); });
+    const auto points = static_cast<std::size_t>(problem.point_count());
+    const auto drawn = distinct_points(sites.count(), points, seed, arena);
+    for_each_site(arena, drawn.size(), kSitesPerGrain,
+                  [&](SiteNumber s) { put(s, problem.points()[drawn[s].index()]); });
   }
   return sites;
 }

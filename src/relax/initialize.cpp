@@ -8,11 +8,11 @@
 #include "relax/balance.h"
 #include "relax/nearest_sites.h"
 #include "spatial/site_tree.h"
+#include "streams.h"
 
 namespace ccvt {
 namespace {
 
-constexpr std::uint64_t kOrderStream = 3;
 constexpr std::size_t kBetweenChecks = 1 << 12;
 constexpr std::size_t kSitesPerGrain = 64;
 /// One point is looked up ahead for so many sites with room, or points that have none yet: few find
@@ -25,9 +25,10 @@ constexpr std::size_t kQueriesPerGrain = 8;
 constexpr std::size_t kPointsPerSite = 32;
 constexpr std::size_t kLeastPoints = std::size_t{1} << 18;
 
-std::vector<Index> shuffled(std::span<const Index> points, std::uint64_t seed, const Arena& arena) {
-  std::vector<Index> order(points.begin(), points.end());
-  Random random(seed, kOrderStream);
+std::vector<PointNumber> shuffled(std::span<const PointNumber> points, std::uint64_t seed,
+                                  const Arena& arena) {
+  std::vector<PointNumber> order(points.begin(), points.end());
+  Random random(seed, streams::joining_order);
   random.shuffle(std::span(order), [&](std::size_t k) {
     if (k % kBetweenChecks == 0) arena.check();
   });
@@ -38,71 +39,64 @@ std::vector<Index> shuffled(std::span<const Index> points, std::uint64_t seed, c
 Buffer<Pair> nearest_neighbours(const Metric& metric, const SiteState& sites, const Arena& arena) {
   const int wanted = 1 + std::min(24, 3 + 2 * metric.dimension());
   const SiteTree tree(metric, sites.position);
-  const auto count = static_cast<std::size_t>(sites.count());
   PerWorker<std::vector<Index>> scratch(arena);
-  Buffer<Pair> found =
-      collect<Pair>(arena, count, kSitesPerGrain,
-                    [&](std::size_t begin, std::size_t end, std::vector<Pair>& pairs, int w) {
-                      for (std::size_t s = begin; s < end; ++s) {
-                        const auto site = static_cast<Index>(s);
-                        scratch[w].clear();
-                        tree.nearest(sites.at(site), wanted, scratch[w]);
-                        for (const Index other : scratch[w]) {
-                          if (other != site)
-                            pairs.emplace_back(std::min(site, other), std::max(site, other));
-                        }
-                      }
-                    });
-  return sorted_pairs(arena, std::move(found), count);
+  Buffer<Pair> found = collect_by_site<Pair>(arena, sites.count(), kSitesPerGrain,
+                                             [&](SiteNumber site, std::vector<Pair>& pairs, int w) {
+                                               scratch[w].clear();
+                                               tree.nearest(sites.at(site), wanted, scratch[w]);
+                                               for (const Index near : scratch[w]) {
+                                                 const SiteNumber other(near);
+                                                 if (other != site)
+                                                   pairs.push_back(Pair::ascending(site, other));
+                                               }
+                                             });
+  return sorted_pairs(arena, std::move(found), sites.count());
 }
 
 /// Adds points to the sites that they are nearest to, part by part.
 template <std::size_t Dimension, class Scalar>
-void add_to_nearest(const NearestSites<Scalar>& nearest, std::span<const Index> joining,
+void add_to_nearest(const NearestSites<Scalar>& nearest, const JoiningPoints& joining,
                     const Arena& arena, Filling<Scalar>& filling) {
   using Item = Near<Scalar, Dimension>;
-  const auto sites = static_cast<std::size_t>(filling.cells.site_count());
+  const std::size_t sites = filling.cells.site_count();
   const std::size_t part = std::max(kLeastPoints, kPointsPerSite * sites);
   typename NearestSites<Scalar>::template Found<Dimension> found;
-  for (std::size_t begin = 0; begin < joining.size(); begin += part) {
-    const auto which = joining.subspan(begin, std::min(part, joining.size() - begin));
+  joining.for_parts(part, arena, [&](std::span<const PointNumber> which) {
     nearest.template find<Dimension>(filling.points, which, arena, found);
     const auto charge = arena.phase(Phase::join);
     auto by_site = group_by_key(
         arena, std::move(found.points), sites, [](std::size_t, const Item&) {},
-        [](const Item& item) { return static_cast<std::size_t>(item.site); }, found.spare);
-    arena.for_each(filling.tiles.count(), 1, [&](std::size_t t) {
-      const Tile tile{static_cast<Index>(t)};
-      for (Index s = filling.tiles.begin(tile); s < filling.tiles.end(tile); ++s) {
-        for (const Item& item : by_site[static_cast<std::size_t>(s)]) {
-          if constexpr (Dimension > 0) {
-            filling.add(s, item.point, item.x.data());
-          } else {
-            filling.add(s, item.point);
-          }
+        [](const Item& item) { return item.site; }, found.spare);
+    for_each_site(arena, filling.tiles, [&](SiteNumber s) {
+      for (const Item& item : by_site[s]) {
+        if constexpr (Dimension > 0) {
+          filling.add(s, item.point, item.x.data());
+        } else {
+          filling.add(s, item.point);
         }
       }
     });
     found.points = std::move(by_site.items);
-  }
+  });
 }
 
 }  // namespace
 
 template <class Scalar>
-void join_coherent(const Metric& metric, const SiteState& sites, std::span<const Index> joining,
-                   std::uint64_t seed, Filling<Scalar>& filling, const Arena& arena) {
+void join_coherent(const Metric& metric, const SiteState& sites,
+                   std::span<const PointNumber> joining, std::uint64_t seed,
+                   Filling<Scalar>& filling, const Arena& arena) {
   SiteTree available(metric, sites.position);
-  for (Index s = 0; s < sites.count(); ++s) {
-    if (filling.surplus(s) == 0) available.remove(s);
+  for (const SiteNumber s : sites.all()) {
+    if (filling.surplus(s) == 0) available.remove(s.index());
   }
-  const auto nearest = [&](Index point) {
-    std::vector<double> query(static_cast<std::size_t>(metric.dimension()));
-    std::copy_n(filling.points[point], query.size(), query.begin());
-    return available.nearest(query.data());
+  const auto nearest = [&](PointNumber point) {
+    std::vector<double> query(sites.dimension);
+    std::copy_n(filling.points[point.index()], query.size(), query.begin());
+    return SiteNumber(available.nearest(query.data()));
   };
-  const std::vector<Index> order = shuffled(joining, seed, arena);
-  std::vector<Index> expected;
+  const std::vector<PointNumber> order = shuffled(joining, seed, arena);
+  std::vector<SiteNumber> expected;
   for (std::size_t next = 0; next < order.size();) {
     // Where each of the next points goes unless those before it take the last room there.
     const std::size_t left = order.size() - next;
@@ -113,21 +107,21 @@ void join_coherent(const Metric& metric, const SiteState& sites, std::span<const
     arena.for_each(expected.size(), kQueriesPerGrain,
                    [&](std::size_t k) { expected[k] = nearest(order[begin + k]); });
     for (std::size_t k = 0, missed = 0; k < expected.size() && 8 * missed <= k + 8; ++k, ++next) {
-      Index site = expected[k];
+      SiteNumber site = expected[k];
       if (filling.surplus(site) >= 0) {
         arena.check();
         site = nearest(order[next]);
         ++missed;
       }
       filling.add(site, order[next]);
-      if (filling.surplus(site) == 0) available.remove(site);
+      if (filling.surplus(site) == 0) available.remove(site.index());
     }
   }
 }
 
 template <class Scalar>
 void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
-                   std::span<const Index> joining, std::span<const Pair> near, const Arena& arena,
+                   const JoiningPoints& joining, std::span<const Pair> near, const Arena& arena,
                    Filling<Scalar>& filling) {
   {
     const auto charge = arena.phase(Phase::nearest);
@@ -146,22 +140,23 @@ void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
 }
 
 template <class Scalar>
-void join_random(std::span<const Index> joining, std::uint64_t seed, Filling<Scalar>& filling,
+void join_random(std::span<const PointNumber> joining, std::uint64_t seed, Filling<Scalar>& filling,
                  const Arena& arena) {
-  const std::vector<Index> order = shuffled(joining, seed, arena);
+  const std::vector<PointNumber> order = shuffled(joining, seed, arena);
   auto next = order.begin();
-  for (Index s = 0; s < filling.cells.site_count(); ++s) {
+  for (const SiteNumber s : filling.cells.sites()) {
     arena.check();
     while (filling.surplus(s) < 0) filling.add(s, *next++);
   }
 }
 
-#define CCVT_INSTANTIATE(Scalar)                                                                   \
-  template void join_coherent(const Metric&, const SiteState&, std::span<const Index>,             \
-                              std::uint64_t, Filling<Scalar>&, const Arena&);                      \
-  template void join_balanced(const Metric&, const SiteState&, const Box&, std::span<const Index>, \
-                              std::span<const Pair>, const Arena&, Filling<Scalar>&);              \
-  template void join_random(std::span<const Index>, std::uint64_t, Filling<Scalar>&, const Arena&);
+#define CCVT_INSTANTIATE(Scalar)                                                                 \
+  template void join_coherent(const Metric&, const SiteState&, std::span<const PointNumber>,     \
+                              std::uint64_t, Filling<Scalar>&, const Arena&);                    \
+  template void join_balanced(const Metric&, const SiteState&, const Box&, const JoiningPoints&, \
+                              std::span<const Pair>, const Arena&, Filling<Scalar>&);            \
+  template void join_random(std::span<const PointNumber>, std::uint64_t, Filling<Scalar>&,       \
+                            const Arena&);
 
 CCVT_INSTANTIATE(float)
 CCVT_INSTANTIATE(double)

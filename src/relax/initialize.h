@@ -10,6 +10,7 @@
 #include "parallel/arena.h"
 #include "relax/cells.h"
 #include "relax/filling.h"
+#include "relax/levels.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
 
@@ -23,19 +24,20 @@ namespace ccvt {
 /// O(m log n): the tree forgets sites as they fill up. Points take their sites one by one; what is
 /// nearest is looked up ahead, for several at the same time.
 template <class Scalar>
-void join_coherent(const Metric& metric, const SiteState& sites, std::span<const Index> joining,
-                   std::uint64_t seed, Filling<Scalar>& filling, const Arena& arena = Arena(1));
+void join_coherent(const Metric& metric, const SiteState& sites,
+                   std::span<const PointNumber> joining, std::uint64_t seed,
+                   Filling<Scalar>& filling, const Arena& arena = Arena(1));
 
 /// Each point takes its nearest site whether or not it has room; then balance(). `near` are pairs
 /// of sites near each other, if any are known.
 template <class Scalar>
 void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
-                   std::span<const Index> joining, std::span<const Pair> near, const Arena& arena,
+                   const JoiningPoints& joining, std::span<const Pair> near, const Arena& arena,
                    Filling<Scalar>& filling);
 
 /// Random owners [Program 1].
 template <class Scalar>
-void join_random(std::span<const Index> joining, std::uint64_t seed, Filling<Scalar>& filling,
+void join_random(std::span<const PointNumber> joining, std::uint64_t seed, Filling<Scalar>& filling,
                  const Arena& arena = Arena(1));
 
 }  // namespace ccvt

@@ -1,16 +1,17 @@
 #include "relax/levels.h"
 
 #include <algorithm>
+#include <memory>
 #include <numeric>
 #include <utility>
 
 #include "parallel/loops.h"
-#include "relax/subsets.h"
+#include "streams.h"
 
 namespace ccvt {
 namespace {
 
-constexpr std::uint64_t kLevelStream = 2;
+constexpr std::size_t kBlock = NestedSubsets::kBlock;
 
 std::int64_t total(std::span<const Index> capacities) {
   return std::accumulate(capacities.begin(), capacities.end(), std::int64_t{0});
@@ -46,33 +47,54 @@ std::vector<Level> make_levels(std::span<const Index> capacities, Index points,
     sizes.push_back(static_cast<std::size_t>(total(level.capacities)));
   }
   sizes.pop_back();  // all points
-  const NestedSubsets subsets(options.seed, kLevelStream, count, sizes, arena);
+  const auto subsets =
+      std::make_shared<NestedSubsets>(options.seed, streams::levels, count, sizes, arena);
 
-  // Of the points of a block that join on a level, the first place: by level, and in it by block.
-  constexpr std::size_t kBlock = NestedSubsets::kBlock;
-  const std::size_t blocks = (count - 1) / kBlock + 1;
-  std::vector<std::vector<std::size_t>> place(levels.size(), std::vector<std::size_t>(blocks));
-  for (std::size_t b = 0; b < blocks; ++b) {
-    std::size_t before = 0;
-    for (std::size_t l = 0; l < levels.size(); ++l) {
-      const std::size_t here =
-          l < sizes.size() ? subsets.count(b, l) : std::min(kBlock, count - b * kBlock);
-      place[l][b] = here - std::exchange(before, here);
-    }
-  }
+  std::vector<std::size_t> counts((count - 1) / kBlock + 1);  // of points that join, in each block
   for (std::size_t l = 0; l < levels.size(); ++l) {
-    levels[l].joining.reset(exclusive_scan(arena, std::span(place[l])));
-  }
-  arena.for_ranges(count, kBlock, [&](std::size_t begin, std::size_t end, int) {
-    std::vector<Index*> next;
-    for (std::size_t l = 0; l < levels.size(); ++l) {
-      next.push_back(levels[l].joining.data() + place[l][begin / kBlock]);
+    for (std::size_t b = 0; b < counts.size(); ++b) {
+      const std::size_t here =
+          l < sizes.size() ? subsets->count(b, l) : std::min(kBlock, count - b * kBlock);
+      counts[b] = l > 0 ? here - subsets->count(b, l - 1) : here;
     }
-    for (std::size_t p = begin; p < end; ++p) {
-      *next[subsets.smallest_with(p)]++ = static_cast<Index>(p);
+    levels[l].joining = JoiningPoints(subsets, l, counts, count);
+  }
+  return levels;
+}
+
+JoiningPoints::JoiningPoints(std::shared_ptr<const NestedSubsets> subsets, std::size_t subset,
+                             std::span<const std::size_t> counts, std::size_t points)
+    : subsets_(std::move(subsets)), subset_(subset), end_(points) {
+  for (const std::size_t count : counts) before_.push_back(before_.back() + count);
+}
+
+JoiningPoints JoiningPoints::between(std::size_t start, std::size_t end) {
+  JoiningPoints joining;
+  joining.start_ = start;
+  joining.end_ = end;
+  for (std::size_t block = start; block < end; block += kBlock) {
+    joining.before_.push_back(std::min(block + kBlock, end) - start);
+  }
+  return joining;
+}
+
+Buffer<PointNumber> JoiningPoints::in_blocks(std::size_t first, std::size_t last,
+                                             const Arena& arena) const {
+  const auto charge = arena.phase(Phase::levels);
+  Buffer<PointNumber> points(before_[last] - before_[first]);
+  arena.for_each(last - first, 1, [&](std::size_t k) {
+    const std::size_t block = first + k;
+    PointNumber* next = points.data() + (before_[block] - before_[first]);
+    const std::size_t begin = start_ + block * kBlock;
+    const std::size_t end = std::min(begin + kBlock, end_);
+    // Written in any case, so that there is nothing to predict; the last one not beyond its room.
+    PointNumber* const stop = points.data() + (before_[block + 1] - before_[first]);
+    for (std::size_t p = begin; p < end && next != stop; ++p) {
+      *next = PointNumber(p);
+      next += subsets_ == nullptr || subsets_->smallest_with(p) == subset_ ? 1 : 0;
     }
   });
-  return levels;
+  return points;
 }
 
 }  // namespace ccvt

@@ -1,20 +1,63 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "ccvt/options.h"
 #include "ccvt/types.h"
+#include "numbers.h"
 #include "parallel/arena.h"
 #include "parallel/buffer.h"
+#include "relax/subsets.h"
 
 namespace ccvt {
+
+/// The points that join on a level. They are not kept but found again when they are asked for: a
+/// list of all would be the half of a point set in two dimensions.
+class JoiningPoints {
+ public:
+  JoiningPoints() = default;
+  /// Those of points 0.. that are in `subset` and in no smaller one: `counts` of each block.
+  JoiningPoints(std::shared_ptr<const NestedSubsets> subsets, std::size_t subset,
+                std::span<const std::size_t> counts, std::size_t points);
+  /// Points start.. to end - 1.
+  static JoiningPoints between(std::size_t start, std::size_t end);
+
+  [[nodiscard]] std::size_t size() const { return before_.back(); }
+  /// Ascending. O(points).
+  [[nodiscard]] Buffer<PointNumber> all(const Arena& arena = Arena(1)) const {
+    return in_blocks(0, before_.size() - 1, arena);
+  }
+  /// Calls visit(points) for one part of them after the other, each of `most` at the most, or of
+  /// one block.
+  template <class Visit>
+  void for_parts(std::size_t most, const Arena& arena, const Visit& visit) const {
+    const std::size_t blocks = before_.size() - 1;
+    for (std::size_t first = 0, last = 0; first < blocks; first = last) {
+      while (last < blocks && (last == first || before_[last + 1] - before_[first] <= most)) ++last;
+      const Buffer<PointNumber> points = in_blocks(first, last, arena);
+      visit(points.span());
+    }
+  }
+
+ private:
+  [[nodiscard]] Buffer<PointNumber> in_blocks(std::size_t first, std::size_t last,
+                                              const Arena& arena) const;
+
+  std::shared_ptr<const NestedSubsets> subsets_;
+  std::size_t subset_ = 0;
+  std::size_t start_ = 0;
+  std::size_t end_ = 0;
+  std::vector<std::size_t> before_{0};  ///< how many are in the blocks before each; and in all
+};
 
 /// One level of the multi-level optimisation [5.2].
 struct Level {
   std::vector<Index> capacities;  ///< of the sites on this level
-  Buffer<Index> joining;          ///< points that join here, ascending
+  JoiningPoints joining;
 };
 
 /// Splits the points into nested random subsets: level l holds the points that join on levels

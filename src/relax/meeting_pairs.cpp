@@ -11,9 +11,9 @@ namespace {
 /// Of the radius. A thicker skin lasts longer but adds pairs that do not meet.
 constexpr double kSkin = 0.2;
 /// Of the sites: so many may be entered anew before the list is made again.
-constexpr Index kMovedShare = 8;
+constexpr std::size_t kMovedShare = 8;
 /// Of the sites: so many, or about, are searched apart when a sphere is entered anew.
-constexpr std::size_t kFarShare = 32;
+constexpr std::ptrdiff_t kFarShare = 32;
 /// Of how many sites that share is taken.
 constexpr std::size_t kMostSampled = 4096;
 /// Of the sites: so many may be looked at while spheres are entered anew.
@@ -26,9 +26,9 @@ constexpr std::size_t kMovedPerSearch = 8;
 
 /// Pairs are searched from the site with the larger reach, so that one far-reaching site does not
 /// make every search wide.
-bool searches(const std::vector<double>& reach, Index site, Index other) {
-  const double own = reach[static_cast<std::size_t>(site)];
-  const double others = reach[static_cast<std::size_t>(other)];
+bool searches(const std::vector<double>& reach, SiteNumber site, SiteNumber other) {
+  const double own = reach[site];
+  const double others = reach[other];
   return own != others ? own > others : site < other;
 }
 
@@ -37,37 +37,32 @@ double usual(const std::vector<double>& reach) {
   const std::size_t step = (reach.size() + kMostSampled - 1) / kMostSampled;
   std::vector<double> sample;
   for (std::size_t s = 0; s < reach.size(); s += step) sample.push_back(reach[s]);
-  const auto rank = sample.end() - 1 - std::ssize(sample) / std::ptrdiff_t{kFarShare};
+  const auto rank = sample.end() - 1 - std::ssize(sample) / kFarShare;
   std::nth_element(sample.begin(), rank, sample.end());
   return *rank;
 }
 
 }  // namespace
 
-Buffer<Index> MeetingPairs::outgrown(const Metric& metric, const SiteState& sites,
-                                     const Arena& arena) const {
-  const auto is_inside = [&](Index s) {
-    const auto k = static_cast<std::size_t>(s);
-    const double room = reach_[k] - sites.radius[k];
+Buffer<SiteNumber> MeetingPairs::outgrown(const Metric& metric, const SiteState& sites,
+                                          const Arena& arena) const {
+  const auto is_inside = [&](SiteNumber s) {
+    const double room = reach_[s] - sites.radius[s];
     return room >= 0 && metric.squared_distance(sites.at(s), at(s)) * kRounding <= room * room;
   };
-  return collect<Index>(arena, reach_.size(), kSitesPerGrain,
-                        [&](std::size_t begin, std::size_t end, std::vector<Index>& left, int) {
-                          for (std::size_t s = begin; s < end; ++s) {
-                            const auto site = static_cast<Index>(s);
-                            if (!is_inside(site)) left.push_back(site);
-                          }
-                        });
+  return collect_by_site<SiteNumber>(arena, reach_.size(), kSitesPerGrain,
+                                     [&](SiteNumber site, std::vector<SiteNumber>& left, int) {
+                                       if (!is_inside(site)) left.push_back(site);
+                                     });
 }
 
-void MeetingPairs::enter(const SiteState& sites, Index site) {
-  const auto s = static_cast<std::size_t>(site);
-  std::copy_n(sites.at(site), dimension_, &position_[s * dimension_]);
-  reach_[s] = sites.radius[s] * (1 + kSkin);
+void MeetingPairs::enter(const SiteState& sites, SiteNumber site) {
+  std::copy_n(sites.at(site), dimension_, &position_[site * dimension_]);
+  reach_[site] = sites.radius[site] * (1 + kSkin);
 }
 
 /// Some of the sites, to be searched where they have been entered.
-MeetingPairs::Group MeetingPairs::group(const Metric& metric, std::span<const Index> sites,
+MeetingPairs::Group MeetingPairs::group(const Metric& metric, std::span<const SiteNumber> sites,
                                         const Arena& arena) const {
   std::vector<double> positions(sites.size() * dimension_);
   arena.for_each(sites.size(), kSitesPerGrain, [&](std::size_t k) {
@@ -77,8 +72,9 @@ MeetingPairs::Group MeetingPairs::group(const Metric& metric, std::span<const In
       arena, sites.size(), kSitesPerGrain, 0.0,
       [&](std::size_t begin, std::size_t end) {
         double largest = 0;
-        for (std::size_t k = begin; k < end; ++k)
-          largest = std::max(largest, reach_[static_cast<std::size_t>(sites[k])]);
+        for (const SiteNumber site : sites.subspan(begin, end - begin)) {
+          largest = std::max(largest, reach_[site]);
+        }
         return largest;
       },
       [](double x, double y) { return std::max(x, y); });
@@ -86,17 +82,17 @@ MeetingPairs::Group MeetingPairs::group(const Metric& metric, std::span<const In
 }
 
 /// Of two spheres as far apart as this where they have been entered.
-bool MeetingPairs::may_meet(Index a, Index b, double squared) const {
-  const double both = reach_[static_cast<std::size_t>(a)] + reach_[static_cast<std::size_t>(b)];
+bool MeetingPairs::may_meet(SiteNumber a, SiteNumber b, double squared) const {
+  const double both = reach_[a] + reach_[b];
   return squared <= both * both * kRounding;
 }
 
 MeetingPairs::Refreshed MeetingPairs::refresh(const Metric& metric, const SiteState& sites,
                                               const Arena& arena, std::size_t limit) {
   if (search_) {
-    const Buffer<Index> left = outgrown(metric, sites, arena);
+    const Buffer<SiteNumber> left = outgrown(metric, sites, arena);
     if (left.empty()) return Refreshed::unchanged;
-    const auto moved = static_cast<Index>(moved_.size() + left.size());
+    const std::size_t moved = moved_.size() + left.size();
     if (moved <= sites.count() / kMovedShare && extend(metric, sites, left, arena)) {
       return Refreshed::extended;
     }
@@ -106,24 +102,21 @@ MeetingPairs::Refreshed MeetingPairs::refresh(const Metric& metric, const SiteSt
 
 bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Arena& arena,
                          std::size_t limit) {
-  const auto count = static_cast<std::size_t>(sites.count());
-  dimension_ = static_cast<std::size_t>(sites.dimension);
+  const std::size_t count = sites.count();
+  dimension_ = sites.dimension;
   position_.resize(sites.position.size());
   reach_.resize(count);
-  arena.for_each(count, kSitesPerGrain,
-                 [&](std::size_t s) { enter(sites, static_cast<Index>(s)); });
+  for_each_site(arena, count, kSitesPerGrain, [&](SiteNumber s) { enter(sites, s); });
   pairs_ = {};
   added_.clear();
   moved_.clear();
   search_.emplace(metric, sites.position, arena);
 
   usual_reach_ = usual(reach_);
-  far_ = collect<Index>(arena, count, kSitesPerGrain,
-                        [&](std::size_t begin, std::size_t end, std::vector<Index>& far, int) {
-                          for (std::size_t s = begin; s < end; ++s) {
-                            if (reach_[s] > usual_reach_) far.push_back(static_cast<Index>(s));
-                          }
-                        });
+  far_ = collect_by_site<SiteNumber>(arena, count, kSitesPerGrain,
+                                     [&](SiteNumber s, std::vector<SiteNumber>& far, int) {
+                                       if (reach_[s] > usual_reach_) far.push_back(s);
+                                     });
   far_group_.reset();
   if (!far_.empty()) far_group_.emplace(group(metric, far_, arena));
 
@@ -135,14 +128,14 @@ bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Are
                     [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int w) {
                       if (total > limit) return;
                       const std::size_t before = out.size();
-                      for (std::size_t s = begin; s < end; ++s) {
-                        const auto site = static_cast<Index>(s);
-                        const auto add = [&](Index other, double squared) {
+                      for (const SiteNumber site : sites_between(begin, end)) {
+                        const auto add = [&](Index found_there, double squared) {
+                          const SiteNumber other(found_there);
                           if (searches(reach_, site, other) && may_meet(site, other, squared)) {
-                            out.emplace_back(std::min(site, other), std::max(site, other));
+                            out.push_back(Pair::ascending(site, other));
                           }
                         };
-                        search_->within(at(site), 2 * reach_[s] * kRounding, scratch[w], add);
+                        search_->within(at(site), 2 * reach_[site] * kRounding, scratch[w], add);
                       }
                       total += out.size() - before;
                     });
@@ -155,16 +148,16 @@ bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Are
 }
 
 bool MeetingPairs::listed(const Pair& pair) const {
-  const auto own = pairs_[static_cast<std::size_t>(pair.first)];
+  const auto own = pairs_[pair.first];
   return std::binary_search(own.begin(), own.end(), pair);
 }
 
 /// Enters the spheres that have left theirs, and adds the pairs that may now meet. False when that
 /// takes longer than to make the list again: small spheres among many, sought as far as most reach.
-bool MeetingPairs::extend(const Metric& metric, const SiteState& sites, std::span<const Index> left,
-                          const Arena& arena) {
+bool MeetingPairs::extend(const Metric& metric, const SiteState& sites,
+                          std::span<const SiteNumber> left, const Arena& arena) {
   arena.for_each(left.size(), kSitesPerGrain, [&](std::size_t k) { enter(sites, left[k]); });
-  std::vector<Index> moved_before;
+  std::vector<SiteNumber> moved_before;
   moved_before.swap(moved_);
   std::set_union(moved_before.begin(), moved_before.end(), left.begin(), left.end(),
                  std::back_inserter(moved_));
@@ -176,22 +169,23 @@ bool MeetingPairs::extend(const Metric& metric, const SiteState& sites, std::spa
   };
   PerWorker<Scratch> scratch(arena);
   std::atomic<std::size_t> near{0};
-  const auto search = [&](Index site, std::vector<Pair>& fresh, Scratch& own) {
-    const double reach = reach_[static_cast<std::size_t>(site)];
-    const auto add = [&](Index other, double squared) {
+  const auto search = [&](SiteNumber site, std::vector<Pair>& fresh, Scratch& own) {
+    const double reach = reach_[site];
+    const auto add = [&](SiteNumber other, double squared) {
       ++own.near;
       if (other == site || !may_meet(site, other, squared)) return;
-      const Pair pair(std::min(site, other), std::max(site, other));
+      const Pair pair = Pair::ascending(site, other);
       if (!listed(pair)) fresh.push_back(pair);
     };
-    const auto add_from = [&](std::span<const Index> members, const Group& group) {
-      group.search.within(
-          at(site), (reach + group.largest_reach) * kRounding, own.found,
-          [&](Index k, double squared) { add(members[static_cast<std::size_t>(k)], squared); });
+    const auto add_from = [&](std::span<const SiteNumber> members, const Group& group) {
+      group.search.within(at(site), (reach + group.largest_reach) * kRounding, own.found,
+                          [&](Index k, double squared) { add(members.data()[k], squared); });
     };
-    search_->within(
-        at(site), (reach + usual_reach_) * kRounding, own.found,
-        [&](Index other, double) { add(other, metric.squared_distance(at(site), at(other))); });
+    search_->within(at(site), (reach + usual_reach_) * kRounding, own.found,
+                    [&](Index found, double) {
+                      const SiteNumber other(found);
+                      add(other, metric.squared_distance(at(site), at(other)));
+                    });
     if (far_group_) add_from(far_, *far_group_);
     add_from(moved_, moved);
   };

@@ -41,19 +41,17 @@ class MeetingPairs {
     double largest_reach;
   };
 
-  [[nodiscard]] Group group(const Metric& metric, std::span<const Index> sites,
+  [[nodiscard]] Group group(const Metric& metric, std::span<const SiteNumber> sites,
                             const Arena& arena) const;
-  [[nodiscard]] Buffer<Index> outgrown(const Metric& metric, const SiteState& sites,
-                                       const Arena& arena) const;
-  void enter(const SiteState& sites, Index site);
-  [[nodiscard]] bool may_meet(Index a, Index b, double squared) const;
+  [[nodiscard]] Buffer<SiteNumber> outgrown(const Metric& metric, const SiteState& sites,
+                                            const Arena& arena) const;
+  void enter(const SiteState& sites, SiteNumber site);
+  [[nodiscard]] bool may_meet(SiteNumber a, SiteNumber b, double squared) const;
   bool build(const Metric& metric, const SiteState& sites, const Arena& arena, std::size_t limit);
-  bool extend(const Metric& metric, const SiteState& sites, std::span<const Index> left,
+  bool extend(const Metric& metric, const SiteState& sites, std::span<const SiteNumber> left,
               const Arena& arena);
   [[nodiscard]] bool listed(const Pair& pair) const;
-  [[nodiscard]] const double* at(Index site) const {
-    return &position_[static_cast<std::size_t>(site) * dimension_];
-  }
+  [[nodiscard]] const double* at(SiteNumber site) const { return &position_[site * dimension_]; }
 
   std::size_t dimension_ = 0;
   Groups<Pair> pairs_;  ///< by their first site
@@ -61,8 +59,8 @@ class MeetingPairs {
   std::vector<double> position_;      ///< of each sphere when it was entered
   std::vector<double> reach_;         ///< its radius and skin
   std::optional<SiteSearch> search_;  ///< among the sites where they were when the list was made
-  std::vector<Index> moved_;          ///< entered since: the search has them where they were
-  Buffer<Index> far_;                 ///< spheres that reach farther than usual_reach_
+  std::vector<SiteNumber> moved_;     ///< entered since: the search has them where they were
+  Buffer<SiteNumber> far_;            ///< spheres that reach farther than usual_reach_
   std::optional<Group> far_group_;
   double usual_reach_ = 0;
 };

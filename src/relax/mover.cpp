@@ -11,25 +11,24 @@
 namespace ccvt {
 namespace {
 
-constexpr std::size_t kColumns = 16;
+constexpr Index kColumns = 16;
 
 }  // namespace
 
 template <class Scalar>
 Mover<Scalar>::Mover(const Metric& metric, const SiteState& sites, Filling<Scalar>& filling)
     : metric_(metric), sites_(sites), filling_(filling) {
-  const auto size = static_cast<std::size_t>(metric.dimension());
+  const std::size_t size = sites.dimension;
   middle_.resize(size);
   normal_.resize(size);
   moving_.resize(size);
-  for (std::size_t d = 0; metric.periodic() && d < size; ++d) {
-    extent_.push_back(static_cast<Scalar>(metric.extent()[d]));
-  }
-  turn_.resize(extent_.size());
+  if (!metric.periodic()) return;
+  extent_.assign(metric.extent(), metric.extent() + size);
+  turn_.resize(size);
 }
 
 template <class Scalar>
-void Mover<Scalar>::leave(Index from) {
+void Mover<Scalar>::leave(SiteNumber from) {
   from_ = from;
   waiting_.clear();
   waiting_x_.clear();
@@ -48,73 +47,79 @@ void Mover<Scalar>::stay() {
 }
 
 template <class Scalar>
-Index Mover<Scalar>::move(Index to, Index count) {
+Index Mover<Scalar>::move(SiteNumber to, Index count) {
   place_cut(from_, to);
-  const Index filled = filling_.filled[static_cast<std::size_t>(from_)];
-  const auto places = static_cast<std::size_t>(filled) + waiting_.size();
-  const auto moved = std::min(static_cast<std::size_t>(count), places);
+  const Index filled = filling_.filled[from_];
+  const auto waiting = static_cast<Index>(waiting_.size());
+  const Index places = filled + waiting;
+  const Index moved = std::min(count, places);
   // A cell that is not full has the stride of a full one: keys of empty places are overwritten.
   const Index size = filling_.cells.size(from_);
-  keys_.resize(std::max(places, static_cast<std::size_t>(size)));
+  keys_.resize(static_cast<std::size_t>(std::max(places, size)));
   if (filled > 0) keys_of(filling_.cells.block(from_), size, keys_.data());
   as_block();
-  keys_of(block_.data(), static_cast<Index>(waiting_.size()), keys_.data() + filled);
+  keys_of(block_.data(), waiting, keys_.data() + filled);
   choose(moved, places);
   // From the last place to the first, so that filling a gap does not move a chosen point.
   std::sort(choices_.begin(), choices_.end(),
             [](const Choice& a, const Choice& b) { return a.place > b.place; });
-  const std::size_t dimension = normal_.size();
+  const std::ptrdiff_t dimension = metric_.dimension();
   for (const Choice& choice : choices_) {
     if (choice.place >= filled) {
-      const auto w = static_cast<std::size_t>(choice.place - filled);
-      Scalar* const x = &waiting_x_[w * dimension];
-      filling_.add(to, waiting_[w], x);
-      waiting_[w] = waiting_.back();
+      const Index w = choice.place - filled;
+      PointNumber& point = waiting_.data()[w];
+      Scalar* const x = waiting_x_.data() + w * dimension;
+      filling_.add(to, point, x);
+      point = waiting_.back();
       waiting_.pop_back();
-      std::copy_n(waiting_x_.end() - static_cast<std::ptrdiff_t>(dimension), dimension, x);
-      waiting_x_.resize(waiting_x_.size() - dimension);
+      const auto last = waiting_x_.end() - dimension;
+      std::copy(last, waiting_x_.end(), x);
+      waiting_x_.erase(last, waiting_x_.end());
     } else {
       filling_.cells.get(from_, choice.place, moving_.data());
       filling_.add(to, filling_.take(from_, choice.place), moving_.data());
     }
   }
-  return static_cast<Index>(moved);
+  return moved;
 }
 
 /// Chooses the best `wanted` of all places; of equal keys the first place is better. Places are
 /// dealt out to columns: of the columns with the highest keys, as many as are wanted, the lowest
 /// of these keys is one that no chosen place can be below, and few columns have a place above.
 template <class Scalar>
-void Mover<Scalar>::choose(std::size_t wanted, std::size_t places) {
+void Mover<Scalar>::choose(Index wanted, Index places) {
   choices_.clear();
   if (wanted == 0) return;
-  std::array<Scalar, kColumns> highest;
-  highest.fill(-std::numeric_limits<Scalar>::infinity());
-  const std::size_t whole = places - places % kColumns;
-  for (std::size_t row = 0; row < whole; row += kColumns) {
-    for (std::size_t c = 0; c < kColumns; ++c) highest[c] = std::max(highest[c], keys_[row + c]);
+  const Scalar* const keys = keys_.data();
+  std::array<Scalar, kColumns> columns;
+  columns.fill(-std::numeric_limits<Scalar>::infinity());
+  Scalar* const highest = columns.data();
+  const Index whole = places - places % kColumns;
+  for (Index row = 0; row < whole; row += kColumns) {
+    for (Index c = 0; c < kColumns; ++c) highest[c] = std::max(highest[c], keys[row + c]);
   }
-  for (std::size_t k = whole; k < places; ++k) {
-    highest[k - whole] = std::max(highest[k - whole], keys_[k]);
+  for (Index k = whole; k < places; ++k) {
+    highest[k - whole] = std::max(highest[k - whole], keys[k]);
   }
   Scalar floor = -std::numeric_limits<Scalar>::infinity();
   if (wanted <= kColumns) {
-    std::array<Scalar, kColumns> sorted = highest;
-    const auto last = sorted.begin() + static_cast<std::ptrdiff_t>(wanted) - 1;
+    std::array<Scalar, kColumns> sorted = columns;
+    const auto last = sorted.begin() + wanted - 1;
     std::nth_element(sorted.begin(), last, sorted.end(), std::greater<>());
     floor = *last;
   }
-  for (std::size_t c = 0; c < kColumns; ++c) {
+  for (Index c = 0; c < kColumns; ++c) {
     if (highest[c] < floor) continue;
-    for (std::size_t k = c; k < places; k += kColumns) {
-      if (keys_[k] >= floor) choices_.push_back({keys_[k], static_cast<Index>(k)});
+    for (Index row = 0; row < places - c; row += kColumns) {
+      const Index k = row + c;
+      if (keys[k] >= floor) choices_.push_back({keys[k], k});
     }
   }
-  if (choices_.size() < wanted) throw std::logic_error("balance: a key is not a number");
-  if (choices_.size() == wanted) return;
-  std::nth_element(choices_.begin(), choices_.begin() + static_cast<std::ptrdiff_t>(wanted),
-                   choices_.end(), Better());
-  choices_.resize(wanted);
+  if (std::ssize(choices_) < wanted) throw std::logic_error("balance: a key is not a number");
+  if (std::ssize(choices_) == wanted) return;
+  const auto rest = choices_.begin() + wanted;
+  std::nth_element(choices_.begin(), rest, choices_.end(), Better());
+  choices_.erase(rest, choices_.end());
 }
 
 /// The points that wait, with a stream for each dimension.
@@ -130,7 +135,7 @@ void Mover<Scalar>::as_block() {
 }
 
 template <class Scalar>
-void Mover<Scalar>::place_cut(Index from, Index to) {
+void Mover<Scalar>::place_cut(SiteNumber from, SiteNumber to) {
   const double* a = sites_.at(from);
   const double* b = sites_.at(to);
   for (std::size_t d = 0; d < middle_.size(); ++d) {

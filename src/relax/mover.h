@@ -16,10 +16,10 @@ class Mover {
   Mover(const Metric& metric, const SiteState& sites, Filling<Scalar>& filling);
 
   /// Whose points move() moves: those in its cell and those that wait.
-  void leave(Index from);
+  void leave(SiteNumber from);
   /// Moves the `count` points that gain most, or lose least, by changing to `to`; fewer when there
   /// are not as many. Returns how many. O(points of the site).
-  Index move(Index to, Index count);
+  Index move(SiteNumber to, Index count);
   /// The points that still wait take free places in the cell, as far as there are some.
   void stay();
 
@@ -34,22 +34,22 @@ class Mover {
     }
   };
 
-  void choose(std::size_t wanted, std::size_t places);
+  void choose(Index wanted, Index places);
   void as_block();
-  void place_cut(Index from, Index to);
+  void place_cut(SiteNumber from, SiteNumber to);
   void keys_of(const Scalar* block, Index count, Scalar* keys);
 
   const Metric& metric_;
   const SiteState& sites_;
   Filling<Scalar>& filling_;
-  Index from_ = -1;
+  SiteNumber from_ = SiteNumber::none();
   std::vector<Scalar> middle_;
   std::vector<Scalar> normal_;
   std::vector<Scalar> extent_;
   std::vector<Scalar> turn_;
   std::vector<Scalar> keys_;
-  std::vector<Index> waiting_;     ///< of from_
-  std::vector<Scalar> waiting_x_;  ///< their coordinates, point after point
+  std::vector<PointNumber> waiting_;  ///< of from_
+  std::vector<Scalar> waiting_x_;     ///< their coordinates, point after point
   std::vector<Scalar> block_;
   std::vector<Scalar> moving_;  ///< coordinates of one point
   std::vector<Choice> choices_;

@@ -28,7 +28,7 @@ constexpr std::size_t kPointsPerGrain = 4096;
 template <class Scalar>
 struct NearestSites<Scalar>::Around {
   std::size_t count = 0;
-  std::array<Index, kMostAround> site;
+  std::array<SiteNumber, kMostAround> site;
   std::array<std::array<double, kMostAround>, kMostDimensions> offset;
 };
 
@@ -47,7 +47,7 @@ NearestSites<Scalar>::NearestSites(const Metric& metric, const SiteState& sites,
                                    const Arena& arena)
     : metric_(metric),
       sites_(sites),
-      dimension_(static_cast<std::size_t>(metric.dimension())),
+      dimension_(sites.dimension),
       bins_(SiteBins::sort(metric, sites.position, box.lower.data(), box.upper.data(), arena)) {
   // Cells are numbered like sites.
   constexpr std::size_t kMostCells = std::numeric_limits<Index>::max();
@@ -70,16 +70,16 @@ const SiteTree& NearestSites<Scalar>::tree() const {
 
 template <class Scalar>
 template <std::size_t Dimension>
-Index NearestSites<Scalar>::cell_of(const Scalar* position) const {
-  std::uint32_t bin = 0;
-  std::uint32_t child = 0;
+std::size_t NearestSites<Scalar>::cell_of(const Scalar* position) const {
+  std::size_t bin = 0;
+  std::size_t child = 0;
   for (std::size_t d = Dimension; d-- > 0;) {
-    const double along = (static_cast<double>(position[d]) - lower_[d]) * inverse_width_[d];
+    const double along = (position[d] - lower_[d]) * inverse_width_[d];
     const auto k = static_cast<std::uint32_t>(std::clamp(along, 0.0, last_[d]));
-    bin = bin * static_cast<std::uint32_t>(bins_->bins(d)) + k / 2;
+    bin = bin * bins_->bins(d) + k / 2;
     child = 2 * child + k % 2;
   }
-  return static_cast<Index>((bin << Dimension) + child);
+  return (bin << Dimension) + child;
 }
 
 template <class Scalar>
@@ -119,7 +119,7 @@ bool NearestSites<Scalar>::gather(const Vector& centre, Around& around) const {
             around.offset[d][count] = offset[d];
             squared += offset[d] * offset[d];
           }
-          around.site[count] = bins_->site(place);
+          around.site[count] = SiteNumber(bins_->site(place));
           c = squared < nearest ? count : c;
           nearest = squared < nearest ? squared : nearest;
           ++count;
@@ -158,10 +158,8 @@ void NearestSites<Scalar>::keep_candidates(const Around& around, const Vector& c
       squared[k] += difference * difference;
     }
   }
-  const auto c = static_cast<std::size_t>(
-      std::min_element(squared.begin(),
-                       squared.begin() + static_cast<std::ptrdiff_t>(around.count)) -
-      squared.begin());
+  const double* const nearest = std::min_element(squared.data(), squared.data() + around.count);
+  const auto c = static_cast<std::size_t>(nearest - squared.data());
   Vector central{};
   for (std::size_t d = 0; d < Dimension; ++d) central[d] = around.offset[d][c];
   double room = squared[c];
@@ -193,7 +191,7 @@ void NearestSites<Scalar>::find_among(const Around& candidates, const Vector& ce
     for (auto& near : here) near.site = candidates.site[0];
     return;
   }
-  constexpr auto kStep = static_cast<std::size_t>(kernels::kNearestPoints);
+  constexpr std::size_t kStep = kernels::kNearestPoints;
   const std::size_t stride = (here.size() + kStep - 1) / kStep * kStep;
   worker.coordinates.resize(stride * Dimension);
   worker.chosen.resize(stride);
@@ -201,7 +199,7 @@ void NearestSites<Scalar>::find_among(const Around& candidates, const Vector& ce
   for (std::size_t k = 0; k < stride; ++k) {
     const auto& point = here[k < here.size() ? k : 0];
     for (std::size_t d = 0; d < Dimension; ++d) {
-      worker.coordinates[d * stride + k] = static_cast<double>(point.x[d]);
+      worker.coordinates[d * stride + k] = point.x[d];
     }
   }
   for (std::size_t d = 0; d < Dimension; ++d) {
@@ -212,11 +210,11 @@ void NearestSites<Scalar>::find_among(const Around& candidates, const Vector& ce
       worker.positions[c * Dimension + d] = own - centre[d] == offset ? own : centre[d] + offset;
     }
   }
-  kernels::nearest_positions(worker.coordinates.data(), static_cast<Index>(stride), int{Dimension},
+  kernels::nearest_positions(worker.coordinates.data(), static_cast<Index>(stride), Dimension,
                              worker.positions.data(), static_cast<Index>(candidates.count),
                              worker.chosen.data());
   for (std::size_t k = 0; k < here.size(); ++k) {
-    here[k].site = candidates.site[static_cast<std::size_t>(worker.chosen[k])];
+    here[k].site = candidates.site.data()[worker.chosen[k]];
   }
 }
 
@@ -235,7 +233,7 @@ void NearestSites<Scalar>::find_in_bin(std::size_t bin, Worker& worker,
     for (auto& near : here) {
       std::array<double, Dimension> query;
       std::copy(near.x.begin(), near.x.end(), query.begin());
-      near.site = tree().nearest(query.data());
+      near.site = SiteNumber(tree().nearest(query.data()));
     }
     return;
   }
@@ -255,16 +253,17 @@ void NearestSites<Scalar>::find_in_bin(std::size_t bin, Worker& worker,
 
 template <class Scalar>
 template <std::size_t Dimension>
-void NearestSites<Scalar>::find(const PointsView<Scalar>& points, std::span<const Index> which,
-                                const Arena& arena, Found<Dimension>& found) const {
+void NearestSites<Scalar>::find(const PointsView<Scalar>& points,
+                                std::span<const PointNumber> which, const Arena& arena,
+                                Found<Dimension>& found) const {
   using Item = Near<Scalar, Dimension>;
   found.points.reset(which.size());
   if constexpr (Dimension == 0) {
     arena.for_ranges(which.size(), kPointsPerGrain, [&](std::size_t begin, std::size_t end, int) {
       std::vector<double> query(dimension_);
       for (std::size_t k = begin; k < end; ++k) {
-        std::copy_n(points[which[k]], dimension_, query.begin());
-        found.points[k] = {tree().nearest(query.data()), which[k]};
+        std::copy_n(points[which[k].index()], dimension_, query.begin());
+        found.points[k] = {SiteNumber(tree().nearest(query.data())), which[k]};
       }
     });
   } else {
@@ -272,12 +271,12 @@ void NearestSites<Scalar>::find(const PointsView<Scalar>& points, std::span<cons
     auto by_cell = group_by_key(
         arena, std::move(found.points), bins << Dimension,
         [&](std::size_t k, Item& item) {
-          const Scalar* x = points[which[k]];
-          item.site = cell_of<Dimension>(x);
+          const Scalar* x = points[which[k].index()];
+          item.site = SiteNumber(cell_of<Dimension>(x));
           item.point = which[k];
           std::copy_n(x, Dimension, item.x.begin());
         },
-        [](const Item& item) { return static_cast<std::size_t>(item.site); }, found.spare);
+        [](const Item& item) { return item.site; }, found.spare);
     PerWorker<Worker> workers(arena);
     arena.for_ranges(bins, kBinsPerGrain, [&](std::size_t begin, std::size_t end, int w) {
       for (std::size_t bin = begin; bin < end; ++bin) {
@@ -289,25 +288,24 @@ void NearestSites<Scalar>::find(const PointsView<Scalar>& points, std::span<cons
 }
 
 template <class Scalar>
-Buffer<Index> NearestSites<Scalar>::owners(const PointsView<Scalar>& points,
-                                           const Arena& arena) const {
+Buffer<SiteNumber> NearestSites<Scalar>::owners(const PointsView<Scalar>& points,
+                                                const Arena& arena) const {
   const auto count = static_cast<std::size_t>(points.count);
-  Buffer<Index> all(count);
-  arena.for_each(count, kPointsPerGrain, [&](std::size_t p) { all[p] = static_cast<Index>(p); });
-  Buffer<Index> owners(count);
+  Buffer<PointNumber> all(count);
+  arena.for_each(count, kPointsPerGrain, [&](std::size_t p) { all[p] = PointNumber(p); });
+  Buffer<SiteNumber> owners(count);
   with_dimension(dimension_of_copies(), [&]<std::size_t Dimension>() {
     Found<Dimension> found;
     find<Dimension>(points, all, arena, found);
-    arena.for_each(count, kPointsPerGrain, [&](std::size_t k) {
-      owners[static_cast<std::size_t>(found.points[k].point)] = found.points[k].site;
-    });
+    arena.for_each(count, kPointsPerGrain,
+                   [&](std::size_t k) { owners[found.points[k].point] = found.points[k].site; });
   });
   return owners;
 }
 
-#define CCVT_INSTANTIATE(Scalar, Dimension)                            \
-  template void NearestSites<Scalar>::find<Dimension>(                 \
-      const PointsView<Scalar>&, std::span<const Index>, const Arena&, \
+#define CCVT_INSTANTIATE(Scalar, Dimension)                                  \
+  template void NearestSites<Scalar>::find<Dimension>(                       \
+      const PointsView<Scalar>&, std::span<const PointNumber>, const Arena&, \
       NearestSites<Scalar>::Found<Dimension>&) const;
 
 CCVT_INSTANTIATE(float, 0)

@@ -21,14 +21,14 @@ namespace ccvt {
 /// 0: reading these at random costs more than carrying them along.
 template <class Scalar, std::size_t Dimension>
 struct Near {
-  Index site;  ///< while points are sorted: a cell of the grid
-  Index point;
+  SiteNumber site;  ///< while points are sorted: a cell of the grid
+  PointNumber point;
   std::array<Scalar, Dimension> x;
 };
 template <class Scalar>
 struct Near<Scalar, 0> {
-  Index site;
-  Index point;
+  SiteNumber site;
+  PointNumber point;
 };
 
 /// Finds the nearest site for many points; exact.
@@ -54,11 +54,12 @@ class NearestSites {
   };
   /// `Dimension` is dimension_of_copies(). Of points in a grid, neighbours are near each other.
   template <std::size_t Dimension>
-  void find(const PointsView<Scalar>& points, std::span<const Index> which, const Arena& arena,
-            Found<Dimension>& found) const;
+  void find(const PointsView<Scalar>& points, std::span<const PointNumber> which,
+            const Arena& arena, Found<Dimension>& found) const;
 
   /// The site nearest to each of all points, by point.
-  [[nodiscard]] Buffer<Index> owners(const PointsView<Scalar>& points, const Arena& arena) const;
+  [[nodiscard]] Buffer<SiteNumber> owners(const PointsView<Scalar>& points,
+                                          const Arena& arena) const;
 
  private:
   static constexpr std::size_t kMostDimensions = SiteBins::kMostDimensions;
@@ -67,7 +68,7 @@ class NearestSites {
   struct Worker;
 
   template <std::size_t Dimension>
-  [[nodiscard]] Index cell_of(const Scalar* position) const;
+  [[nodiscard]] std::size_t cell_of(const Scalar* position) const;
   [[nodiscard]] Vector centre_of(std::size_t bin) const;
   template <std::size_t Dimension>
   [[nodiscard]] bool gather(const Vector& centre, Around& around) const;

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "rounding.h"
+
 namespace ccvt {
 namespace {
 
-constexpr double kHalfUlp = 0x1p-53;
 /// Of the torus's extent. Not one half: rounding must not decide which image is the nearest.
 constexpr double kLargestFrame = 0.499;
 
@@ -21,20 +22,19 @@ PairCut<Scalar>::PairCut(const Metric& metric, double coordinate_bound)
       least_extent_(std::numeric_limits<double>::infinity()),
       placement_(metric.largest_extent() + coordinate_bound) {
   const auto size = static_cast<std::size_t>(metric.dimension());
-  const auto terms = static_cast<double>(size + 4);
+  const double terms = metric.dimension() + 4;
   rounding_of_size_ = 4 * terms * kHalfUlp;
-  tolerance_of_size_ = 2 * terms * static_cast<double>(std::numeric_limits<Scalar>::epsilon());
+  tolerance_of_size_ = 2 * terms * std::numeric_limits<Scalar>::epsilon();
   least_rounding_ = 16 * terms * std::numeric_limits<double>::denorm_min();
-  least_tolerance_ = terms * static_cast<double>(std::numeric_limits<Scalar>::min());
+  least_tolerance_ = terms * std::numeric_limits<Scalar>::min();
   for (auto* vector : {&normal_, &middle_i_, &middle_j_}) vector->resize(size);
   for (auto* vector : {&scalar_normal_, &scalar_middle_i_, &scalar_middle_j_}) vector->resize(size);
   if (!metric.periodic()) return;
   least_extent_ = *std::min_element(metric.extent(), metric.extent() + size);
-  largest_wrapped_ =
-      kLargestFrame - 2 * static_cast<double>(std::numeric_limits<Scalar>::epsilon()) *
-                          (1 + coordinate_bound / least_extent_);
+  largest_wrapped_ = kLargestFrame - 2 * std::numeric_limits<Scalar>::epsilon() *
+                                         (1 + coordinate_bound / least_extent_);
+  extent_.assign(metric.extent(), metric.extent() + size);
   for (std::size_t d = 0; d < size; ++d) {
-    extent_.push_back(static_cast<Scalar>(metric.extent()[d]));
     inverse_extent_.push_back(static_cast<Scalar>(1 / metric.extent()[d]));
   }
   turn_.resize(size);
@@ -52,7 +52,7 @@ auto PairCut<Scalar>::place_for(int dimension) -> Place {
 /// image of a site. `Dimension`: 0 for any. Where it is known, loops are unrolled.
 template <class Scalar>
 template <std::size_t Dimension, bool Periodic>
-void PairCut<Scalar>::place_in(const SiteState& sites, Index i, Index j) {
+void PairCut<Scalar>::place_in(const SiteState& sites, SiteNumber i, SiteNumber j) {
   const std::size_t dimension = Dimension > 0 ? Dimension : normal_.size();
   site_i_ = sites.at(i);
   site_j_ = sites.at(j);
@@ -71,13 +71,11 @@ void PairCut<Scalar>::place_in(const SiteState& sites, Index i, Index j) {
     scalar_middle_i_[d] = scalar_middle_j_[d] = static_cast<Scalar>(middle);
   }
   length_ = std::sqrt(squared_length);
-  const auto a = static_cast<std::size_t>(i);
-  const auto b = static_cast<std::size_t>(j);
-  const double radius = std::max(sites.radius[a], sites.radius[b]);
+  const double radius = std::max(sites.radius[i], sites.radius[j]);
   frame_ = Frame::plain;
   crosses_faces_ = shifted;
   if constexpr (Periodic) {
-    const bool compact = (sites.compact[a] & sites.compact[b]) != 0;
+    const bool compact = (sites.compact[i] & sites.compact[j]) != 0;
     const bool small = length_ + radius <= largest_wrapped_ * least_extent_;
     if (!compact || shifted || !small) frame_ = frame_across(radius, compact, small);
   }
@@ -95,10 +93,8 @@ auto PairCut<Scalar>::frame_across(double radius, bool compact, bool small) -> F
   }
   if (too_large) {
     crosses_faces_ = true;
-    for (std::size_t d = 0; d < dimension; ++d) {
-      scalar_middle_i_[d] = static_cast<Scalar>(site_i_[d]);
-      scalar_middle_j_[d] = static_cast<Scalar>(site_j_[d]);
-    }
+    std::copy_n(site_i_, dimension, scalar_middle_i_.begin());
+    std::copy_n(site_j_, dimension, scalar_middle_j_.begin());
     return Frame::none;
   }
   if (compact) {
@@ -156,13 +152,13 @@ double PairCut<Scalar>::key(Side side, const Scalar* block, Index count, Index p
   for (std::size_t d = 0; d < normal_.size(); ++d, x += count) {
     const auto k = static_cast<int>(d);
     if (frame_ == Frame::plain) {
-      key += (static_cast<double>(*x) - origin[d]) * normal_[d];
+      key += (*x - origin[d]) * normal_[d];
     } else if (frame_ == Frame::none) {
-      const double to_i = metric_.wrap(static_cast<double>(*x) - site_i_[d], k);
-      const double to_j = metric_.wrap(static_cast<double>(*x) - site_j_[d], k);
+      const double to_i = metric_.wrap(*x - site_i_[d], k);
+      const double to_j = metric_.wrap(*x - site_j_[d], k);
       key += (to_i * to_i - to_j * to_j) / 2;
     } else {
-      key += metric_.wrap(static_cast<double>(*x) - middle_i_[d], k) * normal_[d];
+      key += metric_.wrap(*x - middle_i_[d], k) * normal_[d];
     }
   }
   return key;
@@ -173,7 +169,7 @@ void PairCut<Scalar>::add_keys(Side side, const Scalar* block, Index count, doub
   for (std::size_t d = 0; d < normal_.size(); ++d, block += count) {
     const double along = normal_[d];
     const auto add = [&](auto term) {
-      for (Index k = 0; k < count; ++k) keys[k] += term(static_cast<double>(block[k]));
+      for (Index k = 0; k < count; ++k) keys[k] += term(block[k]);
     };
     if (frame_ == Frame::plain) {
       add([along, origin = middle(side)[d]](double x) { return (x - origin) * along; });

@@ -18,7 +18,7 @@ class PairCut {
   PairCut(const Metric& metric, double coordinate_bound);
 
   /// Sets up the cut between sites i and j, whose state must not change while it is in use. O(D).
-  void place(const SiteState& sites, Index i, Index j) { (this->*place_)(sites, i, j); }
+  void place(const SiteState& sites, SiteNumber i, SiteNumber j) { (this->*place_)(sites, i, j); }
 
   /// Which of the two cells a point is in.
   enum class Side { i, j };
@@ -48,14 +48,14 @@ class PairCut {
   enum class Frame { plain, one_face, wrapped, none };
 
   template <std::size_t Dimension, bool Periodic>
-  void place_in(const SiteState& sites, Index i, Index j);
+  void place_in(const SiteState& sites, SiteNumber i, SiteNumber j);
   Frame frame_across(double radius, bool compact, bool small);
   void bound_errors(double radius);
   [[nodiscard]] const std::vector<double>& middle(Side side) const {
     return side == Side::i ? middle_i_ : middle_j_;
   }
 
-  using Place = void (PairCut::*)(const SiteState&, Index, Index);
+  using Place = void (PairCut::*)(const SiteState&, SiteNumber, SiteNumber);
   template <bool Periodic>
   [[nodiscard]] static Place place_for(int dimension);
 

@@ -12,9 +12,9 @@ namespace {
 constexpr int kDensePasses = 4;
 
 /// A list of meeting pairs longer than this is not worth having.
-std::size_t list_limit(Index sites) {
-  const auto n = static_cast<std::size_t>(sites);
-  return std::min({n * (n - 1) / 4, 256 * n, static_cast<std::size_t>(INT32_MAX)});
+std::size_t list_limit(std::size_t sites) {
+  constexpr std::size_t kMost = INT32_MAX;
+  return std::min({sites * (sites - 1) / 4, 256 * sites, kMost});
 }
 
 }  // namespace

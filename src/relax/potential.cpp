@@ -19,11 +19,12 @@ constexpr std::size_t kBlock = 512;
 constexpr std::size_t kNodesPerGrain = 2 * kBlock;
 
 using Vector = std::vector<double>;
+using Node = Number<struct OfGraphNodes>;
 
 /// The Laplacian of a weighted graph: row s is degree(s) on the diagonal, and -weight off it.
 struct Laplacian {
   struct Edge {
-    Index neighbour;
+    Node neighbour;
     float weight;  ///< a count of edges, perhaps rounded: the preconditioner may be another matrix
   };
   Buffer<Edge> edges;
@@ -39,9 +40,7 @@ struct Laplacian {
   /// The off-diagonal part of row s times x, less its sign.
   [[nodiscard]] double pull(std::size_t s, const Vector& x) const {
     double sum = 0;
-    for (const Edge& edge : row(s)) {
-      sum += static_cast<double>(edge.weight) * x[static_cast<std::size_t>(edge.neighbour)];
-    }
+    for (const auto [t, weight] : row(s)) sum += weight * x[t];
     return sum;
   }
 
@@ -51,22 +50,20 @@ struct Laplacian {
     arena.for_each(size(), kNodesPerGrain, [&](std::size_t s) {
       degree[s] = outer_degree[s] = 0;
       for (const auto [t, weight] : row(s)) {
-        degree[s] += static_cast<double>(weight);
-        if (static_cast<std::size_t>(t) / kBlock != s / kBlock) {
-          outer_degree[s] += static_cast<double>(weight);
-        }
+        degree[s] += weight;
+        if (t / kBlock != s / kBlock) outer_degree[s] += weight;
       }
     });
   }
 };
 
 Laplacian laplacian_of(const SiteGraph& graph, const Arena& arena) {
-  const Groups<Index>& neighbours = graph.all_neighbours();
+  const Groups<SiteNumber>& neighbours = graph.all_neighbours();
   Laplacian result;
   result.edges.reset(neighbours.items.size());
   result.first.reset(neighbours.first.size());
   arena.for_each(neighbours.items.size(), kNodesPerGrain, [&](std::size_t k) {
-    result.edges[k] = {neighbours.items[k], 1};
+    result.edges[k] = {Node(neighbours.items[k].index()), 1};
   });
   std::copy(neighbours.first.begin(), neighbours.first.end(), result.first.begin());
   result.add_degrees(arena);
@@ -89,8 +86,8 @@ Laplacian coarser(const Laplacian& fine, const Arena& arena) {
           const std::size_t last = std::min((own + 1) * kAggregate, fine.size());
           for (std::size_t s = own * kAggregate; s < last; ++s) {
             for (const Edge& edge : fine.row(s)) {
-              const Index other = edge.neighbour / static_cast<Index>(kAggregate);
-              if (static_cast<std::size_t>(other) != own) row.push_back({other, edge.weight});
+              const std::size_t other = edge.neighbour / kAggregate;
+              if (other != own) row.push_back({Node(other), edge.weight});
             }
           }
           std::sort(row.begin(), row.end(),
@@ -155,9 +152,8 @@ class Multigrid {
     arena_.for_ranges(matrix.size(), kBlock, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t s = begin; s < end; ++s) {
         double pull = 0;
-        for (const auto [neighbour, weight] : matrix.row(s)) {
-          const auto t = static_cast<std::size_t>(neighbour);
-          if (t >= begin && t < s) pull += static_cast<double>(weight) * x[t];
+        for (const auto [t, weight] : matrix.row(s)) {
+          if (t >= begin && t < s) pull += weight * x[t];
         }
         const double diagonal = matrix.degree[s] + matrix.outer_degree[s];
         x[s] = diagonal > 0 ? (b[s] + pull) / diagonal : 0;
@@ -171,9 +167,8 @@ class Multigrid {
     arena_.for_ranges(matrix.size(), kBlock, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t s = end; s-- > begin;) {
         double pull = matrix.outer_degree[s] * before[s];
-        for (const auto [neighbour, weight] : matrix.row(s)) {
-          const auto t = static_cast<std::size_t>(neighbour);
-          pull += static_cast<double>(weight) * (t > s && t < end ? x[t] : before[t]);
+        for (const auto [t, weight] : matrix.row(s)) {
+          pull += weight * (t > s && t < end ? x[t] : before[t]);
         }
         const double diagonal = matrix.degree[s] + matrix.outer_degree[s];
         if (diagonal > 0) x[s] = (b[s] + pull) / diagonal;

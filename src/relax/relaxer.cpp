@@ -18,12 +18,12 @@ constexpr Index kPointsBetweenChecks = 1 << 16;
 
 template <class Scalar>
 Relaxer<Scalar>::Relaxer(const Metric& metric, const Options& options, const Arena& arena,
-                         Stop& stop, Index sites, double coordinate_bound)
+                         Stop& stop, std::size_t sites, double coordinate_bound)
     : metric_(metric), options_(options), arena_(arena), stop_(stop) {
   for (int w = 0; w < arena.threads(); ++w) {
     workers_.push_back({PairSwapper<Scalar>(metric, options, coordinate_bound), {}, {}, 0});
   }
-  changed_.assign(static_cast<std::size_t>(sites), 0);
+  changed_.assign(sites, 0);
   touched_.assign(changed_.size(), 1);
 }
 
@@ -73,9 +73,10 @@ void Relaxer<Scalar>::full_pass(LevelState<Scalar>& state) {
   if (!screening_pays(metric_)) return run(AllPairs(state.tiling), true, state);
   const Buffer<Pair> pairs = gaining_pairs(metric_, state.cells, state.sites, touched_, arena_);
   // The greedy rule packs few pairs well, but takes too long for many.
-  const Index sites = state.tiling.sites();
-  const bool many = pairs.size() > 8 * static_cast<std::size_t>(sites);
-  run(many ? schedule_rounds(pairs, sites, arena_) : schedule_pairs(pairs, {sites, 1}, arena_),
+  const std::size_t sites = state.sites.count();
+  const bool many = pairs.size() > 8 * sites;
+  run(many ? schedule_rounds(pairs, sites, arena_)
+           : schedule_pairs(pairs, Tiling(sites, 1), arena_),
       false, state);
 }
 
@@ -88,14 +89,14 @@ void Relaxer<Scalar>::run(Source&& source, bool full, LevelState<Scalar>& state)
   const auto charge = arena_.phase(Phase::swap);
   const bool all = options_.pairs == PairSelection::all;
   const bool of_touched = full && !all;
-  const auto touched = [](const std::vector<std::uint8_t>& flags, Index a, Index b) {
-    return (flags[static_cast<std::size_t>(a)] | flags[static_cast<std::size_t>(b)]) != 0;
+  const auto touched = [](const std::vector<std::uint8_t>& flags, auto a, auto b) {
+    return (flags[a] | flags[b]) != 0;
   };
   for (std::size_t b = 0; b < source.batch_count() && !cancelled(); ++b) {
     Schedule::run_batch(arena_, source.batch(b), [&](const Schedule::Task& task, int w) {
-      if (of_touched && !touched(touched_tile_, task.a.number, task.b.number)) return;
+      if (of_touched && !touched(touched_tile_, task.a, task.b)) return;
       Worker& worker = workers_[static_cast<std::size_t>(w)];
-      source.for_pairs(task, [&](Index i, Index j) {
+      source.for_pairs(task, [&](SiteNumber i, SiteNumber j) {
         if (of_touched && !touched(touched_, i, j)) return;
         if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j)) return;
         examine(state, worker, i, j);
@@ -105,7 +106,8 @@ void Relaxer<Scalar>::run(Source&& source, bool full, LevelState<Scalar>& state)
 }
 
 template <class Scalar>
-void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, Index i, Index j) {
+void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, SiteNumber i,
+                              SiteNumber j) {
   worker.streamed += state.cells.size(i) / 2 + state.cells.size(j) / 2;
   if (worker.streamed > kPointsBetweenChecks) {
     worker.streamed = 0;
@@ -114,9 +116,9 @@ void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, Index i
   ++worker.count.pairs;
   const Index exchanged = worker.swap(state.cells, state.sites, i, j);
   if (exchanged == 0) return;
-  changed_[static_cast<std::size_t>(i)] = changed_[static_cast<std::size_t>(j)] = 1;
+  changed_[i] = changed_[j] = 1;
   ++worker.count.swaps;
-  worker.count.exchanged += 2 * static_cast<std::int64_t>(exchanged);
+  worker.count.exchanged += std::int64_t{2} * exchanged;
   if (options_.cached_passes > 0) worker.swapped.emplace_back(i, j);
 }
 
@@ -143,17 +145,15 @@ template <class Scalar>
 Index Relaxer<Scalar>::update_changed(LevelState<Scalar>& state, bool full) {
   const auto charge = arena_.phase(Phase::update);
   PerWorker<Index> active(arena_);
-  arena_.for_ranges(state.tiling.count(), 1, [&](std::size_t t, std::size_t, int worker) {
-    const Tile tile{static_cast<Index>(t)};
+  for_each_tile(arena_, state.tiling, [&](Tile tile, int worker) {
     std::uint8_t any = 0;
-    for (Index site = state.tiling.begin(tile); site < state.tiling.end(tile); ++site) {
-      const auto s = static_cast<std::size_t>(site);
-      const std::uint8_t changed = std::exchange(changed_[s], std::uint8_t{0});
+    for (const SiteNumber site : state.tiling.sites_of(tile)) {
+      const std::uint8_t changed = std::exchange(changed_[site], std::uint8_t{0});
       if (changed != 0) update_site(metric_, state.cells, state.sites, site);
       active[worker] += changed;
-      any |= touched_[s] = full ? changed : touched_[s] | changed;
+      any |= touched_[site] = full ? changed : touched_[site] | changed;
     }
-    touched_tile_[t] = any;
+    touched_tile_[tile] = any;
   });
   Index all = 0;
   for (int w = 0; w < arena_.threads(); ++w) all += active[w];
@@ -172,13 +172,10 @@ void Relaxer<Scalar>::forget_pairs() {
 template <class Scalar>
 void update_all(const Metric& metric, LevelState<Scalar>& state, const Arena& arena) {
   const auto charge = arena.phase(Phase::update);
-  arena.for_each(state.tiling.count(), 1, [&](std::size_t t) {
-    const Tile tile{static_cast<Index>(t)};
-    for (Index site = state.tiling.begin(tile); site < state.tiling.end(tile); ++site) {
-      // Of another cell than this, perhaps.
-      state.sites.radius[static_cast<std::size_t>(site)] = std::numeric_limits<double>::infinity();
-      update_site(metric, state.cells, state.sites, site);
-    }
+  for_each_site(arena, state.tiling, [&](SiteNumber site) {
+    // Of another cell than this, perhaps.
+    state.sites.radius[site] = std::numeric_limits<double>::infinity();
+    update_site(metric, state.cells, state.sites, site);
   });
 }
 

@@ -33,8 +33,8 @@ struct PassCount {
 template <class Scalar>
 class Relaxer {
  public:
-  Relaxer(const Metric& metric, const Options& options, const Arena& arena, Stop& stop, Index sites,
-          double coordinate_bound);
+  Relaxer(const Metric& metric, const Options& options, const Arena& arena, Stop& stop,
+          std::size_t sites, double coordinate_bound);
 
   /// One pass [4.2], and the centroid update after it. When `stop` ends the pass, the update is
   /// still made, and `stop` switched off. `state` is the same, or in the same state, each time.
@@ -56,7 +56,7 @@ class Relaxer {
   void full_pass(LevelState<Scalar>& state);
   template <class Source>
   void run(Source&& source, bool full, LevelState<Scalar>& state);
-  void examine(LevelState<Scalar>& state, Worker& worker, Index i, Index j);
+  void examine(LevelState<Scalar>& state, Worker& worker, SiteNumber i, SiteNumber j);
   Index update_changed(LevelState<Scalar>& state, bool full);
   PassCount count(bool full);
   void forget_pairs();

@@ -14,7 +14,7 @@ namespace {
 /// In fewer dimensions bounding spheres tell more, more cheaply.
 constexpr int kScreenDimensions = 6;
 /// Sites in a block: small enough that both blocks of a pair of blocks stay in cache.
-constexpr Index kBlockSites = 126;
+constexpr std::size_t kBlockSites = 126;
 static_assert(kBlockSites % kernels::kDotSites == 0);
 
 /// All sites relative to their mean, in blocks; the touched sites of a block come first.
@@ -22,47 +22,45 @@ template <class Scalar>
 class SiteBlocks {
  public:
   SiteBlocks(const SiteState& sites, const std::vector<std::uint8_t>& touched) : sites_(sites) {
-    const int dimension = sites.dimension;
-    mean_.assign(static_cast<std::size_t>(dimension), 0.0);
-    for (Index s = 0; s < sites.count(); ++s) {
-      for (int d = 0; d < dimension; ++d) mean_[static_cast<std::size_t>(d)] += sites.at(s)[d];
+    mean_.assign(sites.dimension, 0.0);
+    for (const SiteNumber s : sites.all()) {
+      for (std::size_t d = 0; d < sites.dimension; ++d) mean_[d] += sites.at(s)[d];
     }
-    for (double& m : mean_) m /= sites.count();
-    for (Index begin = 0; begin < sites.count(); begin += kBlockSites) {
+    const auto count = static_cast<double>(sites.count());
+    for (double& m : mean_) m /= count;
+    for (std::size_t begin = 0; begin < sites.count(); begin += kBlockSites) {
       Block block;
-      const Index end = std::min(begin + kBlockSites, sites.count());
+      const auto members = sites_between(begin, std::min(begin + kBlockSites, sites.count()));
       for (const bool wanted : {true, false}) {
-        for (Index s = begin; s < end; ++s) {
-          if ((touched[static_cast<std::size_t>(s)] != 0) == wanted) block.site.push_back(s);
+        for (const SiteNumber s : members) {
+          if ((touched[s] != 0) == wanted) block.site.push_back(s);
         }
-        if (wanted) block.touched = static_cast<Index>(block.site.size());
+        if (wanted) block.touched = block.site.size();
       }
       // Padding repeats the last site; nobody reads what comes out for it.
-      for (Index k = 0; k < kBlockSites; ++k) {
-        const Index s = block.site[static_cast<std::size_t>(std::min(k, end - begin - 1))];
-        for (int d = 0; d < dimension; ++d) block.position.push_back(centred(s, d));
+      for (std::size_t k = 0; k < kBlockSites; ++k) {
+        const SiteNumber s = block.site[std::min(k, block.site.size() - 1)];
+        for (std::size_t d = 0; d < sites.dimension; ++d) block.position.push_back(centred(s, d));
       }
       blocks_.push_back(std::move(block));
     }
   }
 
   struct Block {
-    std::vector<Index> site;
+    std::vector<SiteNumber> site;
     std::vector<Scalar> position;
-    Index touched = 0;
+    std::size_t touched = 0;
   };
 
-  [[nodiscard]] Index count() const { return static_cast<Index>(blocks_.size()); }
-  [[nodiscard]] const Block& operator[](Index b) const {
-    return blocks_[static_cast<std::size_t>(b)];
+  [[nodiscard]] std::size_t count() const { return blocks_.size(); }
+  [[nodiscard]] const Block& operator[](std::size_t b) const { return blocks_[b]; }
+  [[nodiscard]] Scalar centred(SiteNumber site, std::size_t d) const {
+    return static_cast<Scalar>(sites_.at(site)[d] - mean_[d]);
   }
-  [[nodiscard]] Scalar centred(Index site, int d) const {
-    return static_cast<Scalar>(sites_.at(site)[d] - mean_[static_cast<std::size_t>(d)]);
-  }
-  [[nodiscard]] double norm(Index site) const {
+  [[nodiscard]] double norm(SiteNumber site) const {
     double sum = 0;
-    for (int d = 0; d < sites_.dimension; ++d) {
-      sum += std::pow(sites_.at(site)[d] - mean_[static_cast<std::size_t>(d)], 2);
+    for (std::size_t d = 0; d < sites_.dimension; ++d) {
+      sum += std::pow(sites_.at(site)[d] - mean_[d], 2);
     }
     return std::sqrt(sum);
   }
@@ -77,23 +75,23 @@ class SiteBlocks {
 template <class Scalar>
 struct CentredCell {
   void load(const Cells<Scalar>& cells, const SiteState& sites, const SiteBlocks<Scalar>& blocks,
-            Index site) {
+            SiteNumber site) {
     const Index count = cells.size(site);
     const Index step = kernels::dot_points<Scalar>();
     stride = (count + step - 1) / step * step;
     const auto padded = static_cast<std::size_t>(stride);
-    block.resize(padded * static_cast<std::size_t>(sites.dimension));
+    block.resize(padded * sites.dimension);
     offset.assign(padded, Scalar{0});
     const Scalar* from = cells.block(site);
     Scalar* to = block.data();
-    for (int d = 0; d < sites.dimension; ++d, from += count, to += stride) {
+    for (std::size_t d = 0; d < sites.dimension; ++d, from += count, to += stride) {
       const double origin = sites.at(site)[d];
       const Scalar own = blocks.centred(site, d);
       for (Index k = 0; k < count; ++k) {
-        to[k] = static_cast<Scalar>(static_cast<double>(from[k]) - origin);
+        to[k] = static_cast<Scalar>(from[k] - origin);
       }
       std::fill(to + count, to + stride, to[count - 1]);
-      for (Index k = 0; k < stride; ++k) offset[static_cast<std::size_t>(k)] += to[k] * own;
+      for (std::size_t k = 0; k < padded; ++k) offset[k] += to[k] * own;
     }
   }
 
@@ -114,13 +112,17 @@ Buffer<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells, con
   const auto charge = arena.phase(Phase::lists);
   const int dimension = metric.dimension();
   const SiteBlocks<Scalar> blocks(sites, touched);
-  std::vector<double> norm(static_cast<std::size_t>(sites.count()));
-  for (Index s = 0; s < sites.count(); ++s) norm[static_cast<std::size_t>(s)] = blocks.norm(s);
+  std::vector<double> norm(sites.count());
+  for (const SiteNumber s : sites.all()) norm[s] = blocks.norm(s);
 
-  std::vector<Pair> work;
-  for (Index a = 0; a < blocks.count(); ++a) {
-    for (Index b = a; b < blocks.count(); ++b) {
-      if (blocks[a].touched + blocks[b].touched > 0) work.emplace_back(a, b);
+  struct PairOfBlocks {
+    std::size_t first;
+    std::size_t second;
+  };
+  std::vector<PairOfBlocks> work;
+  for (std::size_t a = 0; a < blocks.count(); ++a) {
+    for (std::size_t b = a; b < blocks.count(); ++b) {
+      if (blocks[a].touched + blocks[b].touched > 0) work.push_back({a, b});
     }
   }
   struct Scratch {
@@ -130,16 +132,15 @@ Buffer<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells, con
   PerWorker<Scratch> scratch(arena);
   const auto screen = [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int worker) {
     Scratch& own = scratch[worker];
-    own.largest.resize(std::size_t{2} * kBlockSites * kBlockSites);
+    own.largest.resize(2 * kBlockSites * kBlockSites);
     // largest[k][l]: over the points of cell k of `from`, the largest point . (site l of `to`),
     // less the same with the point's own site.
     const auto fill = [&](const auto& from, const auto& to, Scalar* largest) {
-      const auto cells_here = static_cast<Index>(from.site.size());
-      for (Index k = 0; k < cells_here; ++k) {
-        const Index targets = k < from.touched ? static_cast<Index>(to.site.size()) : to.touched;
+      for (std::size_t k = 0; k < from.site.size(); ++k) {
+        const auto targets = static_cast<Index>(k < from.touched ? to.site.size() : to.touched);
         if (targets == 0) continue;
         arena.check();
-        own.cell.load(cells, sites, blocks, from.site[static_cast<std::size_t>(k)]);
+        own.cell.load(cells, sites, blocks, from.site[k]);
         const Index padded =
             (targets + kernels::kDotSites - 1) / kernels::kDotSites * kernels::kDotSites;
         kernels::largest_dots(own.cell.block.data(), own.cell.stride, dimension,
@@ -158,32 +159,27 @@ Buffer<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells, con
       } else {
         fill(b, a, back);
       }
-      for (Index k = 0; k < static_cast<Index>(a.site.size()); ++k) {
-        for (Index l = 0; l < static_cast<Index>(b.site.size()); ++l) {
-          const Index i = a.site[static_cast<std::size_t>(k)];
-          const Index j = b.site[static_cast<std::size_t>(l)];
+      for (std::size_t k = 0; k < a.site.size(); ++k) {
+        for (std::size_t l = 0; l < b.site.size(); ++l) {
+          const SiteNumber i = a.site[k];
+          const SiteNumber j = b.site[l];
           if (k >= a.touched && l >= b.touched) continue;
           if (work[w].first == work[w].second && i >= j) continue;
           // M(i, j) = 2 max over p of (p - s_i) . (s_j - s_i) - |s_j - s_i|^2.
-          const auto x = static_cast<std::size_t>(i);
-          const auto y = static_cast<std::size_t>(j);
-          const double gain = static_cast<double>(forth[k * kBlockSites + l]) +
-                              static_cast<double>(back[l * kBlockSites + k]) -
-                              metric.squared_distance(sites.at(i), sites.at(j));
+          const double to_j = forth[k * kBlockSites + l];
+          const double to_i = back[l * kBlockSites + k];
+          const double gain = to_j + to_i - metric.squared_distance(sites.at(i), sites.at(j));
           const double rounding = 4 * (dimension + 4) *
-                                  (static_cast<double>(std::numeric_limits<Scalar>::epsilon()) *
-                                       (sites.radius[x] + sites.radius[y]) * (norm[x] + norm[y]) +
-                                   static_cast<double>(std::numeric_limits<Scalar>::denorm_min()));
-          if (gain > -rounding) {
-            out.emplace_back(std::min(i, j), std::max(i, j));
-          }
+                                  (std::numeric_limits<Scalar>::epsilon() *
+                                       (sites.radius[i] + sites.radius[j]) * (norm[i] + norm[j]) +
+                                   std::numeric_limits<Scalar>::denorm_min());
+          if (gain > -rounding) out.push_back(Pair::ascending(i, j));
         }
       }
     }
   };
-  return std::move(pairs_by_first(arena, collect<Pair>(arena, work.size(), 1, screen),
-                                  static_cast<std::size_t>(sites.count()))
-                       .items);
+  Buffer<Pair> gaining = collect<Pair>(arena, work.size(), 1, screen);
+  return std::move(pairs_by_first(arena, std::move(gaining), sites.count()).items);
 }
 
 template Buffer<Pair> gaining_pairs(const Metric&, const Cells<float>&, const SiteState&,

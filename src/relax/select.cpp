@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <span>
 
 #include "relax/swap.h"
 
@@ -61,18 +62,20 @@ void median_swap(double margin, Exchange& moves) {
   all.clear();
   for (const Candidate& c : moves.from_i) all.push_back({c.key, c.place, false});
   for (const Candidate& c : moves.from_j) all.push_back({c.key, c.place, true});
-  const auto cut = all.begin() + static_cast<std::ptrdiff_t>(moves.from_i.size());
-  std::nth_element(all.begin(), cut, all.end(), [](const Choice& a, const Choice& b) {
-    if (a.key != b.key) return a.key < b.key;
-    return a.from_j != b.from_j ? b.from_j : a.place < b.place;
-  });
+  const std::span<Choice> kept_by_i = std::span(all).first(moves.from_i.size());
+  const std::span<Choice> kept_by_j = std::span(all).subspan(moves.from_i.size());
+  std::nth_element(all.data(), kept_by_j.data(), all.data() + all.size(),
+                   [](const Choice& a, const Choice& b) {
+                     if (a.key != b.key) return a.key < b.key;
+                     return a.from_j != b.from_j ? b.from_j : a.place < b.place;
+                   });
   moves.from_i.clear();
   moves.from_j.clear();
-  for (auto c = all.begin(); c != cut; ++c) {
-    if (c->from_j) moves.from_j.push_back({c->key, c->place});
+  for (const Choice& c : kept_by_i) {
+    if (c.from_j) moves.from_j.push_back({c.key, c.place});
   }
-  for (auto c = cut; c != all.end(); ++c) {
-    if (!c->from_j) moves.from_i.push_back({c->key, c->place});
+  for (const Choice& c : kept_by_j) {
+    if (!c.from_j) moves.from_i.push_back({c.key, c.place});
   }
   if (moves.from_i.empty()) return;
   const double weakest_i =

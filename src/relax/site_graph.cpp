@@ -10,44 +10,40 @@ namespace {
 
 class DisjointSets {
  public:
-  explicit DisjointSets(Index count) : parent_(static_cast<std::size_t>(count)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
+  explicit DisjointSets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), SiteNumber(0));
   }
   /// Whether a and b were apart.
-  bool join(Index a, Index b) {
+  bool join(SiteNumber a, SiteNumber b) {
     a = root(a);
     b = root(b);
     if (a == b) return false;
-    parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    parent_[std::max(a, b)] = std::min(a, b);
     return true;
   }
 
  private:
-  Index root(Index a) {
-    auto k = static_cast<std::size_t>(a);
-    while (parent_[k] != static_cast<Index>(k)) {
-      parent_[k] = parent_[static_cast<std::size_t>(parent_[k])];
-      k = static_cast<std::size_t>(parent_[k]);
-    }
-    return static_cast<Index>(k);
+  SiteNumber root(SiteNumber a) {
+    while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
+    return a;
   }
-  std::vector<Index> parent_;
+  std::vector<SiteNumber> parent_;
 };
 
 constexpr std::size_t kSitesPerGrain = 256;
 
 /// The sites paired with each, ascending.
-Groups<Index> neighbours_in(Index sites, std::span<const Pair> pairs, const Arena& arena) {
-  const auto count = static_cast<std::size_t>(sites);
+Groups<SiteNumber> neighbours_in(std::size_t sites, std::span<const Pair> pairs,
+                                 const Arena& arena) {
   auto ends = group_by_key<Pair>(
-      arena, 2 * pairs.size(), count,
+      arena, 2 * pairs.size(), sites,
       [&](std::size_t k) {
         const auto& [a, b] = pairs[k / 2];
         return k % 2 == 0 ? Pair(a, b) : Pair(b, a);
       },
-      [](const Pair& pair) { return static_cast<std::size_t>(pair.first); });
-  Groups<Index> neighbours{Buffer<Index>(ends.items.size()), std::move(ends.first)};
-  arena.for_each(count, kSitesPerGrain, [&](std::size_t s) {
+      [](const Pair& pair) { return pair.first; });
+  Groups<SiteNumber> neighbours{Buffer<SiteNumber>(ends.items.size()), std::move(ends.first)};
+  for_each_site(arena, sites, kSitesPerGrain, [&](SiteNumber s) {
     const auto to = neighbours[s];
     for (std::size_t k = 0; k < to.size(); ++k) to[k] = ends.items[neighbours.first[s] + k].second;
     std::sort(to.begin(), to.end());
@@ -60,11 +56,11 @@ Groups<Index> neighbours_in(Index sites, std::span<const Pair> pairs, const Aren
 /// With a as the origin, k is in the diametral ball of a and b when |k|^2 < k . b.
 Buffer<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
                            std::span<const Pair> pairs, const Arena& arena) {
-  const Groups<Index> neighbours = neighbours_in(sites.count(), pairs, arena);
+  const Groups<SiteNumber> neighbours = neighbours_in(sites.count(), pairs, arena);
   const int dimension = metric.dimension();
   struct Neighbour {
     double squared;
-    Index site;
+    SiteNumber site;
     std::size_t offset;
   };
   struct Scratch {
@@ -72,10 +68,11 @@ Buffer<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
     std::vector<double> offsets;
   };
   PerWorker<Scratch> scratch(arena);
-  const auto keep = [&](Index a, Scratch& own, std::vector<Pair>& kept) {
+  const auto keep = [&](SiteNumber a, std::vector<Pair>& kept, int worker) {
+    Scratch& own = scratch[worker];
     own.nearest_first.clear();
     own.offsets.clear();
-    for (const Index b : neighbours[static_cast<std::size_t>(a)]) {
+    for (const SiteNumber b : neighbours[a]) {
       own.nearest_first.push_back({0, b, own.offsets.size()});
       for (int d = 0; d < dimension; ++d) {
         own.offsets.push_back(metric.wrap(sites.at(b)[d] - sites.at(a)[d], d));
@@ -89,7 +86,7 @@ Buffer<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
       if (next->site < a) continue;
       const auto between = [&](const Neighbour& other) {
         double along = 0;
-        for (std::size_t d = 0; d < static_cast<std::size_t>(dimension); ++d) {
+        for (std::size_t d = 0; d < sites.dimension; ++d) {
           along += own.offsets[other.offset + d] * own.offsets[next->offset + d];
         }
         return other.squared < along;
@@ -97,22 +94,17 @@ Buffer<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
       if (std::none_of(own.nearest_first.begin(), next, between)) kept.emplace_back(a, next->site);
     }
   };
-  return collect<Pair>(arena, neighbours.count(), kSitesPerGrain,
-                       [&](std::size_t begin, std::size_t end, std::vector<Pair>& kept, int w) {
-                         for (std::size_t a = begin; a < end; ++a) {
-                           keep(static_cast<Index>(a), scratch[w], kept);
-                         }
-                       });
+  return collect_by_site<Pair>(arena, neighbours.count(), kSitesPerGrain, keep);
 }
 
-SiteGraph::SiteGraph(Index sites, std::span<const Pair> edges, const Arena& arena)
+SiteGraph::SiteGraph(std::size_t sites, std::span<const Pair> edges, const Arena& arena)
     : neighbours_(neighbours_in(sites, edges, arena)), tree_(neighbours_, arena) {
   if (tree_.size() == neighbours_.count()) return;
   std::vector<Pair> all(edges.begin(), edges.end());
   DisjointSets sets(sites);
   for (const auto& [a, b] : edges) sets.join(a, b);
-  for (Index s = 0; s + 1 < sites; ++s) {
-    if (sets.join(s, s + 1)) all.emplace_back(s, s + 1);
+  for (const SiteNumber s : sites_below(sites - 1)) {
+    if (sets.join(s, s.next())) all.emplace_back(s, s.next());
   }
   neighbours_ = neighbours_in(sites, all, arena);
   tree_ = SpanningTree(neighbours_, arena);

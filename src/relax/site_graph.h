@@ -23,19 +23,19 @@ class SiteGraph {
  public:
   /// `edges`: each once. Where they leave the graph unconnected, sites with consecutive numbers
   /// are joined.
-  SiteGraph(Index sites, std::span<const Pair> edges, const Arena& arena = Arena(1));
+  SiteGraph(std::size_t sites, std::span<const Pair> edges, const Arena& arena = Arena(1));
 
-  [[nodiscard]] Index site_count() const { return static_cast<Index>(neighbours_.count()); }
+  [[nodiscard]] std::size_t site_count() const { return neighbours_.count(); }
   /// Ascending.
-  [[nodiscard]] std::span<const Index> neighbours(Index site) const {
-    return neighbours_[static_cast<std::size_t>(site)];
+  [[nodiscard]] std::span<const SiteNumber> neighbours(SiteNumber site) const {
+    return neighbours_[site];
   }
-  [[nodiscard]] const Groups<Index>& all_neighbours() const { return neighbours_; }
+  [[nodiscard]] const Groups<SiteNumber>& all_neighbours() const { return neighbours_; }
 
   [[nodiscard]] const SpanningTree& spanning_tree() const { return tree_; }
 
  private:
-  Groups<Index> neighbours_;
+  Groups<SiteNumber> neighbours_;
   SpanningTree tree_;
 };
 

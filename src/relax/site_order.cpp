@@ -19,24 +19,20 @@ constexpr std::size_t kSitesPerGrain = 1024;
 }  // namespace
 
 /// All parts of one size are split at the same time.
-std::vector<Index> spatial_order(const std::vector<double>& positions, int dimension,
-                                 Index tile_sites, const Arena& arena) {
-  const auto extent = static_cast<std::size_t>(dimension);
+std::vector<SiteNumber> spatial_order(const SiteState& sites, Index tile_sites,
+                                      const Arena& arena) {
   const auto tile = static_cast<std::size_t>(tile_sites);
-  std::vector<Index> order(positions.size() / extent);
-  std::iota(order.begin(), order.end(), 0);
-  const auto coordinate = [&](Index site, std::size_t d) {
-    return positions[static_cast<std::size_t>(site) * extent + d];
-  };
+  std::vector<SiteNumber> order(sites.count());
+  std::iota(order.begin(), order.end(), SiteNumber(0));
   const auto widest_side = [&](const Part& part) {
     std::size_t widest = 0;
     double width = -1;
-    for (std::size_t d = 0; d < extent; ++d) {
-      double low = coordinate(order[part.begin], d);
+    for (std::size_t d = 0; d < sites.dimension; ++d) {
+      double low = sites.at(order[part.begin])[d];
       double high = low;
       for (std::size_t k = part.begin + 1; k < part.end; ++k) {
-        low = std::min(low, coordinate(order[k], d));
-        high = std::max(high, coordinate(order[k], d));
+        low = std::min(low, sites.at(order[k])[d]);
+        high = std::max(high, sites.at(order[k])[d]);
       }
       if (high - low > width) {
         width = high - low;
@@ -52,12 +48,13 @@ std::vector<Index> spatial_order(const std::vector<double>& positions, int dimen
   };
   const auto split = [&](const Part& part) {
     const std::size_t along = widest_side(part);
-    const auto at = [&](std::size_t k) { return order.begin() + static_cast<std::ptrdiff_t>(k); };
-    std::nth_element(at(part.begin), at(middle_of(part)), at(part.end), [&](Index a, Index b) {
-      const double x = coordinate(a, along);
-      const double y = coordinate(b, along);
-      return x != y ? x < y : a < b;
-    });
+    SiteNumber* const first = order.data();
+    std::nth_element(first + part.begin, first + middle_of(part), first + part.end,
+                     [&](SiteNumber a, SiteNumber b) {
+                       const double x = sites.at(a)[along];
+                       const double y = sites.at(b)[along];
+                       return x != y ? x < y : a < b;
+                     });
   };
   std::vector<Part> parts{{0, order.size()}};
   while (!parts.empty()) {

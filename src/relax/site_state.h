@@ -1,34 +1,34 @@
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <vector>
 
-#include "ccvt/types.h"
+#include "numbers.h"
 
 namespace ccvt {
 
 /// What is known of each site while relaxing. Positions are doubles also for float points.
 struct SiteState {
   SiteState() = default;
-  SiteState(int dim, Index count)
-      : dimension(dim),
-        position(static_cast<std::size_t>(dim) * static_cast<std::size_t>(count)),
-        radius(static_cast<std::size_t>(count), std::numeric_limits<double>::infinity()),
+  SiteState(std::integral auto dimensions, std::integral auto sites)
+      : dimension(static_cast<std::size_t>(dimensions)),
+        radius(static_cast<std::size_t>(sites), std::numeric_limits<double>::infinity()),
         energy(radius.size()),
-        compact(radius.size()) {}
-
-  [[nodiscard]] Index count() const { return static_cast<Index>(radius.size()); }
-  [[nodiscard]] double* at(Index site) {
-    return position.data() + static_cast<std::ptrdiff_t>(site) * dimension;
-  }
-  [[nodiscard]] const double* at(Index site) const {
-    return position.data() + static_cast<std::ptrdiff_t>(site) * dimension;
+        compact(radius.size()) {
+    position.resize(dimension * radius.size());
   }
 
-  int dimension = 0;
+  [[nodiscard]] std::size_t count() const { return radius.size(); }
+  [[nodiscard]] NumberRange<SiteNumber> all() const { return sites_below(count()); }
+  [[nodiscard]] double* at(SiteNumber site) { return position.data() + site * dimension; }
+  [[nodiscard]] const double* at(SiteNumber site) const {
+    return position.data() + site * dimension;
+  }
+
+  std::size_t dimension = 0;
   std::vector<double> position;
   /// An upper bound on the distance from the site to the points of its cell; swaps keep it one.
   std::vector<double> radius;

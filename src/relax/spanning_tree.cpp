@@ -8,11 +8,10 @@ namespace ccvt {
 namespace {
 
 constexpr std::size_t kBlock = 1024;
-constexpr Index kRoot = -1;
-constexpr Index kOutside = -2;
+/// Who is the parent of the root, and of a site that is in no part yet.
+constexpr SiteNumber kRoot = SiteNumber::none();
+constexpr SiteNumber kOutside(-2);
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-
-std::size_t at(Index node) { return static_cast<std::size_t>(node); }
 
 /// Some nodes of one block, in a run of the order.
 struct Run {
@@ -22,12 +21,12 @@ struct Run {
 
 /// An edge into another part.
 struct Border {
-  Index from;
-  Index to;
+  SiteNumber from;
+  SiteNumber to;
 };
 
 struct TreeBuilder {
-  TreeBuilder(const Groups<Index>& graph, const Arena& workers)
+  TreeBuilder(const Groups<SiteNumber>& graph, const Arena& workers)
       : neighbours(graph),
         arena(workers),
         parent(graph.count(), kOutside),
@@ -37,12 +36,12 @@ struct TreeBuilder {
 
   /// Goes breadth first through the part of node order[begin], in its block; returns its end.
   std::size_t search(std::size_t begin) {
-    const std::size_t block = at(order[begin]) / kBlock;
+    const std::size_t block = order[begin] / kBlock;
     std::size_t end = begin + 1;
     for (std::size_t next = begin; next < end; ++next) {
-      for (const Index t : neighbours[at(order[next])]) {
-        if (at(t) / kBlock != block || parent[at(t)] != kOutside) continue;
-        parent[at(t)] = order[next];
+      for (const SiteNumber t : neighbours[order[next]]) {
+        if (t / kBlock != block || parent[t] != kOutside) continue;
+        parent[t] = order[next];
         order[end++] = t;
       }
     }
@@ -59,10 +58,10 @@ struct TreeBuilder {
                        for (std::size_t s = begin; s < end; ++s) {
                          if (parent[s] != kOutside) continue;
                          parent[s] = kRoot;
-                         order[place] = static_cast<Index>(s);
+                         order[place] = SiteNumber(s);
                          const Run part{place, search(place)};
                          for (std::size_t k = part.begin; k < part.end; ++k)
-                           part_in_block[at(order[k])] = count;
+                           part_in_block[order[k]] = count;
                          out.push_back(part);
                          place = part.end;
                          ++count;
@@ -71,8 +70,8 @@ struct TreeBuilder {
     exclusive_scan(arena, std::span(parts_before));
     return parts;
   }
-  [[nodiscard]] std::size_t part_of(Index node) const {
-    return parts_before[at(node) / kBlock] + part_in_block[at(node)];
+  [[nodiscard]] std::size_t part_of(SiteNumber node) const {
+    return parts_before[node / kBlock] + part_in_block[node];
   }
 
   /// Of each part to every other one that it has an edge to, the first such edge.
@@ -85,7 +84,7 @@ struct TreeBuilder {
           std::vector<Border>& own = scratch[worker];
           own.clear();
           for (std::size_t k = parts[part].begin; k < parts[part].end; ++k) {
-            for (const Index t : neighbours[at(order[k])]) {
+            for (const SiteNumber t : neighbours[order[k]]) {
               if (part_of(t) != part) own.push_back({order[k], t});
             }
           }
@@ -95,25 +94,26 @@ struct TreeBuilder {
           const auto last = std::unique(own.begin(), own.end(), [&](const auto& x, const auto& y) {
             return part_of(x.to) == part_of(y.to);
           });
-          out.insert(out.end(), own.begin(), last);
-          result.first[part] = static_cast<std::size_t>(last - own.begin());
+          own.erase(last, own.end());
+          out.insert(out.end(), own.begin(), own.end());
+          result.first[part] = own.size();
         });
     result.first[parts.size()] = 0;
     exclusive_scan(arena, result.first.span());
     return result;
   }
 
-  const Groups<Index>& neighbours;
+  const Groups<SiteNumber>& neighbours;
   const Arena& arena;
-  std::vector<Index> parent;
-  Buffer<Index> order;
+  std::vector<SiteNumber> parent;
+  Buffer<SiteNumber> order;
   std::vector<std::size_t> part_in_block;
   std::vector<std::size_t> parts_before;  ///< the first part of each block
 };
 
 }  // namespace
 
-SpanningTree::SpanningTree(const Groups<Index>& neighbours, const Arena& arena) {
+SpanningTree::SpanningTree(const Groups<SiteNumber>& neighbours, const Arena& arena) {
   TreeBuilder builder(neighbours, arena);
   const Buffer<Run> parts = builder.find_parts();
   const Groups<Border> borders = builder.borders(parts);
@@ -121,7 +121,7 @@ SpanningTree::SpanningTree(const Groups<Index>& neighbours, const Arena& arena) 
   // A tree of parts, breadth first from that of the root; and how each is entered.
   std::vector<bool> reached(parts.size(), false);
   std::vector<std::size_t> queue{0};
-  std::vector<Border> entry{{kRoot, 0}};
+  std::vector<Border> entry{{kRoot, SiteNumber(0)}};
   reached[0] = true;
   parts_.push_back({parts[0].begin, parts[0].end, kNone});
   for (std::size_t next = 0; next < queue.size(); ++next) {
@@ -138,7 +138,7 @@ SpanningTree::SpanningTree(const Groups<Index>& neighbours, const Arena& arena) 
   // Once more through each, from where it is entered.
   std::fill(builder.parent.begin(), builder.parent.end(), kOutside);
   arena.for_each(parts_.size(), 1, [&](std::size_t p) {
-    builder.parent[at(entry[p].to)] = entry[p].from;
+    builder.parent[entry[p].to] = entry[p].from;
     builder.order[parts_[p].begin] = entry[p].to;
     builder.search(parts_[p].begin);
   });
@@ -147,8 +147,8 @@ SpanningTree::SpanningTree(const Groups<Index>& neighbours, const Arena& arena) 
   order_ = std::move(builder.order);
 }
 
-std::vector<Index> SpanningTree::order() const {
-  std::vector<Index> order;
+std::vector<SiteNumber> SpanningTree::order() const {
+  std::vector<SiteNumber> order;
   order.reserve(size_);
   for (const Part& part : parts_) {
     order.insert(order.end(), order_.begin() + part.begin, order_.begin() + part.end);
@@ -159,16 +159,16 @@ std::vector<Index> SpanningTree::order() const {
 void SpanningTree::add_subtrees(std::span<std::int64_t> values, const Arena& arena) const {
   std::vector<std::int64_t> sums(parts_.size());
   arena.for_each(parts_.size(), 1, [&](std::size_t p) {
-    for (std::size_t k = parts_[p].begin; k < parts_[p].end; ++k) sums[p] += values[at(order_[k])];
+    for (std::size_t k = parts_[p].begin; k < parts_[p].end; ++k) sums[p] += values[order_[k]];
   });
   // What comes from other parts, to the nodes that these are entered from.
   for (std::size_t p = parts_.size(); p-- > 1;) {
     sums[parts_[p].parent] += sums[p];
-    values[at(parent(order_[parts_[p].begin]))] += sums[p];
+    values[parent(order_[parts_[p].begin])] += sums[p];
   }
   arena.for_each(parts_.size(), 1, [&](std::size_t p) {
     for (std::size_t k = parts_[p].end; k-- > parts_[p].begin + 1;) {
-      values[at(parent(order_[k]))] += values[at(order_[k])];
+      values[parent(order_[k])] += values[order_[k]];
     }
   });
 }

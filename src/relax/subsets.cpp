@@ -75,9 +75,9 @@ bool NestedSubsets::search(std::size_t points, std::span<const std::size_t> size
       if (found.subset == s) keys.push_back(found.key);
     }
     if (before >= sizes[s] || sizes[s] - before > keys.size()) return false;
-    const auto rank = keys.begin() + static_cast<std::ptrdiff_t>(sizes[s] - before - 1);
-    std::nth_element(keys.begin(), rank, keys.end());
-    last_[s] = *rank;
+    std::uint64_t* const last = keys.data() + (sizes[s] - before - 1);
+    std::nth_element(keys.data(), last, keys.data() + keys.size());
+    last_[s] = *last;
   }
   for (const auto& [key, subset, block] : inside) {
     if (key <= last_[subset]) ++count_[block * subsets + subset];

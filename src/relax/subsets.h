@@ -39,7 +39,7 @@ class NestedSubsets {
   bool search(std::size_t points, std::span<const std::size_t> sizes,
               const std::vector<Window>& windows, const Arena& arena);
   [[nodiscard]] std::uint64_t key_of(std::size_t point) const {
-    return mix_bits(start_ + static_cast<std::uint64_t>(point) * 0x9e3779b97f4a7c15ULL);
+    return mix_bits(start_ + point * 0x9e3779b97f4a7c15ULL);
   }
 
   std::uint64_t start_;

@@ -6,14 +6,9 @@
 
 #include "kernels/keys.h"
 #include "relax/update.h"
+#include "rounding.h"
 
 namespace ccvt {
-namespace {
-
-constexpr double kHalfUlp = 0x1p-53;
-
-}  // namespace
-
 template <class Scalar>
 PairSwapper<Scalar>::PairSwapper(const Metric& metric, const Options& options,
                                  double coordinate_bound)
@@ -27,14 +22,15 @@ PairSwapper<Scalar>::PairSwapper(const Metric& metric, const Options& options,
 
 /// Median-cut pruning [5.2]: no key of cell i is above any key of cell j.
 template <class Scalar>
-bool PairSwapper<Scalar>::already_separated(const Cells<Scalar>& cells, Index i, Index j) {
+bool PairSwapper<Scalar>::already_separated(const Cells<Scalar>& cells, SiteNumber i,
+                                            SiteNumber j) {
   const auto extremes = [&](const auto& cut_i, const auto& cut_j) {
     return kernels::key_extremes(cells.block(i), cells.size(i), cut_i, cells.block(j),
                                  cells.size(j), cut_j, metric_.dimension());
   };
   const auto [highest, lowest] = cut_.with_kernels(extremes);
-  highest_i_ = static_cast<double>(highest) + cut_.tolerance();
-  lowest_j_ = static_cast<double>(lowest) - cut_.tolerance();
+  highest_i_ = highest + cut_.tolerance();
+  lowest_j_ = lowest - cut_.tolerance();
   return highest_i_ <= lowest_j_;
 }
 
@@ -42,9 +38,9 @@ bool PairSwapper<Scalar>::already_separated(const Cells<Scalar>& cells, Index i,
 /// other site to gain by an exchange. Notes their places and returns how many.
 template <class Scalar>
 Index PairSwapper<Scalar>::within_reach(const Cells<Scalar>& cells, const SiteState& sites,
-                                        Index cell, Index other) {
-  const double own = sites.radius[static_cast<std::size_t>(cell)];
-  const double others = sites.radius[static_cast<std::size_t>(other)];
+                                        SiteNumber cell, SiteNumber other) {
+  const double own = sites.radius[cell];
+  const double others = sites.radius[other];
   const double nearest = std::max(0.0, cut_.length() - others);
   const double slack = 1 + 8 * (metric_.dimension() + 4) * kHalfUlp;
   const double limit = (own * own + others * others) * slack - nearest * nearest;
@@ -57,35 +53,40 @@ Index PairSwapper<Scalar>::within_reach(const Cells<Scalar>& cells, const SiteSt
     const double extent =
         metric_.periodic() ? metric_.extent()[d] : std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < per_point_.size(); ++k) {
-      const double distance = shortest_distance(static_cast<double>(stream[k]) - x, extent);
+      const double distance = shortest_distance(stream[k] - x, extent);
       per_point_[k] += distance * distance;
     }
   }
   make_room(count);
+  const double* const squared = per_point_.data();
+  Index* const places = places_.data();
   Index found = 0;
   for (Index k = 0; k < count; ++k) {
-    places_[static_cast<std::size_t>(found)] = k;
-    found += per_point_[static_cast<std::size_t>(k)] <= limit ? 1 : 0;
+    places[found] = k;
+    found += squared[k] <= limit ? 1 : 0;
   }
   return found;
 }
 
 template <class Scalar>
 void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const SiteState& sites,
-                                          Index i, Index j) {
+                                          SiteNumber i, SiteNumber j) {
   using Side = typename PairCut<Scalar>::Side;
-  const auto keep = [&](Index cell, Side side, Index found, std::vector<Candidate>& candidates) {
+  const auto keep = [&](SiteNumber cell, Side side, Index found,
+                        std::vector<Candidate>& candidates) {
     candidates.clear();
     const Scalar* block = cells.block(cell);
+    const PointNumber* const points = cells.points(cell).data();
+    const Index* const places = places_.data();
     for (Index k = 0; k < found; ++k) {
-      const Index place = places_[static_cast<std::size_t>(k)];
-      __builtin_prefetch(cells.points(cell) + place, 1);
+      const Index place = places[k];
+      __builtin_prefetch(points + place, 1);
       candidates.push_back({cut_.key(side, block, cells.size(cell), place), place});
     }
   };
   switch (pruning_) {
     case PointPruning::none: {
-      const auto keep_all = [&](Index cell, Side side, std::vector<Candidate>& candidates) {
+      const auto keep_all = [&](SiteNumber cell, Side side, std::vector<Candidate>& candidates) {
         per_point_.assign(static_cast<std::size_t>(cells.size(cell)), 0.0);
         cut_.add_keys(side, cells.block(cell), cells.size(cell), per_point_.data());
         candidates.resize(per_point_.size());
@@ -108,7 +109,8 @@ void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const Site
           std::nextafter(static_cast<Scalar>(lowest_j_ - cut_.tolerance()), -infinity);
       const auto ceiling =
           std::nextafter(static_cast<Scalar>(highest_i_ + cut_.tolerance()), infinity);
-      const auto find = [&](Index cell, const auto& cut, kernels::Beyond beyond, Scalar threshold) {
+      const auto find = [&](SiteNumber cell, const auto& cut, kernels::Beyond beyond,
+                            Scalar threshold) {
         make_room(cells.size(cell));
         return kernels::places_beyond(cells.block(cell), cells.size(cell), metric_.dimension(), cut,
                                       beyond, threshold, places_.data());
@@ -123,14 +125,15 @@ void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const Site
 }
 
 template <class Scalar>
-void PairSwapper<Scalar>::exchange(Cells<Scalar>& cells, SiteState& sites, Index i, Index j) {
+void PairSwapper<Scalar>::exchange(Cells<Scalar>& cells, SiteState& sites, SiteNumber i,
+                                   SiteNumber j) {
   // The sets decide the result, not the order in which a selection left them.
   const auto by_place = [](const Candidate& a, const Candidate& b) { return a.place < b.place; };
   std::sort(moves_.from_i.begin(), moves_.from_i.end(), by_place);
   std::sort(moves_.from_j.begin(), moves_.from_j.end(), by_place);
-  const auto grow = [&](Index cell, Index place) {
+  const auto grow = [&](SiteNumber cell, Index place) {
     cells.get(cell, place, coordinates_.data());
-    double& radius = sites.radius[static_cast<std::size_t>(cell)];
+    double& radius = sites.radius[cell];
     const double squared = metric_.squared_distance(coordinates_.data(), sites.at(cell));
     if (squared > radius * radius) radius = upper_radius(squared, metric_.dimension());
   };
@@ -140,13 +143,13 @@ void PairSwapper<Scalar>::exchange(Cells<Scalar>& cells, SiteState& sites, Index
     grow(j, moves_.from_j[k].place);
   }
   if (cut_.crosses_faces()) {
-    sites.compact[static_cast<std::size_t>(i)] = 0;
-    sites.compact[static_cast<std::size_t>(j)] = 0;
+    sites.compact[i] = sites.compact[j] = 0;
   }
 }
 
 template <class Scalar>
-Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, SiteState& sites, Index i, Index j) {
+Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, SiteState& sites, SiteNumber i,
+                                      SiteNumber j) {
   cut_.place(sites, i, j);
   if ((median_cut_ || pruning_ == PointPruning::extremes) && already_separated(cells, i, j)) {
     return 0;
@@ -154,14 +157,8 @@ Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, SiteState& sites, In
   find_candidates(cells, sites, i, j);
   if (moves_.from_i.empty() || moves_.from_j.empty()) return 0;
 
-  // How far a site may be from the exact centroid: see update_site().
-  const auto centroid_error = [&](Index cell) {
-    const double count = cells.size(cell);
-    const double summed = metric_.periodic()
-                              ? (count + 16) * metric_.largest_extent()
-                              : (count / 8 + 16) * 2 * sites.radius[static_cast<std::size_t>(cell)];
-    const double error = kHalfUlp * (coordinate_bound_ + summed);
-    return count * error * error * metric_.dimension();
+  const auto centroid_error = [&](SiteNumber cell) {
+    return energy_of_rounding(metric_, coordinate_bound_, cells.size(cell), sites.radius[cell]);
   };
   const double margin = 2 * cut_.rounding() + (centroid_error(i) + centroid_error(j)) / 2;
   select_exchange(method_, margin, moves_);

@@ -57,24 +57,25 @@ class PairSwapper {
 
   /// Makes the pair (i, j) optimal; returns how many points of each cell changed owner. Radii
   /// remain upper bounds. Touches nothing but the two cells and the state of the two sites.
-  Index operator()(Cells<Scalar>& cells, SiteState& sites, Index i, Index j);
+  Index operator()(Cells<Scalar>& cells, SiteState& sites, SiteNumber i, SiteNumber j);
 
   /// Whether the bounding spheres of two sites meet [5.1, eq. 7].
-  [[nodiscard]] static bool spheres_meet(const Metric& metric, const SiteState& sites, Index i,
-                                         Index j) {
-    const double reach =
-        sites.radius[static_cast<std::size_t>(i)] + sites.radius[static_cast<std::size_t>(j)];
+  [[nodiscard]] static bool spheres_meet(const Metric& metric, const SiteState& sites, SiteNumber i,
+                                         SiteNumber j) {
+    const double reach = sites.radius[i] + sites.radius[j];
     return metric.squared_distance(sites.at(i), sites.at(j)) <= reach * reach;
   }
 
  private:
-  void find_candidates(const Cells<Scalar>& cells, const SiteState& sites, Index i, Index j);
-  bool already_separated(const Cells<Scalar>& cells, Index i, Index j);
-  Index within_reach(const Cells<Scalar>& cells, const SiteState& sites, Index cell, Index other);
+  void find_candidates(const Cells<Scalar>& cells, const SiteState& sites, SiteNumber i,
+                       SiteNumber j);
+  bool already_separated(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j);
+  Index within_reach(const Cells<Scalar>& cells, const SiteState& sites, SiteNumber cell,
+                     SiteNumber other);
   void make_room(Index places) {
     places_.resize(std::max(places_.size(), static_cast<std::size_t>(places)));
   }
-  void exchange(Cells<Scalar>& cells, SiteState& sites, Index i, Index j);
+  void exchange(Cells<Scalar>& cells, SiteState& sites, SiteNumber i, SiteNumber j);
 
   const Metric& metric_;
   SwapMethod method_;

@@ -7,6 +7,7 @@
 #include "kernels/keys.h"
 #include "kernels/streams.h"
 #include "parallel/loops.h"
+#include "rounding.h"
 
 namespace ccvt {
 namespace {
@@ -16,26 +17,26 @@ using Range = kernels::Range<double>;
 template <class Scalar>
 Range range(const Scalar* stream, Index count) {
   const auto [low, high] = kernels::range(stream, count);
-  return {static_cast<double>(low), static_cast<double>(high)};
+  return {low, high};
 }
 
 /// The range of the shortest differences on a torus to the stream's first coordinate.
 template <class Scalar>
 Range wrapped_range(const Metric& metric, const Scalar* stream, Index count, int d) {
-  const Metric::Unrolled frame = metric.unrolled(static_cast<double>(*stream), d);
+  const Metric::Unrolled frame = metric.unrolled(*stream, d);
   const auto origin = static_cast<Scalar>(frame.origin);
   const auto turn = static_cast<Scalar>(frame.turn);
   const auto extent = static_cast<Scalar>(metric.extent()[d]);
   const Scalar one = 1;
   const kernels::WrappedCut<Scalar> cut{&origin, &one, &turn, &extent};
   const auto [high, low] = kernels::key_extremes(stream, count, cut, stream, count, cut, 1);
-  return {static_cast<double>(low), static_cast<double>(high)};
+  return {low, high};
 }
 
 /// Whether no point of the cell is nearer to another image of `site`.
 template <class Scalar>
 bool is_compact(const Metric& metric, const Cells<Scalar>& cells, const double* position,
-                Index site) {
+                SiteNumber site) {
   const Index count = cells.size(site);
   const Scalar* stream = cells.block(site);
   for (int d = 0; d < metric.dimension(); ++d, stream += count) {
@@ -60,8 +61,8 @@ bool ball_is_small(const Metric& metric, const double* centre, double radius, in
 /// shorter. The bound leaves room for rounding.
 template <class Scalar>
 Size size_on_torus(const Metric& metric, const Cells<Scalar>& cells, const SiteState& sites,
-                   Index site) {
-  const double radius = sites.radius[static_cast<std::size_t>(site)];
+                   SiteNumber site) {
+  const double radius = sites.radius[site];
   const Index count = cells.size(site);
   const Scalar* stream = cells.block(site);
   Size size = Size::small;
@@ -79,28 +80,29 @@ Size size_on_torus(const Metric& metric, const Cells<Scalar>& cells, const SiteS
 /// One move of a site to the centroid of its points' nearest images. Returns whether that made
 /// other images nearest. `spread` is measured around the new position.
 template <class Scalar>
-bool move_wrapped(const Metric& metric, const Cells<Scalar>& cells, double* position, Index site,
-                  kernels::Spread& spread) {
+bool move_wrapped(const Metric& metric, const Cells<Scalar>& cells, double* position,
+                  SiteNumber site, kernels::Spread& spread) {
   const Index count = cells.size(site);
-  std::vector<double> squared(static_cast<std::size_t>(count), 0.0);
+  std::vector<double> squared_distances(static_cast<std::size_t>(count), 0.0);
+  double* const squared = squared_distances.data();
   bool changed = false;
   const Scalar* stream = cells.block(site);
   for (int d = 0; d < metric.dimension(); ++d, stream += count) {
     const double old = position[d];
     double sum = 0;
-    for (Index k = 0; k < count; ++k) sum += metric.wrap(static_cast<double>(stream[k]) - old, d);
+    for (Index k = 0; k < count; ++k) sum += metric.wrap(stream[k] - old, d);
     const double shift = sum / count;
     position[d] = metric.into_box(old + shift, d);
     for (Index k = 0; k < count; ++k) {
-      const auto x = static_cast<double>(stream[k]);
+      const double x = stream[k];
       const double before = metric.wrap(x - old, d);
       const double after = metric.wrap(x - position[d], d);
       changed = changed || std::abs(before - shift - after) > metric.extent()[d] / 2;
-      squared[static_cast<std::size_t>(k)] += after * after;
+      squared[k] += after * after;
     }
   }
   spread = {0, 0};
-  for (const double s : squared) {
+  for (const double s : squared_distances) {
     spread.energy += s;
     spread.squared_radius = std::max(spread.squared_radius, s);
   }
@@ -110,10 +112,10 @@ bool move_wrapped(const Metric& metric, const Cells<Scalar>& cells, double* posi
 }  // namespace
 
 template <class Scalar>
-void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& sites, Index site) {
+void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& sites,
+                 SiteNumber site) {
   const int dimension = metric.dimension();
   const Index count = cells.size(site);
-  const auto s = static_cast<std::size_t>(site);
   double* position = sites.at(site);
   kernels::Spread spread{0, 0};
   const Size size = metric.periodic() ? size_on_torus(metric, cells, sites, site) : Size::small;
@@ -122,14 +124,14 @@ void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& si
     while (move_wrapped(metric, cells, position, site, spread) && spread.energy < energy) {
       energy = spread.energy;
     }
-    sites.compact[s] = is_compact(metric, cells, position, site) ? 1 : 0;
+    sites.compact[site] = is_compact(metric, cells, position, site) ? 1 : 0;
   } else {
     const double* extent = size == Size::small ? nullptr : metric.extent();
     bool moved_over = false;  // a cell on the upper face has its site on the lower one
     const Scalar* stream = cells.block(site);
     for (int d = 0; d < dimension; ++d, stream += count) {
       // From a point of the cell: a site that is still far away would cost digits.
-      const auto origin = static_cast<double>(stream[0]);
+      const double origin = stream[0];
       const double around = extent != nullptr ? extent[d] : 0;
       const double mean = origin + kernels::sum_from(stream, count, origin, around) / count;
       position[d] = metric.into_box(mean, d);
@@ -137,14 +139,22 @@ void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& si
     }
     if (moved_over) extent = metric.extent();
     spread = kernels::spread_around(cells.block(site), count, dimension, position, extent);
-    sites.compact[s] = extent == nullptr ? 1 : 0;
+    sites.compact[site] = extent == nullptr ? 1 : 0;
   }
-  sites.energy[s] = spread.energy;
-  sites.radius[s] = upper_radius(spread.squared_radius, dimension);
+  sites.energy[site] = spread.energy;
+  sites.radius[site] = upper_radius(spread.squared_radius, dimension);
 }
 
 double upper_radius(double squared, int dimension) {
   return std::sqrt(squared) * (1 + (dimension + 8) * 0x1p-52);
+}
+
+double energy_of_rounding(const Metric& metric, double coordinate_bound, double points,
+                          double radius) {
+  const double summed =
+      metric.periodic() ? (points + 16) * metric.largest_extent() : (points / 8 + 16) * 2 * radius;
+  const double error = kHalfUlp * (coordinate_bound + summed);
+  return points * error * error * metric.dimension();
 }
 
 double total_energy(const SiteState& sites, const Arena& arena) {
@@ -153,7 +163,7 @@ double total_energy(const SiteState& sites, const Arena& arena) {
                 [&](std::size_t s) { return sites.energy[s]; });
 }
 
-template void update_site(const Metric&, const Cells<float>&, SiteState&, Index);
-template void update_site(const Metric&, const Cells<double>&, SiteState&, Index);
+template void update_site(const Metric&, const Cells<float>&, SiteState&, SiteNumber);
+template void update_site(const Metric&, const Cells<double>&, SiteState&, SiteNumber);
 
 }  // namespace ccvt

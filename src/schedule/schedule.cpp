@@ -15,12 +15,10 @@ using Task = Schedule::Task;
 /// Which batches each node has a pair in: 64 batches a row.
 class UsedBatches {
  public:
-  explicit UsedBatches(Index nodes) : nodes_(static_cast<std::size_t>(nodes)) {}
+  explicit UsedBatches(std::size_t nodes) : nodes_(nodes) {}
 
   /// The smallest batch without a pair of either node; a new one when there is none.
-  std::size_t add(const Pair& pair) {
-    const auto a = static_cast<std::size_t>(pair.first);
-    const auto b = static_cast<std::size_t>(pair.second);
+  std::size_t add(std::size_t a, std::size_t b) {
     std::size_t smallest = sizes_.size();
     std::size_t least = std::numeric_limits<std::size_t>::max();
     for (std::size_t row = 0; row < rows_.size(); ++row) {
@@ -52,13 +50,23 @@ class UsedBatches {
   std::vector<std::size_t> sizes_;
 };
 
+/// Each pair as a task, of tiles of one site.
+std::vector<Task> tasks_of_one(std::span<const Pair> pairs) {
+  std::vector<Task> tasks;
+  tasks.reserve(pairs.size());
+  for (const auto& [a, b] : pairs) {
+    tasks.push_back({Tile(a.index()), Tile(b.index()), tasks.size(), tasks.size() + 1});
+  }
+  return tasks;
+}
+
 /// Orders the tasks by batch.
 void put_in_batches(std::vector<Task> tasks, std::size_t tiles, const Arena& arena,
                     Schedule& schedule) {
-  UsedBatches used(static_cast<Index>(tiles));
+  UsedBatches used(tiles);
   std::vector<std::size_t> batch_of;
   batch_of.reserve(tasks.size());
-  for (const Task& task : tasks) batch_of.push_back(used.add({task.a.number, task.b.number}));
+  for (const Task& task : tasks) batch_of.push_back(used.add(task.a, task.b));
   schedule.batch_begin.assign(used.batches() + 1, 0);
   for (const std::size_t batch : batch_of) ++schedule.batch_begin[batch + 1];
   for (std::size_t b = 0; b < used.batches(); ++b) {
@@ -69,22 +77,21 @@ void put_in_batches(std::vector<Task> tasks, std::size_t tiles, const Arena& are
   for (std::size_t t = 0; t < tasks.size(); ++t) schedule.tasks[next[batch_of[t]]++] = tasks[t];
   // So that no worker begins a long task when the others have nothing left to do.
   arena.for_each(used.batches(), 1, [&](std::size_t b) {
-    const auto from = schedule.tasks.begin();
-    std::stable_sort(from + static_cast<std::ptrdiff_t>(schedule.batch_begin[b]),
-                     from + static_cast<std::ptrdiff_t>(schedule.batch_begin[b + 1]),
+    const std::span<Task> own = schedule.batch(b);
+    std::stable_sort(own.begin(), own.end(),
                      [](const Task& x, const Task& y) { return x.size() > y.size(); });
   });
 }
 
 }  // namespace
 
-Batches greedy_batches(std::span<const Pair> pairs, Index nodes) {
-  UsedBatches used(nodes);
+Batches greedy_batches(std::span<const Pair> pairs, std::size_t sites) {
+  UsedBatches used(sites);
   Batches batches;
   for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const std::size_t batch = used.add(pairs[p]);
+    const std::size_t batch = used.add(pairs[p].first, pairs[p].second);
     if (batch == batches.size()) batches.emplace_back();
-    batches[batch].push_back(static_cast<Index>(p));
+    batches[batch].push_back(p);
   }
   return batches;
 }
@@ -94,11 +101,7 @@ Schedule schedule_pairs(std::span<const Pair> pairs, const Tiling& tiling, const
   if (tiling.sites_per_tile() == 1) {
     schedule.pairs.reset(pairs.size());
     std::copy(pairs.begin(), pairs.end(), schedule.pairs.begin());
-    std::vector<Task> tasks(pairs.size());
-    for (std::size_t p = 0; p < pairs.size(); ++p) {
-      tasks[p] = {{pairs[p].first}, {pairs[p].second}, p, p + 1};
-    }
-    put_in_batches(std::move(tasks), tiling.count(), arena, schedule);
+    put_in_batches(tasks_of_one(schedule.pairs.span()), tiling.count(), arena, schedule);
     return schedule;
   }
   const auto lower_tile = [&](const Pair& p) {
@@ -109,7 +112,7 @@ Schedule schedule_pairs(std::span<const Pair> pairs, const Tiling& tiling, const
   };
   auto by_tile = group_by_key<Pair>(
       arena, pairs.size(), tiling.count(), [&](std::size_t k) { return pairs[k]; },
-      [&](const Pair& p) { return static_cast<std::size_t>(lower_tile(p).number); });
+      [&](const Pair& p) { return lower_tile(p); });
   const Buffer<Task> tasks =
       collect<Task>(arena, tiling.count(), 4,
                     [&](std::size_t begin, std::size_t end, std::vector<Task>& out, int) {
@@ -120,7 +123,7 @@ Schedule schedule_pairs(std::span<const Pair> pairs, const Tiling& tiling, const
                           const Tile to_y = upper_tile(y);
                           return to_x != to_y ? to_x < to_y : x < y;
                         });
-                        const Tile own{static_cast<Index>(t)};
+                        const Tile own(t);
                         for (std::size_t k = 0; k < here.size(); ++k) {
                           const std::size_t place = by_tile.first[t] + k;
                           if (k == 0 || upper_tile(here[k]) != out.back().b) {
@@ -135,23 +138,17 @@ Schedule schedule_pairs(std::span<const Pair> pairs, const Tiling& tiling, const
   return schedule;
 }
 
-Schedule schedule_rounds(std::span<const Pair> pairs, Index sites, const Arena& arena) {
+Schedule schedule_rounds(std::span<const Pair> pairs, std::size_t sites, const Arena& arena) {
   auto by_round = group_by_key<Pair>(
-      arena, pairs.size(), static_cast<std::size_t>(sites), [&](std::size_t k) { return pairs[k]; },
-      [&](const Pair& pair) {
-        return static_cast<std::size_t>((std::int64_t{pair.first} + pair.second) % sites);
-      });
+      arena, pairs.size(), sites, [&](std::size_t k) { return pairs[k]; },
+      [&](const Pair& pair) { return (pair.first + pair.second) % sites; });
   Schedule schedule;
   for (std::size_t round = 0; round < by_round.count(); ++round) {
     const std::size_t end = by_round.first[round + 1];
     if (end > by_round.first[round]) schedule.batch_begin.push_back(end);
   }
   schedule.pairs = std::move(by_round.items);
-  schedule.tasks.resize(pairs.size());
-  for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const Pair& pair = schedule.pairs[p];
-    schedule.tasks[p] = {{pair.first}, {pair.second}, p, p + 1};
-  }
+  schedule.tasks = tasks_of_one(schedule.pairs.span());
   return schedule;
 }
 

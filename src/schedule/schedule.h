@@ -1,7 +1,7 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdint>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -13,24 +13,24 @@
 
 namespace ccvt {
 
-/// Batches of pairs of nodes: within a batch no two pairs share a node, so its pairs can run at
-/// the same time. Every pair is in exactly one batch.
-using Batches = std::vector<std::vector<Index>>;
+/// Batches of pairs, by their numbers: within a batch no two pairs share a site, so its pairs can
+/// run at the same time. Every pair is in exactly one batch.
+using Batches = std::vector<std::vector<std::size_t>>;
 
 /// Distributes pairs over batches: each pair, in the order given, joins the smallest batch it does
 /// not conflict with, or else starts a new one [4.3, Program 5, cached stage]. Of batches of one
 /// size the oldest is taken. At most d + 1 batches, where d is the largest number of conflicts of
-/// one pair. The result numbers the pairs. O(pairs * batches).
-/// A pair of a node with itself conflicts with every pair of that node.
-Batches greedy_batches(std::span<const Pair> pairs, Index nodes);
+/// one pair. O(pairs * batches). A pair of a site with itself conflicts with every pair of that
+/// site.
+Batches greedy_batches(std::span<const Pair> pairs, std::size_t sites);
 
 /// Calls visit(a, b), a < b, for the pairs of round `round` of a round-robin tournament of `nodes`
 /// nodes: all pairs whose sum is `round` modulo `nodes` [4.3, Program 5, full stage]. No two share
 /// a node; rounds 0..nodes-1 cover each pair once.
 template <class Visit>
-void round_robin(Index nodes, Index round, Visit visit) {
-  for (Index a = 0, b = round; a < b; ++a, --b) visit(a, b);
-  for (Index a = round + 1, b = nodes - 1; a < b; ++a, --b) visit(a, b);
+void round_robin(std::size_t nodes, std::size_t round, Visit visit) {
+  for (std::size_t a = 0, b = round; a < b; ++a, --b) visit(a, b);
+  for (std::size_t a = round + 1, b = nodes - 1; a < b; ++a, --b) visit(a, b);
 }
 
 /// A pass over pairs of sites: batches of tasks, each a run of pairs between the same two tiles, or
@@ -52,10 +52,16 @@ struct Schedule {
   [[nodiscard]] std::span<const Task> batch(std::size_t b) const {
     return std::span(tasks).subspan(batch_begin[b], batch_begin[b + 1] - batch_begin[b]);
   }
+  [[nodiscard]] std::span<Task> batch(std::size_t b) {
+    return std::span(tasks).subspan(batch_begin[b], batch_begin[b + 1] - batch_begin[b]);
+  }
 
+  [[nodiscard]] std::span<const Pair> pairs_of(const Task& task) const {
+    return pairs.span().subspan(task.begin, task.size());
+  }
   template <class Visit>
   void for_pairs(const Task& task, const Visit& visit) const {
-    for (std::size_t p = task.begin; p < task.end; ++p) visit(pairs[p].first, pairs[p].second);
+    for (const auto& [i, j] : pairs_of(task)) visit(i, j);
   }
 
   /// Calls body(task, worker) for each task, one batch after the other.
@@ -75,7 +81,8 @@ Schedule schedule_pairs(std::span<const Pair> pairs, const Tiling& tiling,
 
 /// One batch for each round of round_robin() in which there are pairs, every pair a task: at most
 /// `sites` batches. O(pairs + sites).
-Schedule schedule_rounds(std::span<const Pair> pairs, Index sites, const Arena& arena = Arena(1));
+Schedule schedule_rounds(std::span<const Pair> pairs, std::size_t sites,
+                         const Arena& arena = Arena(1));
 
 template <class Body>
 void Schedule::run_batch(const Arena& arena, std::span<const Task> tasks, const Body& body) {

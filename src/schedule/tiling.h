@@ -1,26 +1,26 @@
 #pragma once
 
 #include <algorithm>
-#include <compare>
+#include <concepts>
 #include <cstddef>
+#include <vector>
 
 #include "ccvt/types.h"
+#include "numbers.h"
+#include "parallel/loops.h"
 
 namespace ccvt {
 
-/// A tile, by its number.
-struct Tile {
-  Index number = 0;
-  friend auto operator<=>(const Tile&, const Tile&) = default;
-};
+using Tile = Number<struct OfTiles>;
 
 /// The partition of all work in the solver: tiles are runs of sites with consecutive numbers, which
 /// lie close together (see spatial_order()) and have their points in one run of memory.
 class Tiling {
  public:
   Tiling() = default;
-  Tiling(Index sites, Index sites_per_tile)
-      : sites_(sites), sites_per_tile_(std::clamp(sites_per_tile, Index{1}, std::max(sites, 1))) {}
+  Tiling(std::integral auto sites, Index sites_per_tile)
+      : end_(sites),
+        sites_per_tile_(std::clamp(sites_per_tile, Index{1}, std::max(end_.index(), 1))) {}
 
   /// Of at most `most_sites`, and of about 2^16 points: what the second cache holds.
   static Tiling of_points(Index sites, Index points, Index most_sites) {
@@ -29,22 +29,51 @@ class Tiling {
     return {sites, std::min(most_sites, kPoints / capacity)};
   }
 
-  [[nodiscard]] Index sites() const { return sites_; }
+  [[nodiscard]] std::size_t sites() const { return end_; }
   [[nodiscard]] Index sites_per_tile() const { return sites_per_tile_; }
-  [[nodiscard]] std::size_t count() const {
-    return static_cast<std::size_t>((sites_ - 1) / sites_per_tile_) + 1;
-  }
-  [[nodiscard]] Tile tile_of(Index site) const { return {site / sites_per_tile_}; }
-  /// The sites of a tile are those from begin(tile) to end(tile) - 1.
-  [[nodiscard]] Index begin(Tile tile) const { return tile.number * sites_per_tile_; }
-  [[nodiscard]] Index end(Tile tile) const {
-    const Index from = begin(tile);
-    return sites_ - from > sites_per_tile_ ? from + sites_per_tile_ : sites_;
+  [[nodiscard]] std::size_t count() const { return tile_of(SiteNumber(end_ - 1)) + 1; }
+  [[nodiscard]] Tile tile_of(SiteNumber site) const { return Tile(site.index() / sites_per_tile_); }
+  [[nodiscard]] NumberRange<SiteNumber> sites_of(Tile tile) const {
+    const Index begin = tile.index() * sites_per_tile_;
+    return {SiteNumber(begin), SiteNumber(begin + std::min(sites_per_tile_, end_.index() - begin))};
   }
 
  private:
-  Index sites_ = 1;
+  SiteNumber end_{1};
   Index sites_per_tile_ = 1;
 };
+
+/// Calls body(tile, worker) for each tile, which is a task.
+template <class Body>
+void for_each_tile(const Arena& arena, const Tiling& tiling, const Body& body) {
+  arena.for_ranges(tiling.count(), 1,
+                   [&body](std::size_t t, std::size_t, int worker) { body(Tile(t), worker); });
+}
+
+/// Calls body(site) for each site, those of a tile one after the other.
+template <class Body>
+void for_each_site(const Arena& arena, const Tiling& tiling, const Body& body) {
+  for_each_tile(arena, tiling, [&](Tile tile, int) {
+    for (const SiteNumber site : tiling.sites_of(tile)) body(site);
+  });
+}
+
+/// Calls body(site) for each of so many, `grain` of them a task.
+template <class Body>
+void for_each_site(const Arena& arena, std::size_t sites, std::size_t grain, const Body& body) {
+  arena.for_each(sites, grain, [&body](std::size_t s) { body(SiteNumber(s)); });
+}
+
+/// What body(site, out, worker) appends to the vector `out`, one site after the other.
+template <class T, class Body>
+Buffer<T> collect_by_site(const Arena& arena, std::size_t sites, std::size_t grain,
+                          const Body& body) {
+  return collect<T>(arena, sites, grain,
+                    [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
+                      for (const SiteNumber site : sites_between(begin, end)) {
+                        body(site, out, worker);
+                      }
+                    });
+}
 
 }  // namespace ccvt
