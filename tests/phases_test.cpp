@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "random.h"
@@ -57,6 +58,14 @@ std::vector<Pair> all_pairs_of(Index count) {
 }  // namespace
 
 TEST_SUITE_BEGIN("phases");
+
+// Numbers of different kinds do not become each other, nor do integers become numbers by
+// themselves.
+static_assert(sizeof(SiteNumber) == 4 && std::is_trivially_copyable_v<SiteNumber>);
+static_assert(!std::is_constructible_v<PointNumber, SiteNumber>);
+static_assert(!std::is_constructible_v<Tile, SiteNumber>);
+static_assert(!std::is_convertible_v<Index, SiteNumber>);
+static_assert(std::is_convertible_v<SiteNumber, std::size_t>);
 
 TEST_CASE("subsets of points are exact, nested and the same for any threads") {
   for (const std::size_t points : std::initializer_list<std::size_t>{1, 2, 1000, 300000}) {

@@ -67,7 +67,7 @@ Index Mover<Scalar>::move(SiteNumber to, Index count) {
   for (const Choice& choice : choices_) {
     if (choice.place >= filled) {
       const Index w = choice.place - filled;
-      PointNumber& point = waiting_.data()[w];
+      PointNumber& point = waiting_.begin()[w];
       Scalar* const x = waiting_x_.data() + w * dimension;
       filling_.add(to, point, x);
       point = waiting_.back();
@@ -110,9 +110,8 @@ void Mover<Scalar>::choose(Index wanted, Index places) {
   }
   for (Index c = 0; c < kColumns; ++c) {
     if (highest[c] < floor) continue;
-    for (Index row = 0; row < places - c; row += kColumns) {
-      const Index k = row + c;
-      if (keys[k] >= floor) choices_.push_back({keys[k], k});
+    for (std::ptrdiff_t k = c; k < places; k += kColumns) {
+      if (keys[k] >= floor) choices_.push_back({keys[k], static_cast<Index>(k)});
     }
   }
   if (std::ssize(choices_) < wanted) throw std::logic_error("balance: a key is not a number");
