@@ -138,13 +138,16 @@ void Mover<Scalar>::place_cut(SiteNumber from, SiteNumber to) {
   const double* a = sites_.at(from);
   const double* b = sites_.at(to);
   for (std::size_t d = 0; d < middle_.size(); ++d) {
-    const double u = metric_.wrap(b[d] - a[d], static_cast<int>(d));
+    const auto k = static_cast<int>(d);
+    const double u = metric_.wrap(b[d] - a[d], k);
+    double middle = a[d] + u / 2;
+    if (metric_.periodic()) {
+      const Metric::Unrolled frame = metric_.unrolled(middle, k);
+      middle = frame.origin;
+      turn_[d] = static_cast<Scalar>(frame.turn);
+    }
     normal_[d] = static_cast<Scalar>(u);
-    middle_[d] = static_cast<Scalar>(a[d] + u / 2);
-    if (!metric_.periodic()) continue;
-    const Metric::Unrolled frame = metric_.unrolled(a[d] + u / 2, static_cast<int>(d));
-    middle_[d] = static_cast<Scalar>(frame.origin);
-    turn_[d] = static_cast<Scalar>(frame.turn);
+    middle_[d] = static_cast<Scalar>(middle);
   }
 }
 

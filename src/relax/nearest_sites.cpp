@@ -226,7 +226,7 @@ template <class Scalar>
 template <std::size_t Dimension>
 void NearestSites<Scalar>::find_in_bin(std::size_t bin, Worker& worker,
                                        Groups<Near<Scalar, Dimension>>& by_cell) const {
-  constexpr std::size_t kCells = std::size_t{1} << Dimension;
+  constexpr std::size_t kCells = 1 << Dimension;
   const std::size_t first = bin * kCells;
   const auto here = by_cell.items.span().subspan(
       by_cell.first[first], by_cell.first[first + kCells] - by_cell.first[first]);

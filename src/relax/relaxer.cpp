@@ -115,11 +115,11 @@ void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, SiteNum
     arena_.check();
   }
   ++worker.count.pairs;
-  const Index exchanged = worker.swap(state.cells, state.sites, i, j);
+  const std::int64_t exchanged = worker.swap(state.cells, state.sites, i, j);
   if (exchanged == 0) return;
   changed_[i] = changed_[j] = 1;
   ++worker.count.swaps;
-  worker.count.exchanged += std::int64_t{2} * exchanged;
+  worker.count.exchanged += 2 * exchanged;
   if (options_.cached_passes > 0) worker.swapped.emplace_back(i, j);
 }
 
