@@ -41,11 +41,11 @@ struct Start {
         sites(initial_sites(problem, metric, 1)),
         cells(dimension, problem.capacities()),
         all(static_cast<std::size_t>(points.cols())) {
-    std::iota(all.begin(), all.end(), 0);
+    std::iota(all.begin(), all.end(), PointNumber(0));
     Filling<float> filling(cells, problem.points());
-    join_balanced(metric, sites, Box::unit(dimension), std::span<const Index>(all), {}, arena,
-                  filling);
-    for (Index s = 0; s < count; ++s) update_site(metric, cells, sites, s);
+    join_balanced(metric, sites, Box::unit(dimension), JoiningPoints::between(0, all.size()), {},
+                  arena, filling);
+    for (const SiteNumber s : sites.all()) update_site(metric, cells, sites, s);
     MeetingPairs meeting;
     const auto limit = static_cast<std::size_t>(count) * static_cast<std::size_t>(count);
     meeting.refresh(metric, sites, arena, limit);
@@ -58,7 +58,7 @@ struct Start {
   Metric metric;
   SiteState sites;
   Cells<float> cells;
-  std::vector<Index> all;
+  std::vector<PointNumber> all;
   std::vector<Pair> pairs;
 };
 
@@ -203,8 +203,8 @@ void nearest_available(benchmark::State& state) {
   for (auto _ : state) {
     Cells<float> cells(dimension, start.problem.capacities());
     Filling<float> filling(cells, start.problem.points());
-    join_coherent(start.metric, start.sites, std::span<const Index>(start.all), 1, filling);
-    benchmark::DoNotOptimize(cells.points(0));
+    join_coherent(start.metric, start.sites, std::span<const PointNumber>(start.all), 1, filling);
+    benchmark::DoNotOptimize(cells.points(SiteNumber(0)).data());
   }
   count_points(state, start.points.cols(), dimension);
 }
@@ -214,8 +214,8 @@ BENCHMARK(nearest_available)->Arg(2)->Arg(3)->Unit(benchmark::kMillisecond);
 void schedule_building(benchmark::State& state) {
   const Start start(2, 4 * kSites, 64);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        schedule_pairs(start.pairs, {start.sites.count(), static_cast<Index>(state.range(0))}));
+    benchmark::DoNotOptimize(schedule_pairs(
+        start.pairs, Tiling(start.sites.count(), static_cast<Index>(state.range(0)))));
   }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(start.pairs.size()));
 }
@@ -225,7 +225,9 @@ void centroid_update(benchmark::State& state) {
   const auto dimension = static_cast<int>(state.range(0));
   Start start(dimension, kSites, kPointsPerSite);
   for (auto _ : state) {
-    for (Index s = 0; s < kSites; ++s) update_site(start.metric, start.cells, start.sites, s);
+    for (const SiteNumber s : start.sites.all()) {
+      update_site(start.metric, start.cells, start.sites, s);
+    }
     benchmark::DoNotOptimize(start.sites.energy.data());
   }
   count_points(state, start.points.cols(), dimension);

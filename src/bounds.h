@@ -21,9 +21,10 @@ struct CoordinateRange {
 template <class Scalar>
 CoordinateRange<Scalar> coordinate_range(const PointsView<Scalar>& points, const Arena& arena) {
   using Range = CoordinateRange<Scalar>;
-  constexpr std::size_t kPointsPerGrain = std::size_t{1} << 13;  // stays in the cache
+  constexpr std::size_t kBytesPerGrain = std::size_t{1} << 16;  // stay in the cache
+  const std::size_t stride = sizeof(Scalar) * static_cast<std::size_t>(points.dimension);
   return reduce(
-      arena, static_cast<std::size_t>(points.count), kPointsPerGrain, Range{},
+      arena, static_cast<std::size_t>(points.count), 64 + kBytesPerGrain / stride, Range{},
       [&](std::size_t begin, std::size_t end) {
         const Scalar* const first = points[PointNumber(begin).index()];
         Range range;

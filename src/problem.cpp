@@ -8,6 +8,7 @@
 #include "number_text.h"
 #include "numbers.h"
 #include "scales.h"
+#include "thread_count.h"
 
 namespace ccvt {
 namespace {
@@ -65,6 +66,7 @@ void require_scale(const Domain& domain) {
 template <class Scalar>
 Problem<Scalar>::Problem(PointsView<Scalar> points, Index sites, int threads)
     : points_(points), threads_(points.count < kPointsForThreads ? 1 : threads) {
+  require_threads(threads);
   if (points.dimension < 1) throw InvalidInput("points: they have no dimension");
   if (points.count < 1) throw InvalidInput("points: there are none");
   if (points.data == nullptr) throw InvalidInput("points: the view has no data");

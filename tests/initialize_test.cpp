@@ -18,8 +18,11 @@ using ccvt::Domain;
 using ccvt::Filling;
 using ccvt::Index;
 using ccvt::Initialization;
+using ccvt::JoiningPoints;
 using ccvt::Metric;
+using ccvt::PointNumber;
 using ccvt::Points;
+using ccvt::SiteNumber;
 using ccvt::SiteState;
 using namespace ccvt::test;
 
@@ -37,59 +40,61 @@ class Start {
         metric(dimension, domain),
         capacities(sizes),
         points(make_points<Scalar>(layout, box, sum_of(sizes))),
-        sites(dimension, static_cast<Index>(sizes.size())) {
-    const auto places = make_points<Scalar>(layout, box, sites.count(), 5);
-    for (Index s = 0; s < sites.count(); ++s) {
+        sites(dimension, sizes.size()) {
+    const auto places = make_points<Scalar>(layout, box, site_count(), 5);
+    for (const SiteNumber s : sites.all()) {
       for (int d = 0; d < dimension; ++d) {
-        sites.at(s)[d] = metric.into_box(static_cast<double>(places(d, s)), d);
+        sites.at(s)[d] = metric.into_box(static_cast<double>(places(d, s.index())), d);
       }
     }
   }
+
+  [[nodiscard]] Index site_count() const { return static_cast<Index>(sites.count()); }
 
   /// The owners after the first `early` points have been dealt out in turn and the others joined.
   std::vector<Index> owners(Initialization way, Index early = 0, std::uint64_t seed = 1) {
     Cells<Scalar> cells(metric.dimension(), capacities);
     const auto view = ccvt::view_points(points);
     Filling<Scalar> filling(cells, view);
-    Index site = 0;
+    SiteNumber site;
     for (Index p = 0; p < early; ++p) {
-      while (filling.surplus(site) >= 0) site = (site + 1) % sites.count();
-      filling.add(site, p);
-      site = (site + 1) % sites.count();
+      while (filling.surplus(site) >= 0) site = SiteNumber((site + 1) % sites.count());
+      filling.add(site, PointNumber(p));
+      site = SiteNumber((site + 1) % sites.count());
     }
-    std::vector<Index> joining(static_cast<std::size_t>(points.cols() - early));
-    std::iota(joining.begin(), joining.end(), early);
+    const auto joining = JoiningPoints::between(PointNumber(early), PointNumber(points.cols()));
     switch (way) {
       case Initialization::balanced:
         ccvt::join_balanced(metric, sites, box, joining, {}, Arena(1), filling);
         break;
       case Initialization::coherent:
-        ccvt::join_coherent(metric, sites, joining, seed, filling);
+        ccvt::join_coherent(metric, sites, joining.all(), seed, filling);
         break;
       case Initialization::random:
-        ccvt::join_random(joining, seed, filling);
+        ccvt::join_random(joining.all(), seed, filling);
         break;
       case Initialization::automatic:
         FAIL("the solver chooses; nothing here joins automatically");
     }
     std::vector<Index> result(static_cast<std::size_t>(points.cols()), -1);
-    for (Index s = 0; s < sites.count(); ++s) {
+    for (const SiteNumber s : sites.all()) {
       CHECK(filling.surplus(s) == 0);
       CHECK(filling.waiting(s) == 0);
-      for (Index k = 0; k < cells.size(s); ++k) {
-        const Index p = cells.points(s)[k];
-        CHECK(result[static_cast<std::size_t>(p)] == -1);
-        result[static_cast<std::size_t>(p)] = s;
-        std::vector<Scalar> x(static_cast<std::size_t>(metric.dimension()));
-        cells.get(s, k, x.data());
-        CHECK(std::equal(x.begin(), x.end(), points.col(p).data()));
+      Index k = 0;
+      for (const PointNumber p : cells.points(s)) {
+        CHECK(result[p] == -1);
+        result[p] = s.index();
+        std::vector<Scalar> x(sites.dimension);
+        cells.get(s, k++, x.data());
+        CHECK(std::equal(x.begin(), x.end(), points.col(p.index()).data()));
       }
     }
     return result;
   }
 
   [[nodiscard]] Real squared(Index point, Index site) const {
-    return squared_distance(domain, metric.dimension(), points.col(point).data(), sites.at(site));
+    return squared_distance(domain, metric.dimension(), points.col(point).data(),
+                            sites.at(SiteNumber(site)));
   }
   [[nodiscard]] Real energy(const std::vector<Index>& owner) const {
     Real sum = 0;
@@ -110,12 +115,12 @@ class Start {
 // and these statements must not go in a circle.
 template <class Scalar>
 bool some_order_explains(const Start<Scalar>& start, const std::vector<Index>& owner) {
-  const auto n = static_cast<std::size_t>(start.sites.count());
+  const std::size_t n = start.sites.count();
   std::vector<std::vector<bool>> before(n, std::vector<bool>(n, false));
   for (Index p = 0; p < start.points.cols(); ++p) {
     const Index own = owner[static_cast<std::size_t>(p)];
     const Real distance = start.squared(p, own);
-    for (Index t = 0; t < start.sites.count(); ++t) {
+    for (Index t = 0; t < start.site_count(); ++t) {
       if (start.squared(p, t) < distance * (1 - 1e-9L)) {
         before[static_cast<std::size_t>(t)][static_cast<std::size_t>(own)] = true;
       }
@@ -192,16 +197,14 @@ TEST_CASE("coherent: the look-ahead changes nothing, with any number of threads"
       const auto owners = start.owners(Initialization::coherent);
       CHECK(some_order_explains(start, owners));
       const auto view = ccvt::view_points(start.points);
-      std::vector<Index> joining(static_cast<std::size_t>(start.points.cols()));
-      std::iota(joining.begin(), joining.end(), 0);
+      std::vector<PointNumber> joining(static_cast<std::size_t>(start.points.cols()));
+      std::iota(joining.begin(), joining.end(), PointNumber(0));
       for (const int threads : {2, 3, 8}) {
         Cells<double> cells(dimension, capacities);
         Filling<double> filling(cells, view);
         ccvt::join_coherent(start.metric, start.sites, joining, 1, filling, Arena(threads));
-        for (Index s = 0; s < cells.site_count(); ++s) {
-          for (Index k = 0; k < cells.size(s); ++k) {
-            REQUIRE(owners[static_cast<std::size_t>(cells.points(s)[k])] == s);
-          }
+        for (const SiteNumber s : cells.sites()) {
+          for (const PointNumber p : cells.points(s)) REQUIRE(owners[p] == s.index());
         }
       }
     }

@@ -20,8 +20,10 @@ using ccvt::Domain;
 using ccvt::Index;
 using ccvt::Metric;
 using ccvt::PairCut;
+using ccvt::PointNumber;
 using ccvt::Points;
 using ccvt::Random;
+using ccvt::SiteNumber;
 using ccvt::SiteState;
 using namespace ccvt::test;
 
@@ -41,14 +43,14 @@ struct Pair {
       centre.push_back(box.lower[d] + random.uniform() * box.extent()[d]);
     }
     std::vector<Scalar> x(static_cast<std::size_t>(dimension));
-    for (const Index cell : {0, 1}) {
+    for (const SiteNumber cell : ccvt::sites_below(2)) {
       for (Index k = 0; k < kPoints; ++k) {
         for (int d = 0; d < dimension; ++d) {
           const auto e = static_cast<std::size_t>(d);
           const double offset = radius * (2 * random.uniform() - 1) * box.extent()[d];
           x[e] = metric.as<Scalar>(metric.into_box(centre[e] + offset, d), d);
         }
-        cells.put(cell, k, cell * kPoints + k, x.data());
+        cells.put(cell, k, PointNumber(cell.index() * kPoints + k), x.data());
       }
       for (int d = 0; d < dimension; ++d) {
         sites.at(cell)[d] = metric.into_box(centre[static_cast<std::size_t>(d)], d);
@@ -83,8 +85,8 @@ struct Checked {
 template <class Scalar, class AnyCut>
 void check_keys(const Domain& domain, const Pair<Scalar>& pair, const PairCut<Scalar>& cut,
                 typename PairCut<Scalar>::Side side, const AnyCut& seen, Checked& checked) {
-  const int dimension = pair.cells.dimension();
-  const Index cell = side == PairCut<Scalar>::Side::i ? 0 : 1;
+  const auto dimension = static_cast<int>(pair.cells.dimension());
+  const SiteNumber cell(side == PairCut<Scalar>::Side::i ? 0 : 1);
   const Scalar* block = pair.cells.block(cell);
   std::vector<double> added(kPoints, 0.0);
   cut.add_keys(side, block, kPoints, added.data());
@@ -98,7 +100,7 @@ void check_keys(const Domain& domain, const Pair<Scalar>& pair, const PairCut<Sc
   for (Index k = 0; k < kPoints; ++k) {
     pair.cells.get(cell, k, x.data());
     const auto squared = [&](Index site) {
-      return squared_distance(domain, dimension, x.data(), pair.sites.at(site));
+      return squared_distance(domain, dimension, x.data(), pair.sites.at(SiteNumber(site)));
     };
     const Real exact = (squared(0) - squared(1)) / 2;
     const double key = cut.key(side, block, kPoints, k);
@@ -139,7 +141,7 @@ TEST_CASE_TEMPLATE("keys are half the difference of the energies at both sites",
           CAPTURE(radius);
           CAPTURE(trial);
           const Pair<Scalar> pair(metric, box, random, radius);
-          cut.place(pair.sites, 0, 1);
+          cut.place(pair.sites, SiteNumber(0), SiteNumber(1));
           Checked checked;
           cut.with_kernels([&](const auto& cut_i, const auto& cut_j) {
             using AnyCut = std::decay_t<decltype(cut_i)>;

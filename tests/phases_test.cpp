@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "random.h"
@@ -27,10 +28,12 @@ using ccvt::Domain;
 using ccvt::Index;
 using ccvt::Metric;
 using ccvt::Pair;
+using ccvt::PointNumber;
 using ccvt::Random;
 using ccvt::SiteGraph;
-using ccvt::SpanningTree;
+using ccvt::SiteNumber;
 using ccvt::SiteState;
+using ccvt::SpanningTree;
 using ccvt::Tile;
 using ccvt::Tiling;
 using namespace ccvt::test;
@@ -39,7 +42,7 @@ namespace {
 
 SiteState make_sites(Layout layout, const Box& box, Index count) {
   const auto places = make_points<double>(layout, box, count, 3);
-  SiteState sites(static_cast<int>(box.dimension()), count);
+  SiteState sites(box.dimension(), count);
   std::copy_n(places.data(), places.size(), sites.position.begin());
   return sites;
 }
@@ -55,6 +58,14 @@ std::vector<Pair> all_pairs_of(Index count) {
 }  // namespace
 
 TEST_SUITE_BEGIN("phases");
+
+// Numbers of different kinds do not become each other, nor do integers become numbers by
+// themselves.
+static_assert(sizeof(SiteNumber) == 4 && std::is_trivially_copyable_v<SiteNumber>);
+static_assert(!std::is_constructible_v<PointNumber, SiteNumber>);
+static_assert(!std::is_constructible_v<Tile, SiteNumber>);
+static_assert(!std::is_convertible_v<Index, SiteNumber>);
+static_assert(std::is_convertible_v<SiteNumber, std::size_t>);
 
 TEST_CASE("subsets of points are exact, nested and the same for any threads") {
   for (const std::size_t points : std::initializer_list<std::size_t>{1, 2, 1000, 300000}) {
@@ -88,16 +99,19 @@ TEST_CASE("tiles cover the sites in runs, and hold no more points than fit the c
   for (const Index sites : {1, 5, 64, 65, 1000}) {
     for (const Index most : {1, 7, 64, 2000}) {
       const Tiling tiling(sites, most);
-      Index next = 0;
-      for (std::size_t t = 0; t < tiling.count(); ++t) {
-        const Tile tile{static_cast<Index>(t)};
-        CHECK(tiling.begin(tile) == next);
-        next = tiling.end(tile);
-        CHECK((next > tiling.begin(tile) && next - tiling.begin(tile) <= most));
-        CHECK(tiling.tile_of(next - 1) == tile);
-        CHECK(tiling.tile_of(tiling.begin(tile)) == tile);
+      SiteNumber next;
+      for (const Tile tile : ccvt::numbers_below<Tile>(tiling.count())) {
+        std::size_t size = 0;
+        for (const SiteNumber site : tiling.sites_of(tile)) {
+          CHECK(site == next);
+          CHECK(tiling.tile_of(site) == tile);
+          ++next;
+          ++size;
+        }
+        CHECK(size == tiling.sites_of(tile).size());
+        CHECK((size > 0 && size <= static_cast<std::size_t>(most)));
       }
-      CHECK(next == sites);
+      CHECK(next == SiteNumber(sites));
     }
   }
   CHECK(Tiling::of_points(1000, 256000, 64).sites_per_tile() == 64);
@@ -111,11 +125,11 @@ TEST_CASE("the spatial order is a permutation whose runs lie apart") {
     for (const Layout layout : all_layouts) {
       for (const Index count : {1, 2, 3, 64, 100, 1000}) {
         const SiteState sites = make_sites(layout, box, count);
-        const auto order = ccvt::spatial_order(sites.position, dimension, 16);
-        CHECK(order == ccvt::spatial_order(sites.position, dimension, 16, Arena(3)));
-        std::vector<Index> sorted(order);
+        const auto order = ccvt::spatial_order(sites, 16);
+        CHECK(order == ccvt::spatial_order(sites, 16, Arena(3)));
+        std::vector<SiteNumber> sorted(order);
         std::sort(sorted.begin(), sorted.end());
-        for (Index k = 0; k < count; ++k) REQUIRE(sorted[static_cast<std::size_t>(k)] == k);
+        for (const SiteNumber k : sites.all()) REQUIRE(sorted[k] == k);
         if (layout != Layout::random) continue;
         // Of two runs of four sites there is a dimension along which they do not overlap.
         const auto range = [&](std::size_t run, int d) {
@@ -150,11 +164,11 @@ TEST_CASE("all pairs come once, and no site twice in a batch") {
       ccvt::AllPairs all({sites, tile});
       std::vector<Pair> seen;
       for (std::size_t b = 0; b < all.batch_count(); ++b) {
-        std::set<Index> tiles;
+        std::set<Tile> tiles;
         for (const auto& task : all.batch(b)) {
-          CHECK(tiles.insert(task.a.number).second);
-          if (task.a != task.b) CHECK(tiles.insert(task.b.number).second);
-          all.for_pairs(task, [&](Index i, Index j) { seen.emplace_back(i, j); });
+          CHECK(tiles.insert(task.a).second);
+          if (task.a != task.b) CHECK(tiles.insert(task.b).second);
+          all.for_pairs(task, [&](SiteNumber i, SiteNumber j) { seen.emplace_back(i, j); });
         }
       }
       std::sort(seen.begin(), seen.end());
@@ -176,7 +190,7 @@ TEST_CASE("Gabriel pairs are those whose ball is empty") {
       }
       const double squared = metric.squared_distance(sites.at(a), sites.at(b)) / 4;
       bool empty = true;
-      for (Index k = 0; k < 60; ++k) {
+      for (const SiteNumber k : sites.all()) {
         if (k != a && k != b && metric.squared_distance(sites.at(k), middle.data()) < squared) {
           empty = false;
         }
@@ -209,11 +223,11 @@ TEST_CASE("a graph of sites is connected, and its tree spans it") {
     }
     const auto& tree = graph.spanning_tree();
     REQUIRE(tree.size() == 100);
-    std::set<Index> seen;
-    for (const Index s : tree.order()) {
-      const Index parent = tree.parent(s);
-      CHECK((parent < 0) == seen.empty());
-      if (parent >= 0) {
+    std::set<SiteNumber> seen;
+    for (const SiteNumber s : tree.order()) {
+      const SiteNumber parent = tree.parent(s);
+      CHECK((parent == SiteNumber::none()) == seen.empty());
+      if (parent != SiteNumber::none()) {
         CHECK(seen.count(parent) == 1);
         const auto near = graph.neighbours(s);
         CHECK(std::binary_search(near.begin(), near.end(), parent));
@@ -236,17 +250,17 @@ TEST_CASE("a spanning tree of many blocks: parents, sums of subtrees, the same f
     const SiteGraph joined(kNodes, edges);
     const SpanningTree& tree = joined.spanning_tree();
     REQUIRE(tree.size() == kNodes);
-    const std::vector<Index> order = tree.order();
+    const std::vector<SiteNumber> order = tree.order();
     std::vector<bool> seen(kNodes, false);
-    for (const Index s : order) {
-      CHECK_FALSE(seen[static_cast<std::size_t>(s)]);
-      seen[static_cast<std::size_t>(s)] = true;
-      const Index parent = tree.parent(s);
+    for (const SiteNumber s : order) {
+      CHECK_FALSE(seen[s]);
+      seen[s] = true;
+      const SiteNumber parent = tree.parent(s);
       if (s == order[0]) {
-        CHECK(parent == -1);
+        CHECK(parent == SiteNumber::none());
       } else {
-        REQUIRE(parent >= 0);
-        CHECK(seen[static_cast<std::size_t>(parent)]);
+        REQUIRE(parent < seen.size());
+        CHECK(seen[parent]);
         const auto near = joined.neighbours(s);
         CHECK(std::binary_search(near.begin(), near.end(), parent));
       }
@@ -255,8 +269,7 @@ TEST_CASE("a spanning tree of many blocks: parents, sums of subtrees, the same f
     for (auto& v : values) v = static_cast<std::int64_t>(random.below(2001)) - 1000;
     std::vector<std::int64_t> expected = values;
     for (std::size_t k = order.size(); k-- > 1;) {
-      expected[static_cast<std::size_t>(tree.parent(order[k]))] +=
-          expected[static_cast<std::size_t>(order[k])];
+      expected[tree.parent(order[k])] += expected[order[k]];
     }
     for (const int threads : {1, 2, 3, 8}) {
       const Arena arena(threads);
@@ -291,19 +304,18 @@ TEST_CASE("every pair that meets is listed, as spheres move and grow") {
         listed.insert(meeting.added().begin(), meeting.added().end());
         CHECK(listed.size() == meeting.pairs().size() + meeting.added().size());
         for (const auto& [i, j] : all_pairs_of(kSites)) {
-          const double reach =
-              sites.radius[static_cast<std::size_t>(i)] + sites.radius[static_cast<std::size_t>(j)];
+          const double reach = sites.radius[i] + sites.radius[j];
           if (metric.squared_distance(sites.at(i), sites.at(j)) <= reach * reach) {
             REQUIRE(listed.count({i, j}) == 1);
           }
         }
         // A few sites go far, or grow.
         for (int k = 0; k < 4; ++k) {
-          const auto s = static_cast<Index>(random.below(kSites));
+          const SiteNumber s(random.below(kSites));
           for (int d = 0; d < dimension; ++d) {
             sites.at(s)[d] = metric.into_box(sites.at(s)[d] + 0.1 * (random.uniform() - 0.5), d);
           }
-          sites.radius[static_cast<std::size_t>(s)] *= 1 + random.uniform();
+          sites.radius[s] *= 1 + random.uniform();
         }
       }
       CHECK(extended);
@@ -330,28 +342,27 @@ TEST_CASE("balance fills every cell, whatever flows, with the same bits for any 
         const auto view = ccvt::view_points(points);
         std::vector<Pair> near;
         for (Index s = 0; s + 1 < count; ++s) near.emplace_back(s, s + 1);
-        std::vector<Index> expected;
+        std::vector<PointNumber> expected;
         for (const int threads : {1, 2, 3, 8}) {
           ccvt::Cells<float> cells(2, capacities);
           ccvt::Filling<float> filling(cells, view, Tiling(count, 16));
           Random random(2);
-          for (Index p = 0; p < points.cols(); ++p) {
-            const auto site = random.below(static_cast<std::uint64_t>(count));
-            filling.add(far ? 0 : static_cast<Index>(site), p);
+          for (const PointNumber p : ccvt::points_below(points.cols())) {
+            const SiteNumber site(random.below(static_cast<std::uint64_t>(count)));
+            filling.add(far ? SiteNumber(0) : site, p);
           }
           ccvt::balance(metric, sites, near, Arena(threads), filling);
-          std::vector<Index> order;
-          for (Index s = 0; s < count; ++s) {
+          std::vector<PointNumber> order;
+          for (const SiteNumber s : cells.sites()) {
             REQUIRE(filling.surplus(s) == 0);
             REQUIRE(filling.waiting(s) == 0);
-            order.insert(order.end(), cells.points(s), cells.points(s) + cells.size(s));
+            const auto held = cells.points(s);
+            order.insert(order.end(), held.begin(), held.end());
           }
           if (threads == 1) {
-            std::vector<Index> sorted(order);
+            std::vector<PointNumber> sorted(order);
             std::sort(sorted.begin(), sorted.end());
-            for (Index p = 0; p < points.cols(); ++p) {
-              REQUIRE(sorted[static_cast<std::size_t>(p)] == p);
-            }
+            for (const PointNumber p : ccvt::points_below(points.cols())) REQUIRE(sorted[p] == p);
             expected = order;
           }
           CHECK(order == expected);

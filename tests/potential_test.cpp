@@ -17,6 +17,7 @@ using ccvt::Index;
 using ccvt::Pair;
 using ccvt::Random;
 using ccvt::SiteGraph;
+using ccvt::SiteNumber;
 
 namespace {
 
@@ -57,8 +58,8 @@ std::vector<Pair> random_edges(Index nodes, Index count) {
 }
 
 /// Surpluses that sum to zero: random ones, or all in the first and lacking in the last.
-std::vector<Index> surpluses(Index nodes, bool far) {
-  std::vector<Index> e(static_cast<std::size_t>(nodes), 0);
+std::vector<Index> surpluses(std::size_t nodes, bool far) {
+  std::vector<Index> e(nodes, 0);
   if (far) {
     e.front() += 1000;
     e.back() -= 1000;
@@ -73,13 +74,11 @@ std::vector<Index> surpluses(Index nodes, bool far) {
 void check_solved(const SiteGraph& graph, const std::vector<Index>& e) {
   const std::vector<double> phi = ccvt::potential(graph, e);
   REQUIRE(phi.size() == e.size());
-  for (Index s = 0; s < graph.site_count(); ++s) {
+  for (const SiteNumber s : ccvt::sites_below(graph.site_count())) {
     double out = 0;
-    for (const Index t : graph.neighbours(s)) {
-      out += phi[static_cast<std::size_t>(s)] - phi[static_cast<std::size_t>(t)];
-    }
+    for (const SiteNumber t : graph.neighbours(s)) out += phi[s] - phi[t];
     // The residual is followed, not computed anew: rounding adds a little.
-    REQUIRE(std::abs(out - e[static_cast<std::size_t>(s)]) <= 0.2501);
+    REQUIRE(std::abs(out - e[s]) <= 0.2501);
   }
 }
 
@@ -103,8 +102,7 @@ TEST_CASE("L phi = e, on graphs of all kinds") {
     for (const bool far : {false, true}) {
       check_solved(graph, surpluses(graph.site_count(), far && graph.site_count() > 1));
     }
-    const auto nothing =
-        ccvt::potential(graph, std::vector<Index>(static_cast<std::size_t>(graph.site_count()), 0));
+    const auto nothing = ccvt::potential(graph, std::vector<Index>(graph.site_count(), 0));
     CHECK(std::all_of(nothing.begin(), nothing.end(), [](double x) { return x == 0; }));
   }
 }

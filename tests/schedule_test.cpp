@@ -22,6 +22,8 @@ using ccvt::Options;
 using ccvt::Pair;
 using ccvt::Random;
 using ccvt::Schedule;
+using ccvt::SiteNumber;
+using ccvt::Tile;
 using ccvt::Tiling;
 
 namespace {
@@ -55,15 +57,15 @@ Batches naive_batches(const std::vector<Pair>& pairs) {
     });
     bool added = false;
     for (const std::size_t b : increasing) {
-      const bool free = std::none_of(batches[b].begin(), batches[b].end(), [&](Index other) {
-        return conflict(pairs[static_cast<std::size_t>(other)], pairs[p]);
+      const bool free = std::none_of(batches[b].begin(), batches[b].end(), [&](std::size_t other) {
+        return conflict(pairs[other], pairs[p]);
       });
       if (!free) continue;
-      batches[b].push_back(static_cast<Index>(p));
+      batches[b].push_back(p);
       added = true;
       break;
     }
-    if (!added) batches.push_back({static_cast<Index>(p)});
+    if (!added) batches.push_back({p});
   }
   return batches;
 }
@@ -90,17 +92,16 @@ TEST_CASE("greedy batches follow Program 5") {
        {std::pair<Index, std::size_t>{2, 1}, {5, 10}, {20, 15}, {20, 100}, {60, 200}, {12, 66}}) {
     for (int trial = 0; trial < 10; ++trial) {
       const auto pairs = random_pairs(random, nodes, count);
-      const Batches batches = ccvt::greedy_batches(pairs, nodes);
+      const Batches batches = ccvt::greedy_batches(pairs, static_cast<std::size_t>(nodes));
       CHECK(batches == naive_batches(pairs));
       CHECK(batches.size() <= most_conflicts(pairs) + 1);
       std::vector<int> times(pairs.size(), 0);
       for (const auto& batch : batches) {
-        std::set<Index> nodes_used;
-        for (const Index p : batch) {
-          const auto k = static_cast<std::size_t>(p);
-          ++times[k];
-          REQUIRE(nodes_used.insert(pairs[k].first).second);
-          REQUIRE(nodes_used.insert(pairs[k].second).second);
+        std::set<SiteNumber> nodes_used;
+        for (const std::size_t p : batch) {
+          ++times[p];
+          REQUIRE(nodes_used.insert(pairs[p].first).second);
+          REQUIRE(nodes_used.insert(pairs[p].second).second);
         }
       }
       CHECK(std::all_of(times.begin(), times.end(), [](int t) { return t == 1; }));
@@ -110,19 +111,19 @@ TEST_CASE("greedy batches follow Program 5") {
 }
 
 TEST_CASE("round robin covers each pair once, in rounds without conflict") {
-  for (Index nodes = 1; nodes <= 33; ++nodes) {
+  for (std::size_t nodes = 1; nodes <= 33; ++nodes) {
     std::set<Pair> seen;
-    for (Index round = 0; round < nodes; ++round) {
-      std::set<Index> used;
-      ccvt::round_robin(nodes, round, [&](Index a, Index b) {
-        REQUIRE((0 <= a && a < b && b < nodes));
+    for (std::size_t round = 0; round < nodes; ++round) {
+      std::set<std::size_t> used;
+      ccvt::round_robin(nodes, round, [&](std::size_t a, std::size_t b) {
+        REQUIRE((a < b && b < nodes));
         REQUIRE(used.insert(a).second);
         REQUIRE(used.insert(b).second);
         REQUIRE(seen.emplace(a, b).second);
       });
-      CHECK(used.size() + 2 >= static_cast<std::size_t>(nodes));  // nearly all take part
+      CHECK(used.size() + 2 >= nodes);  // nearly all take part
     }
-    CHECK(seen.size() == static_cast<std::size_t>(nodes * (nodes - 1) / 2));
+    CHECK(seen.size() == nodes * (nodes - 1) / 2);
   }
 }
 
@@ -138,7 +139,7 @@ TEST_CASE("a schedule of tiles covers each pair once; tasks of a batch share no 
         std::vector<Pair> scheduled;
         std::size_t tasks_seen = 0;
         for (std::size_t b = 0; b < schedule.batch_count(); ++b) {
-          std::set<Index> taken;
+          std::set<SiteNumber> taken;
           REQUIRE_FALSE(schedule.batch(b).empty());
           std::size_t longest = pairs.size();
           for (const auto& task : schedule.batch(b)) {
@@ -147,14 +148,14 @@ TEST_CASE("a schedule of tiles covers each pair once; tasks of a batch share no 
             REQUIRE(task.size() <= longest);
             longest = task.size();
             if (tile == 1) REQUIRE(task.size() == 1);
-            std::set<Index> own;
-            schedule.for_pairs(task, [&](Index i, Index j) {
+            std::set<SiteNumber> own;
+            schedule.for_pairs(task, [&](SiteNumber i, SiteNumber j) {
               scheduled.emplace_back(i, j);
               own.insert({i, j});
-              const std::set<Index> of_pair{tiling.tile_of(i).number, tiling.tile_of(j).number};
-              REQUIRE(of_pair == std::set<Index>{task.a.number, task.b.number});
+              const std::set<Tile> of_pair{tiling.tile_of(i), tiling.tile_of(j)};
+              REQUIRE(of_pair == std::set<Tile>{task.a, task.b});
             });
-            for (const Index site : own) REQUIRE(taken.insert(site).second);
+            for (const SiteNumber site : own) REQUIRE(taken.insert(site).second);
           }
         }
         REQUIRE(tasks_seen == schedule.tasks.size());
@@ -176,7 +177,7 @@ TEST_CASE("with tiles of one site the schedule is the paper's") {
   REQUIRE(schedule.batch_count() == batches.size());
   for (std::size_t b = 0; b < batches.size(); ++b) {
     std::vector<Pair> expected;
-    for (const Index p : batches[b]) expected.push_back(pairs[static_cast<std::size_t>(p)]);
+    for (const std::size_t p : batches[b]) expected.push_back(pairs[p]);
     std::vector<Pair> scheduled;
     for (const auto& task : schedule.batch(b)) scheduled.push_back(schedule.pairs[task.begin]);
     CHECK(scheduled == expected);
@@ -201,9 +202,18 @@ TEST_CASE("levels are nested, exact, and each point joins once") {
         std::vector<int> joins(static_cast<std::size_t>(points), 0);
         Index joined = 0;
         for (std::size_t l = 0; l < levels.size(); ++l) {
-          CHECK(std::is_sorted(levels[l].joining.begin(), levels[l].joining.end()));
-          for (const Index p : levels[l].joining) ++joins[static_cast<std::size_t>(p)];
-          joined += static_cast<Index>(levels[l].joining.size());
+          const auto joining = levels[l].joining.all(ccvt::Arena(2));
+          CHECK(std::is_sorted(joining.begin(), joining.end()));
+          CHECK(joining.size() == levels[l].joining.size());
+          for (const auto p : joining) ++joins[p];
+          joined += static_cast<Index>(joining.size());
+          // In parts, they are the same.
+          std::vector<ccvt::PointNumber> in_parts;
+          levels[l].joining.for_parts(1, ccvt::Arena(3),
+                                      [&](std::span<const ccvt::PointNumber> part) {
+                                        in_parts.insert(in_parts.end(), part.begin(), part.end());
+                                      });
+          CHECK(std::equal(in_parts.begin(), in_parts.end(), joining.begin(), joining.end()));
           CHECK(joined == ccvt::test::sum_of(levels[l].capacities));
           // A coarse level is worth having: `level_points` a site or more, and fewer than the next.
           if (levels.size() > 1) {
@@ -219,6 +229,30 @@ TEST_CASE("levels are nested, exact, and each point joins once") {
       }
     }
   }
+}
+
+TEST_CASE("the points of a level come in parts of so many, the same for any threads") {
+  const std::vector<Index> capacities(1200, 256);  // five blocks of points
+  const Index points = ccvt::test::sum_of(capacities);
+  const auto levels = ccvt::make_levels(capacities, points, Options());
+  REQUIRE(levels.size() > 1);
+  std::vector<int> joins(static_cast<std::size_t>(points), 0);
+  for (const auto& level : levels) {
+    const auto joining = level.joining.all();
+    CHECK(joining.size() == level.joining.size());
+    for (const auto p : joining) ++joins[p];
+    for (const int threads : {1, 2, 3}) {
+      for (const std::size_t most : {std::size_t{1}, std::size_t{100000}, joining.size()}) {
+        std::vector<ccvt::PointNumber> in_parts;
+        level.joining.for_parts(most, ccvt::Arena(threads), [&](const auto& part) {
+          CHECK(part.size() <= std::max(most, std::size_t{1} << 16));
+          in_parts.insert(in_parts.end(), part.begin(), part.end());
+        });
+        CHECK(std::equal(in_parts.begin(), in_parts.end(), joining.begin(), joining.end()));
+      }
+    }
+  }
+  CHECK(std::all_of(joins.begin(), joins.end(), [](int j) { return j == 1; }));
 }
 
 TEST_CASE("without multilevel, or with small capacities, there is one level") {
@@ -239,7 +273,7 @@ TEST_CASE("every point is as likely as any to be on the coarsest level") {
     options.seed = static_cast<std::uint64_t>(t);
     const auto levels = ccvt::make_levels(capacities, 128, options);
     REQUIRE(levels.size() == 2);
-    for (const Index p : levels[0].joining) ++chosen[static_cast<std::size_t>(p)];
+    for (const auto p : levels[0].joining.all()) ++chosen[p];
   }
   // A quarter of the points: mean 1000, standard deviation 27.
   for (const int count : chosen) CHECK(std::abs(count - trials / 4) < 5 * 27);
@@ -251,11 +285,11 @@ TEST_CASE("rounds hold every pair once, and no site twice") {
     const auto most = static_cast<std::size_t>(sites) * static_cast<std::size_t>(sites - 1) / 2;
     for (const std::size_t count : {std::size_t{0}, std::size_t{1}, most / 2, most}) {
       auto pairs = random_pairs(random, sites, count);
-      const Schedule schedule = ccvt::schedule_rounds(pairs, sites);
+      const Schedule schedule = ccvt::schedule_rounds(pairs, static_cast<std::size_t>(sites));
       CHECK(schedule.batch_count() <= static_cast<std::size_t>(sites));
       std::size_t tasks = 0;
       for (std::size_t b = 0; b < schedule.batch_count(); ++b) {
-        std::set<Index> seen;
+        std::set<SiteNumber> seen;
         REQUIRE(!schedule.batch(b).empty());
         for (const auto& task : schedule.batch(b)) {
           REQUIRE(task.end == task.begin + 1);

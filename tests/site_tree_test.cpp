@@ -26,9 +26,11 @@ using ccvt::Domain;
 using ccvt::Index;
 using ccvt::Metric;
 using ccvt::NearestSites;
+using ccvt::PointNumber;
 using ccvt::Points;
 using ccvt::Random;
 using ccvt::SiteBins;
+using ccvt::SiteNumber;
 using ccvt::SiteSearch;
 using ccvt::SiteState;
 using ccvt::SiteTree;
@@ -145,7 +147,8 @@ void for_each_arrangement(Visit visit) {
 template <class Scalar>
 std::vector<ccvt::Near<Scalar, 0>> found_by(const NearestSites<Scalar>& nearest,
                                             const ccvt::PointsView<Scalar>& points,
-                                            const std::vector<Index>& which, const Arena& arena) {
+                                            const std::vector<PointNumber>& which,
+                                            const Arena& arena) {
   return ccvt::with_dimension(nearest.dimension_of_copies(), [&]<std::size_t Dimension>() {
     std::vector<ccvt::Near<Scalar, 0>> all;
     typename NearestSites<Scalar>::template Found<Dimension> found;
@@ -155,7 +158,7 @@ std::vector<ccvt::Near<Scalar, 0>> found_by(const NearestSites<Scalar>& nearest,
     for (const auto& near : found.points) {
       all.push_back({near.site, near.point});
       if constexpr (Dimension > 0) {
-        REQUIRE(std::equal(near.x.begin(), near.x.end(), points[near.point]));
+        REQUIRE(std::equal(near.x.begin(), near.x.end(), points[near.point.index()]));
       }
     }
     return all;
@@ -255,23 +258,24 @@ TEST_CASE_TEMPLATE("nearest sites of many points at once", Scalar, float, double
             Points<Scalar> points = make_points<Scalar>(of_points, sites.box, total, 9);
             points.col(0) = sites.box.lower.eigen().cast<Scalar>();
             points.col(1) = sites.box.upper.eigen().cast<Scalar>();
-            std::vector<Index> which;
-            for (Index p = 0; p < total; p += 1 + p % 2) which.push_back(p);
+            std::vector<PointNumber> which;
+            for (Index p = 0; p < total; p += 1 + p % 2) which.emplace_back(p);
             const NearestSites<Scalar> nearest(sites.metric, state, sites.box);
             const auto found = found_by(nearest, ccvt::view_points(points), which, arena);
             for (std::size_t k = 0; k < which.size(); ++k) {
-              const Scalar* x = points.col(found[k].point).data();
+              const Scalar* x = points.col(found[k].point.index()).data();
               Real best = std::numeric_limits<Real>::infinity();
               for (Index s = 0; s < count; ++s) {
                 best = std::min(best, squared_distance(sites.domain, dimension, x,
                                                        sites.positions.col(s).data()));
               }
-              REQUIRE((found[k].site >= 0 && found[k].site < count));
-              REQUIRE(equal_distances(squared_distance(sites.domain, dimension, x,
-                                                       sites.positions.col(found[k].site).data()),
-                                      best));
+              REQUIRE(found[k].site < state.count());
+              REQUIRE(equal_distances(
+                  squared_distance(sites.domain, dimension, x,
+                                   sites.positions.col(found[k].site.index()).data()),
+                  best));
             }
-            std::vector<Index> asked;
+            std::vector<PointNumber> asked;
             for (const auto& near : found) asked.push_back(near.point);
             std::sort(asked.begin(), asked.end());
             REQUIRE(asked == which);
@@ -315,18 +319,19 @@ TEST_CASE("a clump of sites much smaller than a bin") {
       Points<double> points(dimension, 2000);
       const auto near = make_points<double>(Layout::random, box, 2000, 5);
       for (int d = 0; d < dimension; ++d) {
-        for (Index s = 0; s < 1000; ++s) state.at(s)[d] = even(d, s);
-        for (Index s = 0; s < kClump; ++s) state.at(1000 + s)[d] = 0.3 + width * small(d, s);
+        for (Index s = 0; s < 1000; ++s) state.at(SiteNumber(s))[d] = even(d, s);
+        for (Index s = 0; s < kClump; ++s)
+          state.at(SiteNumber(1000 + s))[d] = 0.3 + width * small(d, s);
         for (Index p = 0; p < 2000; ++p) points(d, p) = 0.3 + width * (2 * near(d, p) - 0.5);
       }
-      std::vector<Index> which(2000);
-      std::iota(which.begin(), which.end(), 0);
+      std::vector<PointNumber> which(2000);
+      std::iota(which.begin(), which.end(), PointNumber(0));
       const NearestSites<double> nearest(metric, state, box);
       const auto found = found_by(nearest, ccvt::view_points(points), which, Arena(1));
       for (std::size_t k = 0; k < which.size(); ++k) {
-        const double* x = points.col(found[k].point).data();
+        const double* x = points.col(found[k].point.index()).data();
         double best = std::numeric_limits<double>::infinity();
-        for (Index s = 0; s < state.count(); ++s) {
+        for (const SiteNumber s : state.all()) {
           best = std::min(best, metric.squared_distance(x, state.at(s)));
         }
         REQUIRE(metric.squared_distance(x, state.at(found[k].site)) == best);

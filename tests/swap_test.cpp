@@ -24,13 +24,18 @@ using ccvt::Index;
 using ccvt::Metric;
 using ccvt::Options;
 using ccvt::PairSwapper;
+using ccvt::PointNumber;
 using ccvt::PointPruning;
 using ccvt::Random;
+using ccvt::SiteNumber;
 using ccvt::SiteState;
 using ccvt::SwapMethod;
 using namespace ccvt::test;
 
 namespace {
+
+constexpr SiteNumber site_i(0);
+constexpr SiteNumber site_j(1);
 
 constexpr SwapMethod methods[] = {SwapMethod::median, SwapMethod::heap, SwapMethod::sort};
 
@@ -84,14 +89,14 @@ struct PairOfCells {
   PairOfCells(const Metric& metric, const ccvt::Points<Scalar>& all_points, Index size_i)
       : points(all_points), cells(metric.dimension(), sizes(size_i)), sites(metric.dimension(), 2) {
     for (Index p = 0; p < points.cols(); ++p) {
-      const Index s = p < size_i ? 0 : 1;
-      cells.put(s, p < size_i ? p : p - size_i, p, points.col(p).data());
+      const SiteNumber s = p < size_i ? site_i : site_j;
+      cells.put(s, p < size_i ? p : p - size_i, PointNumber(p), points.col(p).data());
       for (int d = 0; d < metric.dimension(); ++d) {
         sites.at(s)[d] = static_cast<double>(points(d, p));
       }
     }
-    ccvt::update_site(metric, cells, sites, 0);
-    ccvt::update_site(metric, cells, sites, 1);
+    ccvt::update_site(metric, cells, sites, site_i);
+    ccvt::update_site(metric, cells, sites, site_j);
   }
   [[nodiscard]] std::vector<Index> sizes(Index size_i) const {
     return {size_i, static_cast<Index>(points.cols()) - size_i};
@@ -105,32 +110,33 @@ struct PairOfCells {
 // Of |p - s_i|^2 - |p - s_j|^2 over all points of both cells, cell i must hold the smallest.
 template <class Scalar>
 std::string pair_faults(const Domain& domain, const PairOfCells<Scalar>& pair) {
-  const int dimension = pair.sites.dimension;
+  const auto dimension = static_cast<int>(pair.sites.dimension);
   std::string wrong;
   std::vector<Real> keys;
   Real held = 0;
   Real scale = 0;
-  std::set<Index> seen;
-  for (const Index s : {0, 1}) {
+  std::set<PointNumber> seen;
+  for (const SiteNumber s : {site_i, site_j}) {
     std::vector<Scalar> x(static_cast<std::size_t>(dimension));
     for (Index k = 0; k < pair.cells.size(s); ++k) {
       pair.cells.get(s, k, x.data());
-      const Index p = pair.cells.points(s)[k];
+      const PointNumber p = pair.cells.points(s).data()[k];
       seen.insert(p);
-      if (!std::equal(x.begin(), x.end(), pair.points.col(p).data())) wrong += "coordinates ";
-      const Real to_i = squared_distance(domain, dimension, x.data(), pair.sites.at(0));
-      const Real to_j = squared_distance(domain, dimension, x.data(), pair.sites.at(1));
+      if (!std::equal(x.begin(), x.end(), pair.points.col(p.index()).data()))
+        wrong += "coordinates ";
+      const Real to_i = squared_distance(domain, dimension, x.data(), pair.sites.at(site_i));
+      const Real to_j = squared_distance(domain, dimension, x.data(), pair.sites.at(site_j));
       keys.push_back(to_i - to_j);
       scale = std::max({scale, to_i, to_j});
-      if (s == 0) held += keys.back();
-      const Real distance = std::sqrt(s == 0 ? to_i : to_j);
-      if (distance > pair.sites.radius[static_cast<std::size_t>(s)]) wrong += "radius ";
+      if (s == site_i) held += keys.back();
+      const Real distance = std::sqrt(s == site_i ? to_i : to_j);
+      if (distance > pair.sites.radius[s]) wrong += "radius ";
     }
   }
   if (seen.size() != static_cast<std::size_t>(pair.points.cols())) wrong += "points ";
   std::sort(keys.begin(), keys.end());
   Real least = 0;
-  for (Index k = 0; k < pair.cells.size(0); ++k) least += keys[static_cast<std::size_t>(k)];
+  for (Index k = 0; k < pair.cells.size(site_i); ++k) least += keys[static_cast<std::size_t>(k)];
   // Keys are decided in double: 2^-52 of the squares they are differences of, each.
   if (held - least > 64 * (dimension + 4) * 0x1p-52L * scale * keys.size()) wrong += "not least ";
   return wrong;
@@ -219,11 +225,11 @@ TEST_CASE_TEMPLATE("a swap leaves the pair optimal and its radii bounds", Scalar
                 options.point_pruning = pruning;
                 options.median_cut_pruning = median_cut;
                 PairSwapper<Scalar> swap(metric, options, 6.0);
-                swap(pair.cells, pair.sites, 0, 1);
+                swap(pair.cells, pair.sites, site_i, site_j);
                 REQUIRE(pair_faults(domain, pair) == "");
                 // What is optimal stays, from the other side too.
-                REQUIRE(swap(pair.cells, pair.sites, 0, 1) == 0);
-                REQUIRE(swap(pair.cells, pair.sites, 1, 0) == 0);
+                REQUIRE(swap(pair.cells, pair.sites, site_i, site_j) == 0);
+                REQUIRE(swap(pair.cells, pair.sites, site_j, site_i) == 0);
               }
             }
           }
@@ -236,15 +242,15 @@ TEST_CASE_TEMPLATE("a swap leaves the pair optimal and its radii bounds", Scalar
 TEST_CASE("spheres meet when their radii reach, across the border of a torus too") {
   const Domain torus = Domain::periodic(Box::unit(2));
   SiteState sites(2, 2);
-  sites.at(0)[0] = 0.125;
-  sites.at(1)[0] = 0.875;
+  sites.at(site_i)[0] = 0.125;
+  sites.at(site_j)[0] = 0.875;
   sites.radius = {0.25, 0.25};
-  CHECK(PairSwapper<float>::spheres_meet(Metric(2, torus), sites, 0, 1));
-  CHECK_FALSE(PairSwapper<float>::spheres_meet(Metric(2, Domain()), sites, 0, 1));
+  CHECK(PairSwapper<float>::spheres_meet(Metric(2, torus), sites, site_i, site_j));
+  CHECK_FALSE(PairSwapper<float>::spheres_meet(Metric(2, Domain()), sites, site_i, site_j));
   sites.radius = {0.125, 0.125};  // they touch
-  CHECK(PairSwapper<float>::spheres_meet(Metric(2, torus), sites, 0, 1));
+  CHECK(PairSwapper<float>::spheres_meet(Metric(2, torus), sites, site_i, site_j));
   sites.radius = {0.125, 0.12};
-  CHECK_FALSE(PairSwapper<float>::spheres_meet(Metric(2, torus), sites, 0, 1));
+  CHECK_FALSE(PairSwapper<float>::spheres_meet(Metric(2, torus), sites, site_i, site_j));
 }
 
 TEST_CASE("a cell that ends at a face of the torus, far from the origin") {
@@ -260,7 +266,7 @@ TEST_CASE("a cell that ends at a face of the torus, far from the origin") {
     points.array() += offset;
     PairOfCells<double> pair(metric, points, 3);
     PairSwapper<double> swap(metric, Options{}, offset + 1);
-    CHECK(swap(pair.cells, pair.sites, 0, 1) == 0);
+    CHECK(swap(pair.cells, pair.sites, site_i, site_j) == 0);
     CHECK(pair_faults(domain, pair) == "");
   }
 }

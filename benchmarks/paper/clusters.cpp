@@ -24,25 +24,27 @@ namespace {
 std::vector<Pair> swapped_pairs(const Metric& metric, PairSwapper<float>& swap, Cells<float>& cells,
                                 SiteState& sites) {
   std::vector<Pair> swapped;
-  for (Index round = 0; round < sites.count(); ++round) {
-    round_robin(sites.count(), round, [&](Index i, Index j) {
+  for (std::size_t round = 0; round < sites.count(); ++round) {
+    round_robin(sites.count(), round, [&](std::size_t a, std::size_t b) {
+      const SiteNumber i(a);
+      const SiteNumber j(b);
       if (!PairSwapper<float>::spheres_meet(metric, sites, i, j)) return;
       if (swap(cells, sites, i, j) > 0) swapped.emplace_back(i, j);
     });
   }
-  for (Index s = 0; s < sites.count(); ++s) update_site(metric, cells, sites, s);
+  for (const SiteNumber s : sites.all()) update_site(metric, cells, sites, s);
   return swapped;
 }
 
-Json batches_of(const std::vector<Pair>& pairs, Index sites) {
+Json batches_of(const std::vector<Pair>& pairs, std::size_t sites) {
   std::vector<double> sizes;
   for (const auto& batch : greedy_batches(pairs, sites)) {
     sizes.push_back(static_cast<double>(batch.size()));
   }
-  std::vector<int> degree(static_cast<std::size_t>(sites), 0);
+  std::vector<int> degree(sites, 0);
   for (const Pair& pair : pairs) {
-    ++degree[static_cast<std::size_t>(pair.first)];
-    ++degree[static_cast<std::size_t>(pair.second)];
+    ++degree[pair.first];
+    ++degree[pair.second];
   }
   const Spread spread = spread_of(sizes);
   Json json;
@@ -78,16 +80,16 @@ void clusters(const Scale& scale, const std::filesystem::path& directory) {
   SiteState sites = initial_sites(problem, metric, kSeed);
   Cells<float> cells(2, problem.capacities());
   Filling<float> filling(cells, problem.points());
-  std::vector<Index> all(static_cast<std::size_t>(points.cols()));
-  std::iota(all.begin(), all.end(), 0);
-  join_coherent(metric, sites, std::span<const Index>(all), kSeed, filling);
-  for (Index s = 0; s < count; ++s) update_site(metric, cells, sites, s);
+  std::vector<PointNumber> all(static_cast<std::size_t>(points.cols()));
+  std::iota(all.begin(), all.end(), PointNumber(0));
+  join_coherent(metric, sites, std::span<const PointNumber>(all), kSeed, filling);
+  for (const SiteNumber s : sites.all()) update_site(metric, cells, sites, s);
 
   PairSwapper<float> swap(metric, Options{}, 1);
   for (int pass = 1; pass <= kPasses; ++pass) {
     const auto pairs = swapped_pairs(metric, swap, cells, sites);
     if (pairs.empty()) break;
-    Json run = batches_of(pairs, count);
+    Json run = batches_of(pairs, sites.count());
     run["pass"] = pass;
     record.json["runs"].push_back(std::move(run));
   }

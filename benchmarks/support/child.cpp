@@ -7,6 +7,8 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -56,6 +58,11 @@ struct Child {
 };
 
 Child start(const std::function<Json()>& work) {
+  // Others would not exist in the child, whose pools would wait for them or do without.
+  const auto threads = std::filesystem::directory_iterator("/proc/self/task");
+  if (std::distance(begin(threads), end(threads)) != 1) {
+    throw std::logic_error("benchmark: it must have one thread when it starts a child");
+  }
   std::array<int, 2> pipe{};
   if (::pipe(pipe.data()) != 0) fail("pipe");
   std::fflush(nullptr);

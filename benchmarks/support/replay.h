@@ -94,6 +94,10 @@ class Replay {
     for (const auto& [name, phase] : phases_) sum += phase.serial + slowdown * phase.parallel[k];
     return sum;
   }
+  /// On one worker.
+  [[nodiscard]] double seconds_in(const std::string& phase) const {
+    return phases_.at(phase).work + phases_.at(phase).serial;
+  }
   [[nodiscard]] double work_in(const std::string& phase) const { return phases_.at(phase).work; }
   [[nodiscard]] double serial_in(const std::string& phase) const {
     return phases_.at(phase).serial;

@@ -50,7 +50,7 @@ Result<Scalar> lloyd(const Problem<Scalar>& problem, const Options& options = {}
 template <class Derived>
 auto lloyd(const Eigen::DenseBase<Derived>& points, Index sites, const Options& options = {}) {
   using Scalar = typename Derived::Scalar;
-  return lloyd(Problem<Scalar>(view_points(points), sites), options);
+  return lloyd(Problem<Scalar>(view_points(points), sites, options.threads), options);
 }
 
 }  // namespace ccvt

@@ -25,13 +25,13 @@ class CCVT_EXPORT Problem {
   /// `points`: #dimensions by m, at least one dimension; coordinates at most 1e17 (double: 1e140)
   /// in magnitude, less beyond 8192 dimensions, by 1 / sqrt(dimensions / 8192); all equal, or 1e-30
   /// (double: 1e-140) or more apart somewhere. `sites`: 1 <= n <= m. `threads` look at the points
-  /// when there are many; 0: one per processor.
+  /// when there are many; 0: one per processor, at most 4096.
   template <class Derived>
-  Problem(const Eigen::DenseBase<Derived>& points, Index sites, int threads = 0)
+  Problem(const Eigen::DenseBase<Derived>& points, Index sites, int threads = 1)
       : Problem(view_points(points), sites, threads) {}
   template <class Derived>
-  Problem(Eigen::PlainObjectBase<Derived>&& points, Index sites, int threads = 0) = delete;
-  Problem(PointsView<Scalar> points, Index sites, int threads = 0);
+  Problem(Eigen::PlainObjectBase<Derived>&& points, Index sites, int threads = 1) = delete;
+  Problem(PointsView<Scalar> points, Index sites, int threads = 1);
 
   /// Default: Euclidean space. A box must have the points' dimension and contain all points (a
   /// periodic box: both faces included); its corners are as moderate as coordinates, and a periodic
@@ -79,6 +79,6 @@ class CCVT_EXPORT Problem {
 };
 
 template <class Derived>
-Problem(const Eigen::DenseBase<Derived>&, Index, int = 0) -> Problem<typename Derived::Scalar>;
+Problem(const Eigen::DenseBase<Derived>&, Index, int = 1) -> Problem<typename Derived::Scalar>;
 
 }  // namespace ccvt

@@ -45,7 +45,7 @@ CCVT_EXPORT void fill_uniform(const Box& box, std::uint64_t seed, Distribution d
 ///     Eigen::Matrix2Xf points = ccvt::sample_uniform<float, 2>(ccvt::Box::unit(2), 1 << 18, seed);
 ///
 /// Every coordinate lies in [lower, upper), after rounding to Scalar too. The bits depend on the
-/// arguments only, not on `threads` (0: one per processor; many points are drawn by them at once).
+/// arguments only, not on `threads` (0: one per processor), which draw many points at once.
 /// Neighbours in memory are neighbours in space, except for white points.
 ///
 /// The grid that jittered, square and body-centred points use has cells of exactly equal volume and
@@ -64,7 +64,7 @@ CCVT_EXPORT void fill_uniform(const Box& box, std::uint64_t seed, Distribution d
 template <class Scalar = double, int Dimension = Eigen::Dynamic>
 Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sample_uniform(
     const Box& box, Index count, std::uint64_t seed = 0,
-    Distribution distribution = Distribution::jittered, int threads = 0) {
+    Distribution distribution = Distribution::jittered, int threads = 1) {
   detail::check_sampling(box, count, Dimension, sizeof(Scalar));
   Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> points(box.dimension(), count);
   detail::fill_uniform(box, seed, distribution, threads,

@@ -84,8 +84,8 @@ Result<Scalar, Dimension> tessellate(const Problem<Scalar>& problem, const Optio
 template <class Derived>
 auto tessellate(const Eigen::DenseBase<Derived>& points, Index sites, const Options& options = {}) {
   using Scalar = typename Derived::Scalar;
-  return tessellate<Derived::RowsAtCompileTime>(Problem<Scalar>(view_points(points), sites),
-                                                options);
+  return tessellate<Derived::RowsAtCompileTime>(
+      Problem<Scalar>(view_points(points), sites, options.threads), options);
 }
 
 }  // namespace ccvt

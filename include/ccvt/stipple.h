@@ -45,7 +45,7 @@ struct Stippling {
 /// taken as stored, so that a picture looks as dark as its dots: a grey that is stored as 0.5 is
 /// half covered with ink.
 CCVT_EXPORT std::vector<float> darkness(const Image& image, bool invert = false, double gamma = 1,
-                                        int threads = 0);
+                                        int threads = 1);
 
 /// Draws sites * points_per_site points from the darkness of `image` and tessellates them in
 /// Euclidean space: the sites are the dots. Throws InvalidInput when no pixel is dark, when

@@ -23,6 +23,6 @@ inline std::vector<double> no_weights(const std::vector<double>& sites, int dime
 /// The nearest site of every point; exact.
 template <class Scalar>
 std::vector<Index> nearest_owners(const Metric& metric, PointsView<Scalar> points,
-                                 const std::vector<double>& sites, const Arena& arena);
+                                  const std::vector<double>& sites, const Arena& arena);
 
 }  // namespace ccvt

@@ -21,6 +21,9 @@ class PerWorker {
  public:
   PerWorker() = default;
   explicit PerWorker(const Arena& arena) : values_(static_cast<std::size_t>(arena.threads())) {}
+  /// A copy of `value` for each.
+  PerWorker(const Arena& arena, const T& value)
+      : values_(static_cast<std::size_t>(arena.threads()), Own{value}) {}
   [[nodiscard]] T& operator[](int worker) {
     return values_[static_cast<std::size_t>(worker)].value;
   }

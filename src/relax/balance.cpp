@@ -73,7 +73,7 @@ class FlowRounds {
  public:
   FlowRounds(const Metric& metric, const SiteState& sites, const SiteGraph& graph, const Flow& flow,
              const Arena& arena, Filling<Scalar>& filling)
-      : arena_(arena) {
+      : arena_(arena), movers_(arena, Mover<Scalar>(metric, sites, filling)) {
     const Buffer<Pair> edges = collect_by_site<Pair>(
         arena, graph.site_count(), kSitesPerGrain, [&](SiteNumber s, std::vector<Pair>& out, int) {
           for (const SiteNumber t : graph.neighbours(s)) {
@@ -94,7 +94,6 @@ class FlowRounds {
         left_[e] = flow(schedule_.pairs[e].first, schedule_.pairs[e].second);
       }
     });
-    for (int w = 0; w < arena.threads(); ++w) movers_.emplace_back(metric, sites, filling);
   }
 
   /// Moves what can be moved. Whether there is anything left, and this round has moved something.
@@ -105,7 +104,7 @@ class FlowRounds {
     };
     PerWorker<Count> counts(arena_);
     schedule_.run(arena_, [&](const Schedule::Task& task, int w) {
-      Mover<Scalar>& mover = movers_.data()[w];
+      Mover<Scalar>& mover = movers_[w];
       SiteNumber from = SiteNumber::none();
       for (std::size_t e = task.begin; e < task.end; ++e) {
         if (left_[e] == 0) continue;
@@ -134,7 +133,7 @@ class FlowRounds {
   const Arena& arena_;
   Schedule schedule_;
   Buffer<std::int64_t> left_;  ///< to move along each edge, which are the schedule's pairs
-  std::vector<Mover<Scalar>> movers_;
+  PerWorker<Mover<Scalar>> movers_;
 };
 
 /// What a subtree has too much goes up to its parent; then what it lacks comes down. A site never

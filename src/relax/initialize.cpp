@@ -19,11 +19,11 @@ constexpr std::size_t kSitesPerGrain = 64;
 /// that it is gone when they come. When an eighth of them does, it is time to look anew.
 constexpr std::size_t kSitesAPointAhead = 16;
 constexpr std::size_t kPointsAPointAhead = 64;
-constexpr std::size_t kMostAhead = std::size_t{1} << 14;
+constexpr std::size_t kMostAhead = 1 << 14;
 constexpr std::size_t kQueriesPerGrain = 8;
 /// Points found at once, per site: bounds the memory, yet leaves each bin many points.
 constexpr std::size_t kPointsPerSite = 32;
-constexpr std::size_t kLeastPoints = std::size_t{1} << 18;
+constexpr std::size_t kLeastPoints = 1 << 18;
 
 std::vector<PointNumber> shuffled(std::span<const PointNumber> points, std::uint64_t seed,
                                   const Arena& arena) {
@@ -102,7 +102,7 @@ void join_coherent(const Metric& metric, const SiteState& sites,
     const std::size_t left = order.size() - next;
     const auto sites_left = static_cast<std::size_t>(available.available());
     const std::size_t ahead = std::max(sites_left / kSitesAPointAhead, left / kPointsAPointAhead);
-    expected.resize(std::min(left, std::clamp(ahead, std::size_t{1}, kMostAhead)));
+    expected.resize(std::min(left, std::clamp<std::size_t>(ahead, 1, kMostAhead)));
     const std::size_t begin = next;
     arena.for_each(expected.size(), kQueriesPerGrain,
                    [&](std::size_t k) { expected[k] = nearest(order[begin + k]); });

@@ -129,8 +129,8 @@ bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Are
                       if (total > limit) return;
                       const std::size_t before = out.size();
                       for (const SiteNumber site : sites_between(begin, end)) {
-                        const auto add = [&](Index found_there, double squared) {
-                          const SiteNumber other(found_there);
+                        const auto add = [&](Index k, double squared) {
+                          const SiteNumber other(k);
                           if (searches(reach_, site, other) && may_meet(site, other, squared)) {
                             out.push_back(Pair::ascending(site, other));
                           }
@@ -179,13 +179,12 @@ bool MeetingPairs::extend(const Metric& metric, const SiteState& sites,
     };
     const auto add_from = [&](std::span<const SiteNumber> members, const Group& group) {
       group.search.within(at(site), (reach + group.largest_reach) * kRounding, own.found,
-                          [&](Index k, double squared) { add(members.data()[k], squared); });
+                          [&](Index k, double squared) { add(members[SiteNumber(k)], squared); });
     };
-    search_->within(at(site), (reach + usual_reach_) * kRounding, own.found,
-                    [&](Index found, double) {
-                      const SiteNumber other(found);
-                      add(other, metric.squared_distance(at(site), at(other)));
-                    });
+    search_->within(at(site), (reach + usual_reach_) * kRounding, own.found, [&](Index k, double) {
+      const SiteNumber other(k);
+      add(other, metric.squared_distance(at(site), at(other)));
+    });
     if (far_group_) add_from(far_, *far_group_);
     add_from(moved_, moved);
   };

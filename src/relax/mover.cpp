@@ -67,7 +67,7 @@ Index Mover<Scalar>::move(SiteNumber to, Index count) {
   for (const Choice& choice : choices_) {
     if (choice.place >= filled) {
       const Index w = choice.place - filled;
-      PointNumber& point = waiting_.data()[w];
+      PointNumber& point = waiting_.begin()[w];
       Scalar* const x = waiting_x_.data() + w * dimension;
       filling_.add(to, point, x);
       point = waiting_.back();
@@ -110,9 +110,8 @@ void Mover<Scalar>::choose(Index wanted, Index places) {
   }
   for (Index c = 0; c < kColumns; ++c) {
     if (highest[c] < floor) continue;
-    for (Index row = 0; row < places - c; row += kColumns) {
-      const Index k = row + c;
-      if (keys[k] >= floor) choices_.push_back({keys[k], k});
+    for (std::ptrdiff_t k = c; k < places; k += kColumns) {
+      if (keys[k] >= floor) choices_.push_back({keys[k], static_cast<Index>(k)});
     }
   }
   if (std::ssize(choices_) < wanted) throw std::logic_error("balance: a key is not a number");
@@ -139,13 +138,16 @@ void Mover<Scalar>::place_cut(SiteNumber from, SiteNumber to) {
   const double* a = sites_.at(from);
   const double* b = sites_.at(to);
   for (std::size_t d = 0; d < middle_.size(); ++d) {
-    const double u = metric_.wrap(b[d] - a[d], static_cast<int>(d));
+    const auto k = static_cast<int>(d);
+    const double u = metric_.wrap(b[d] - a[d], k);
+    double middle = a[d] + u / 2;
+    if (metric_.periodic()) {
+      const Metric::Unrolled frame = metric_.unrolled(middle, k);
+      middle = frame.origin;
+      turn_[d] = static_cast<Scalar>(frame.turn);
+    }
     normal_[d] = static_cast<Scalar>(u);
-    middle_[d] = static_cast<Scalar>(a[d] + u / 2);
-    if (!metric_.periodic()) continue;
-    const Metric::Unrolled frame = metric_.unrolled(a[d] + u / 2, static_cast<int>(d));
-    middle_[d] = static_cast<Scalar>(frame.origin);
-    turn_[d] = static_cast<Scalar>(frame.turn);
+    middle_[d] = static_cast<Scalar>(middle);
   }
 }
 

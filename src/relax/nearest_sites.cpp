@@ -22,6 +22,9 @@ constexpr std::size_t kPointsPerCell = 24;
 constexpr std::size_t kBinsPerGrain = 64;
 constexpr std::size_t kPointsPerGrain = 4096;
 
+/// Of the sites that may be nearest to some points.
+using CandidateNumber = Number<struct OfCandidates>;
+
 }  // namespace
 
 /// Sites by their offset from the centre of a bin.
@@ -214,7 +217,7 @@ void NearestSites<Scalar>::find_among(const Around& candidates, const Vector& ce
                              worker.positions.data(), static_cast<Index>(candidates.count),
                              worker.chosen.data());
   for (std::size_t k = 0; k < here.size(); ++k) {
-    here[k].site = candidates.site.data()[worker.chosen[k]];
+    here[k].site = candidates.site[CandidateNumber(worker.chosen[k])];
   }
 }
 
@@ -223,7 +226,7 @@ template <class Scalar>
 template <std::size_t Dimension>
 void NearestSites<Scalar>::find_in_bin(std::size_t bin, Worker& worker,
                                        Groups<Near<Scalar, Dimension>>& by_cell) const {
-  constexpr std::size_t kCells = std::size_t{1} << Dimension;
+  constexpr std::size_t kCells = 1 << Dimension;
   const std::size_t first = bin * kCells;
   const auto here = by_cell.items.span().subspan(
       by_cell.first[first], by_cell.first[first + kCells] - by_cell.first[first]);

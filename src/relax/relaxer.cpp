@@ -19,10 +19,11 @@ constexpr Index kPointsBetweenChecks = 1 << 16;
 template <class Scalar>
 Relaxer<Scalar>::Relaxer(const Metric& metric, const Options& options, const Arena& arena,
                          Stop& stop, std::size_t sites, double coordinate_bound)
-    : metric_(metric), options_(options), arena_(arena), stop_(stop) {
-  for (int w = 0; w < arena.threads(); ++w) {
-    workers_.push_back({PairSwapper<Scalar>(metric, options, coordinate_bound), {}, {}, 0});
-  }
+    : metric_(metric),
+      options_(options),
+      arena_(arena),
+      stop_(stop),
+      workers_(arena, {PairSwapper<Scalar>(metric, options, coordinate_bound), {}, {}, 0}) {
   changed_.assign(sites, 0);
   touched_.assign(changed_.size(), 1);
 }
@@ -30,9 +31,9 @@ Relaxer<Scalar>::Relaxer(const Metric& metric, const Options& options, const Are
 template <class Scalar>
 PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
   const bool full = cache_.empty() || cached_passes_ >= options_.cached_passes;
-  for (Worker& worker : workers_) {
-    worker.count = {};
-    worker.swapped.clear();
+  for (int w = 0; w < arena_.threads(); ++w) {
+    workers_[w].count = {};
+    workers_[w].swapped.clear();
   }
   if (touched_tile_.empty()) touched_tile_.assign(state.tiling.count(), 1);
   cached_passes_ = full ? 0 : cached_passes_ + 1;
@@ -95,7 +96,7 @@ void Relaxer<Scalar>::run(Source&& source, bool full, LevelState<Scalar>& state)
   for (std::size_t b = 0; b < source.batch_count() && !cancelled(); ++b) {
     Schedule::run_batch(arena_, source.batch(b), [&](const Schedule::Task& task, int w) {
       if (of_touched && !touched(touched_tile_, task.a, task.b)) return;
-      Worker& worker = workers_[static_cast<std::size_t>(w)];
+      Worker& worker = workers_[w];
       source.for_pairs(task, [&](SiteNumber i, SiteNumber j) {
         if (of_touched && !touched(touched_, i, j)) return;
         if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j)) return;
@@ -114,11 +115,11 @@ void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, SiteNum
     arena_.check();
   }
   ++worker.count.pairs;
-  const Index exchanged = worker.swap(state.cells, state.sites, i, j);
+  const std::int64_t exchanged = worker.swap(state.cells, state.sites, i, j);
   if (exchanged == 0) return;
   changed_[i] = changed_[j] = 1;
   ++worker.count.swaps;
-  worker.count.exchanged += std::int64_t{2} * exchanged;
+  worker.count.exchanged += 2 * exchanged;
   if (options_.cached_passes > 0) worker.swapped.emplace_back(i, j);
 }
 
@@ -129,7 +130,8 @@ PassCount Relaxer<Scalar>::count(bool full) {
   count.full = full;
   count.stopped = stopped_;
   cache_.clear();
-  for (const Worker& worker : workers_) {
+  for (int w = 0; w < arena_.threads(); ++w) {
+    const Worker& worker = workers_[w];
     count.pairs += worker.count.pairs;
     count.swaps += worker.count.swaps;
     count.exchanged += worker.count.exchanged;

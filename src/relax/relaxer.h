@@ -66,7 +66,7 @@ class Relaxer {
   const Options& options_;
   const Arena& arena_;
   Stop& stop_;
-  std::vector<Worker> workers_;
+  PerWorker<Worker> workers_;
 
   PairLists lists_;
   std::vector<std::uint8_t> changed_;       ///< sites, in this pass

@@ -77,27 +77,23 @@ struct TreeBuilder {
   /// Of each part to every other one that it has an edge to, the first such edge.
   Groups<Border> borders(const Buffer<Run>& parts) {
     Groups<Border> result{{}, Buffer<std::size_t>(parts.size() + 1)};
-    PerWorker<std::vector<Border>> scratch(arena);
-    result.items = collect<Border>(
-        arena, parts.size(), 1,
-        [&](std::size_t part, std::size_t, std::vector<Border>& out, int worker) {
-          std::vector<Border>& own = scratch[worker];
-          own.clear();
-          for (std::size_t k = parts[part].begin; k < parts[part].end; ++k) {
-            for (const SiteNumber t : neighbours[order[k]]) {
-              if (part_of(t) != part) own.push_back({order[k], t});
-            }
-          }
-          std::stable_sort(own.begin(), own.end(), [&](const Border& x, const Border& y) {
-            return part_of(x.to) < part_of(y.to);
-          });
-          const auto last = std::unique(own.begin(), own.end(), [&](const auto& x, const auto& y) {
-            return part_of(x.to) == part_of(y.to);
-          });
-          own.erase(last, own.end());
-          out.insert(out.end(), own.begin(), own.end());
-          result.first[part] = own.size();
-        });
+    PerWorker<std::vector<std::size_t>> last_met(arena);  // of each other part: from where, plus 1
+    result.items =
+        collect<Border>(arena, parts.size(), 1,
+                        [&](std::size_t part, std::size_t, std::vector<Border>& out, int worker) {
+                          std::vector<std::size_t>& met = last_met[worker];
+                          met.resize(parts.size());
+                          const std::size_t before = out.size();
+                          for (std::size_t k = parts[part].begin; k < parts[part].end; ++k) {
+                            for (const SiteNumber t : neighbours[order[k]]) {
+                              const std::size_t other = part_of(t);
+                              if (other == part || std::exchange(met[other], part + 1) == part + 1)
+                                continue;
+                              out.push_back({order[k], t});
+                            }
+                          }
+                          result.first[part] = out.size() - before;
+                        });
     result.first[parts.size()] = 0;
     exclusive_scan(arena, result.first.span());
     return result;

@@ -18,9 +18,9 @@ struct NestedSubsets::Window {
     const auto all = static_cast<double>(points);
     const double share = static_cast<double>(size) / all;
     const double room = deviations * std::sqrt(share * (1 - share) / all) + 2 * deviations / all;
-    const auto key = [](double part) {
-      if (part <= 0) return std::uint64_t{0};
-      return part < 1 ? static_cast<std::uint64_t>(part * 0x1p64) : ~std::uint64_t{0};
+    const auto key = [](double part) -> std::uint64_t {
+      if (part <= 0) return 0;
+      return part < 1 ? static_cast<std::uint64_t>(part * 0x1p64) : UINT64_MAX;
     };
     return {key(share - room), key(share + room)};
   }

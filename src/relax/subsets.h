@@ -16,7 +16,7 @@ namespace ccvt {
 class NestedSubsets {
  public:
   /// Points whose members of the subsets are counted together.
-  static constexpr std::size_t kBlock = std::size_t{1} << 16;
+  static constexpr std::size_t kBlock = 1 << 16;
 
   /// `sizes` ascend, from 1 to m. O(m).
   NestedSubsets(std::uint64_t seed, std::uint64_t stream, std::size_t points,

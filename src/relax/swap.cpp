@@ -46,7 +46,7 @@ Index PairSwapper<Scalar>::within_reach(const Cells<Scalar>& cells, const SiteSt
   const double limit = (own * own + others * others) * slack - nearest * nearest;
   const Index count = cells.size(cell);
   const double* site = sites.at(other);
-  per_point_.assign(static_cast<std::size_t>(count), 0.0);
+  per_point_.assign(cells.points(cell).size(), 0.0);
   const Scalar* stream = cells.block(cell);
   for (int d = 0; d < metric_.dimension(); ++d, stream += count) {
     const double x = site[d];
@@ -57,7 +57,7 @@ Index PairSwapper<Scalar>::within_reach(const Cells<Scalar>& cells, const SiteSt
       per_point_[k] += distance * distance;
     }
   }
-  make_room(count);
+  make_room(per_point_.size());
   const double* const squared = per_point_.data();
   Index* const places = places_.data();
   Index found = 0;
@@ -87,7 +87,7 @@ void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const Site
   switch (pruning_) {
     case PointPruning::none: {
       const auto keep_all = [&](SiteNumber cell, Side side, std::vector<Candidate>& candidates) {
-        per_point_.assign(static_cast<std::size_t>(cells.size(cell)), 0.0);
+        per_point_.assign(cells.points(cell).size(), 0.0);
         cut_.add_keys(side, cells.block(cell), cells.size(cell), per_point_.data());
         candidates.resize(per_point_.size());
         for (std::size_t k = 0; k < per_point_.size(); ++k) {
@@ -111,7 +111,7 @@ void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const Site
           std::nextafter(static_cast<Scalar>(highest_i_ + cut_.tolerance()), infinity);
       const auto find = [&](SiteNumber cell, const auto& cut, kernels::Beyond beyond,
                             Scalar threshold) {
-        make_room(cells.size(cell));
+        make_room(cells.points(cell).size());
         return kernels::places_beyond(cells.block(cell), cells.size(cell), metric_.dimension(), cut,
                                       beyond, threshold, places_.data());
       };

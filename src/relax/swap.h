@@ -72,9 +72,7 @@ class PairSwapper {
   bool already_separated(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j);
   Index within_reach(const Cells<Scalar>& cells, const SiteState& sites, SiteNumber cell,
                      SiteNumber other);
-  void make_room(Index places) {
-    places_.resize(std::max(places_.size(), static_cast<std::size_t>(places)));
-  }
+  void make_room(std::size_t places) { places_.resize(std::max(places_.size(), places)); }
   void exchange(Cells<Scalar>& cells, SiteState& sites, SiteNumber i, SiteNumber j);
 
   const Metric& metric_;

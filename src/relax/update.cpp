@@ -83,7 +83,7 @@ template <class Scalar>
 bool move_wrapped(const Metric& metric, const Cells<Scalar>& cells, double* position,
                   SiteNumber site, kernels::Spread& spread) {
   const Index count = cells.size(site);
-  std::vector<double> squared_distances(static_cast<std::size_t>(count), 0.0);
+  std::vector<double> squared_distances(cells.points(site).size(), 0.0);
   double* const squared = squared_distances.data();
   bool changed = false;
   const Scalar* stream = cells.block(site);

@@ -18,6 +18,7 @@
 #include "sampling/hilbert.h"
 #include "sampling/mass.h"
 #include "streams.h"
+#include "thread_count.h"
 
 namespace ccvt {
 namespace {
@@ -145,6 +146,7 @@ template <class Scalar>
 void fill(const DensityGrid& grid, const Eigen::VectorXd& origin, std::uint64_t seed,
           DensitySampling sampling, int threads, std::span<Scalar> coordinates,
           const std::function<bool()>& cancelled) try {
+  require_threads(threads);
   Stop stop(cancelled);
   const Arena arena(threads, &stop);
   const CellDensities densities(grid);

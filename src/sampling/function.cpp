@@ -13,6 +13,7 @@
 #include "sampling/mass.h"
 #include "sampling/scalar_box.h"
 #include "streams.h"
+#include "thread_count.h"
 
 namespace ccvt {
 namespace {
@@ -194,6 +195,7 @@ template <class Scalar>
 void fill(const DensityFunction& f, double maximum, const Box& box, std::uint64_t seed,
           DensitySampling sampling, int threads, std::span<Scalar> coordinates,
           const std::function<bool()>& cancelled) try {
+  require_threads(threads);
   Stop stop(cancelled);
   const Arena arena(threads, &stop);
   const CheckedDensity<Scalar> density(f, maximum, box);

@@ -11,6 +11,7 @@
 #include "sampling/scalar_box.h"
 #include "sampling/strata.h"
 #include "streams.h"
+#include "thread_count.h"
 
 namespace ccvt {
 namespace {
@@ -199,11 +200,13 @@ void check_sampling(const Box& box, Index count, int fixed_dimension, std::size_
 
 void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution, int threads,
                   std::span<float> coordinates) {
+  require_threads(threads);
   Fill<float>(box, coordinates).run(seed, distribution, threads);
 }
 
 void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution, int threads,
                   std::span<double> coordinates) {
+  require_threads(threads);
   Fill<double>(box, coordinates).run(seed, distribution, threads);
 }
 

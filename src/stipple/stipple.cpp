@@ -13,6 +13,7 @@
 #include "ccvt/solver.h"
 #include "parallel/arena.h"
 #include "point_count.h"
+#include "thread_count.h"
 
 namespace ccvt {
 
@@ -32,6 +33,7 @@ void StippleOptions::validate() const {
 }
 
 std::vector<float> darkness(const Image& image, bool invert, double gamma, int threads) {
+  require_threads(threads);
   constexpr std::size_t kPixelsPerGrain = std::size_t{1} << 14;
   std::vector<float> result(image.values);
   for (std::size_t i = 0; i < result.size(); ++i) {

@@ -24,14 +24,14 @@ namespace {
 template <class Scalar>
 void measure_cells(PointsView<Scalar> points, PointsView<Scalar> sites,
                    const std::vector<Index>& owners, const Arena& arena, VolumeSamples& samples) {
-  constexpr std::size_t kPointsAtOnce = std::size_t{1} << 22;
   constexpr std::size_t kSitesPerGrain = 256;
   const auto count = static_cast<std::size_t>(sites.count);
+  const std::size_t at_once = std::max(count, std::size_t{1} << 22);
   std::vector<double> squared(count);
   samples.capacities.assign(count, 0);
-  for (std::size_t begin = 0; begin < owners.size(); begin += kPointsAtOnce) {
+  for (std::size_t begin = 0; begin < owners.size(); begin += at_once) {
     const auto by_owner = group_by_key<PointNumber>(
-        arena, std::min(kPointsAtOnce, owners.size() - begin), count,
+        arena, std::min(at_once, owners.size() - begin), count,
         [&](std::size_t k) { return PointNumber(begin + k); },
         [&](PointNumber p) { return std::size_t{SiteNumber(owners[p])}; });
     arena.for_each(count, kSitesPerGrain, [&](std::size_t s) {
