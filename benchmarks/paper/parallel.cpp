@@ -209,9 +209,7 @@ void parallel(const Scale& scale, const std::filesystem::path& directory) {
     if (!scale.only.empty() && size != scale.only) continue;
     std::vector<double> one;
     std::vector<double> two;
-    std::vector<double> ceilings;
-    std::vector<double> shares;
-    std::vector<double> slowdowns;
+    std::vector<double> beside;  // of two runs of one thread each, at the same time
     Json last_two;
     for (int r = 0; r < scale.repetitions; ++r) {
       constexpr std::uint64_t seed = 1;  // the same problem each time: its runs are compared
@@ -223,17 +221,16 @@ void parallel(const Scale& scale, const std::filesystem::path& directory) {
         return whole ? run_whole(which, values, options) : run_once(which, points, options);
       };
       const auto [left, right] = run_side_by_side([&] { return run(1); });
-      const double beside = (left["seconds"].get<double>() + right["seconds"].get<double>()) / 2;
+      beside.push_back((left["seconds"].get<double>() + right["seconds"].get<double>()) / 2);
       one.push_back(run_in_child([&] { return run(1); })["seconds"].get<double>());
       last_two = run_in_child([&] { return run(2); });
       two.push_back(last_two["seconds"].get<double>());
-      ceilings.push_back(2 * one.back() / beside);
-      shares.push_back(one.back() / two.back() / ceilings.back());
-      slowdowns.push_back(beside / one.back());
       say(std::string(which.name) + ", " + std::to_string(which.size.dimension) + "D " + size +
           ": " + std::to_string(one.back()) + " s, " + std::to_string(two.back()) +
-          " s on two threads, share " + std::to_string(shares.back()));
+          " s on two threads, " + std::to_string(beside.back()) + " s side by side");
     }
+    // Of medians: the machine changes between runs more than these do.
+    const double slowdown = median(beside) / median(one);
     Json run;
     run["name"] = which.name;
     run["dimension"] = which.size.dimension;
@@ -241,10 +238,11 @@ void parallel(const Scale& scale, const std::filesystem::path& directory) {
     run["points_per_site"] = which.size.points_per_site;
     run["one"] = repeated(one);
     run["two"] = repeated(two);
-    run["ceiling"] = repeated(ceilings);
-    run["share"] = repeated(shares);
+    run["beside"] = repeated(beside);
+    run["ceiling"] = 2 / slowdown;
+    run["share"] = median(beside) / (2 * median(two));
     if (which.whole == nullptr) {
-      const Json replay = replay_runs(which, scale.repetitions, barrier, median(slowdowns));
+      const Json replay = replay_runs(which, scale.repetitions, barrier, slowdown);
       run["predicted_over_measured"] = replay["predicted_seconds"].get<double>() / median(two);
       run["predicted"] = replay["predicted"];
       run["phases"] = replay["phases"];
