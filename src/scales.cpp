@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "bounds.h"
+#include "geometry/coordinate_range.h"
 #include "number_text.h"
 
 namespace ccvt {
@@ -23,7 +23,7 @@ double require_moderate(const char* argument, const PointsView<Scalar>& points,
     widest = std::max(widest, range.upper[d] - low);
   }
   if (moderate) return widest;
-  for (Index p = 0;; ++p) {  // to the first one
+  for (Index p = 0; p < points.count; ++p) {
     for (std::size_t d = 0; d < range.lower.size(); ++d) {
       const double value = points[p][d];
       if (std::abs(value) <= largest) continue;
@@ -33,6 +33,7 @@ double require_moderate(const char* argument, const PointsView<Scalar>& points,
                          " in magnitude");
     }
   }
+  return widest;
 }
 
 template <class Scalar>

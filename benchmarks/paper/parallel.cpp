@@ -153,6 +153,19 @@ Json run_whole(const ParallelCase& which, const std::vector<float>& values,
   return {{"seconds", seconds}};
 }
 
+/// Keeps so many workers busy for a while: processors that had nothing to do are slow at first, and
+/// problems of a second would tell of that.
+void warm_up(int threads) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(400);
+  const Arena arena(threads);
+  while (std::chrono::steady_clock::now() < end) {
+    arena.for_each(64, 1, [](std::size_t) {
+      Random random(1);
+      for (int k = 0; k < 20000; ++k) random.next();
+    });
+  }
+}
+
 /// What a loop costs two workers beside its tasks.
 double barrier_seconds() {
   const Json json = run_in_child([] {
@@ -218,6 +231,7 @@ void parallel(const Scale& scale, const std::filesystem::path& directory) {
       const auto values = whole ? which.values() : std::vector<float>();
       const auto run = [&](int threads) {
         const Options options{.threads = threads, .seed = seed};
+        warm_up(threads);
         return whole ? run_whole(which, values, options) : run_once(which, points, options);
       };
       const auto [left, right] = run_side_by_side([&] { return run(1); });

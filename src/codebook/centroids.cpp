@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "bounds.h"
+#include "geometry/coordinate_range.h"
 #include "relax/nearest_sites.h"
 
 namespace ccvt {

@@ -133,13 +133,15 @@ class Multigrid {
     Laplacian matrix;
     Vector right;
     Vector solution;
+    Vector first;  ///< of two solutions, which are added
     Vector rest;
     Vector before;  ///< the last sweep
   };
 
   void add_level(Laplacian matrix) {
     const std::size_t size = matrix.size();
-    levels_.push_back({std::move(matrix), Vector(size), Vector(size), Vector(size), Vector(size)});
+    levels_.push_back(
+        {std::move(matrix), Vector(size), Vector(size), Vector(size), Vector(size), Vector(size)});
   }
 
   template <class Body>
@@ -161,9 +163,8 @@ class Multigrid {
     });
   }
 
-  /// The last sweep, downwards: the first one's transpose.
-  void sweep_down(const Laplacian& matrix, const Vector& b, Vector& x, Vector& before) const {
-    for_nodes(x.size(), [&](std::size_t s) { before[s] = x[s]; });
+  /// The last sweep, downwards: the first one's transpose. `before` is what it starts from.
+  void sweep_down(const Laplacian& matrix, const Vector& b, Vector& x, const Vector& before) const {
     arena_.for_ranges(matrix.size(), kBlock, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t s = end; s-- > begin;) {
         double pull = matrix.outer_degree[s] * before[s];
@@ -171,7 +172,7 @@ class Multigrid {
           pull += weight * (t > s && t < end ? x[t] : before[t]);
         }
         const double diagonal = matrix.degree[s] + matrix.outer_degree[s];
-        if (diagonal > 0) x[s] = (b[s] + pull) / diagonal;
+        x[s] = diagonal > 0 ? (b[s] + pull) / diagonal : before[s];
       }
     });
   }
@@ -203,7 +204,8 @@ class Multigrid {
     // Twice: piecewise constant corrections fall short of smooth ones.
     cycle(l + 1, coarse.right, coarse.solution);
     correct(l + 1);
-    for_nodes(x.size(), [&](std::size_t s) { x[s] += coarse.solution[s / kAggregate]; });
+    for_nodes(x.size(),
+              [&](std::size_t s) { level.before[s] = x[s] + coarse.solution[s / kAggregate]; });
     sweep_down(matrix, b, x, level.before);
   }
 
@@ -212,7 +214,8 @@ class Multigrid {
     if (l + 1 == levels_.size()) return;
     Level& level = levels_[l];
     const Laplacian& matrix = level.matrix;
-    const Vector first = level.solution;
+    std::swap(level.solution, level.first);
+    const Vector& first = level.first;
     for_nodes(first.size(), [&](std::size_t s) {
       level.rest[s] = level.right[s] - matrix.degree[s] * first[s] + matrix.pull(s, first);
     });
@@ -237,37 +240,45 @@ std::vector<double> potential(const SiteGraph& graph, std::span<const Index> e,
   Vector direction(n, 0.0);
   Vector image(n);
   Vector improved(n);
-  const auto dot = [&](const Vector& a, const Vector& b) {
-    return sum_of(arena, n, kNodesPerGrain, [&](std::size_t s) { return a[s] * b[s]; });
-  };
+  const auto largest = [](double a, double b) { return std::max(a, b); };
+  double most = reduce(
+      arena, n, kNodesPerGrain, 0.0,
+      [&](std::size_t begin, std::size_t end) {
+        double in_range = 0;
+        for (std::size_t s = begin; s < end; ++s) {
+          in_range = std::max(in_range, std::abs(residual[s]));
+        }
+        return in_range;
+      },
+      largest);
   double before = 0;
-  for (std::size_t iteration = 0; iteration < 2 * n; ++iteration) {
-    const double largest = reduce(
-        arena, n, kNodesPerGrain, 0.0,
-        [&](std::size_t begin, std::size_t end) {
-          double most = 0;
-          for (std::size_t s = begin; s < end; ++s) most = std::max(most, std::abs(residual[s]));
-          return most;
-        },
-        [](double a, double b) { return std::max(a, b); });
-    if (largest <= kResidual) break;
+  for (std::size_t iteration = 0; iteration < 2 * n && most > kResidual; ++iteration) {
     arena.check();
     inverse.apply(residual, improved);
-    const double rho = dot(residual, improved);
+    const double rho =
+        sum_of(arena, n, kNodesPerGrain, [&](std::size_t s) { return residual[s] * improved[s]; });
     const double beta = iteration == 0 ? 0 : rho / before;
     before = rho;
     arena.for_each(n, kNodesPerGrain,
                    [&](std::size_t s) { direction[s] = improved[s] + beta * direction[s]; });
-    arena.for_each(n, kNodesPerGrain, [&](std::size_t s) {
+    const double curvature = sum_of(arena, n, kNodesPerGrain, [&](std::size_t s) {
       image[s] = matrix.degree[s] * direction[s] - matrix.pull(s, direction);
+      return direction[s] * image[s];
     });
-    const double curvature = dot(direction, image);
     if (!(curvature > 0)) break;  // nothing left but rounding
     const double step = rho / curvature;
-    arena.for_each(n, kNodesPerGrain, [&](std::size_t s) {
-      phi[s] += step * direction[s];
-      residual[s] -= step * image[s];
-    });
+    most = reduce(
+        arena, n, kNodesPerGrain, 0.0,
+        [&](std::size_t begin, std::size_t end) {
+          double in_range = 0;
+          for (std::size_t s = begin; s < end; ++s) {
+            phi[s] += step * direction[s];
+            residual[s] -= step * image[s];
+            in_range = std::max(in_range, std::abs(residual[s]));
+          }
+          return in_range;
+        },
+        largest);
   }
   return phi;
 }

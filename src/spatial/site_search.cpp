@@ -1,26 +1,26 @@
 #include "spatial/site_search.h"
 
-#include <algorithm>
+#include <vector>
+
+#include "geometry/coordinate_range.h"
+#include "numbers.h"
 
 namespace ccvt {
 
 SiteSearch::SiteSearch(const Metric& metric, std::span<const double> positions, const Arena& arena)
     : metric_(metric) {
-  const auto dimension = metric.coordinate_count();
-  std::vector<double> lower(positions.data(), positions.data() + dimension);
-  std::vector<double> upper(lower);
+  const std::size_t dimension = metric.coordinate_count();
   if (metric.periodic()) {
-    lower.assign(metric.lower(), metric.lower() + dimension);
-    for (std::size_t d = 0; d < dimension; ++d) upper[d] = lower[d] + metric.extent()[d];
+    std::vector<double> upper(metric.lower(), metric.lower() + dimension);
+    for (std::size_t d = 0; d < dimension; ++d) upper[d] += metric.extent()[d];
+    bins_ = SiteBins::sort(metric, positions, metric.lower(), upper.data(), arena);
   } else {
-    for (std::size_t s = 0; s < positions.size(); s += dimension) {
-      for (std::size_t d = 0; d < dimension; ++d) {
-        lower[d] = std::min(lower[d], positions[s + d]);
-        upper[d] = std::max(upper[d], positions[s + d]);
-      }
-    }
+    const SiteNumber end(positions.size() / dimension);
+    const auto range = coordinate_range(
+        PointsView<double>{positions.data(), metric.dimension(), end.index(), metric.dimension()},
+        arena);
+    bins_ = SiteBins::sort(metric, positions, range.lower.data(), range.upper.data(), arena);
   }
-  bins_ = SiteBins::sort(metric, positions, lower.data(), upper.data(), arena);
   if (bins_) return;
   positions_.assign(positions.begin(), positions.end());
   tree_.emplace(metric, positions);
