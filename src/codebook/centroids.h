@@ -17,7 +17,8 @@ void move_to_centroids(const Metric& metric, PointsView<Scalar> points, const Gr
 
 /// For sites that are compared by distance alone: a weight of nothing each.
 inline std::vector<double> no_weights(const std::vector<double>& sites, int dimension) {
-  return std::vector<double>(sites.size() / static_cast<std::size_t>(dimension), 0.0);
+  std::vector<double> weights(sites.size() / static_cast<std::size_t>(dimension), 0.0);
+  return weights;
 }
 
 /// The nearest site of every point; exact.

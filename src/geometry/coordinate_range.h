@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -39,7 +40,7 @@ CoordinateRange<Scalar> coordinate_range(const PointsView<Scalar>& points, const
             const Scalar x = points[p.index()][d];
             lower = x < lower ? x : lower;
             upper = x > upper ? x : upper;
-            ordered = ordered & (x == x);
+            ordered = ordered & !std::isnan(x);
           }
           range.lower[d] = lower;
           range.upper[d] = upper;

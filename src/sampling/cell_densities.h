@@ -63,7 +63,7 @@ class CellDensities {
             if (values.size() < numbers) return;
             table_.reserve(numbers);
             using Limits = std::numeric_limits<Value>;
-            for (int i = Limits::min(); i <= Limits::max(); ++i) table_.push_back(grid_.map(i));
+            for (double x = Limits::min(); x <= Limits::max(); ++x) table_.push_back(grid_.map(x));
           }
         },
         grid_.values);
