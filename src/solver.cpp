@@ -1,10 +1,12 @@
 #include "ccvt/solver.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <span>
 #include <utility>
 
 #include "bounds.h"
+#include "descent/descent.h"
 #include "parallel/loops.h"
 #include "relax/deal.h"
 #include "relax/initial_sites.h"
@@ -84,6 +86,8 @@ struct Solver<Scalar>::Implementation {
   std::size_t level = 0;
   LevelState<Scalar> state;
   std::unique_ptr<Relaxer<Scalar>> relaxer;
+  std::unique_ptr<Descent<Scalar>> descent;
+  std::vector<double> weights;
   /// Of a run that was cancelled, when there was no time for more: the owners, by deal_rest().
   std::vector<SiteNumber> dealt;
 };
@@ -139,7 +143,10 @@ bool Solver<Scalar>::Implementation::step() {
   PassCount pass;
   {
     const auto timed = record.relaxing();
-    pass = relaxer->step(state);
+    if (descent) {
+      pass = descent->step(state);
+      if (descent->ended()) { descent.reset(); if (!on_finest_level() && std::getenv("SKIP")) { const double e = energy_of_sites(); record.add(pass, static_cast<int>(level), state.cells.point_count(), e, options); enter_level(level + 1); return true; } }
+    } else pass = relaxer->step(state);
   }
   const double energy = energy_of_sites();
   const bool go_on =
@@ -281,6 +288,8 @@ void Solver<Scalar>::Implementation::begin_level() {
     const Stop::Pause pause(stop);
     update_all(metric, state, arena);
   }
+  const char* dp = std::getenv("DESCENT");
+  if (dp && double(state.cells.point_count()) / state.sites.count() >= std::atof(dp)) descent = std::make_unique<Descent<Scalar>>(metric, arena, problem.points(), weights, state, on_finest_level());
   record.begin(energy_of_sites(), on_finest_level());
 }
 

@@ -70,6 +70,18 @@ Laplacian laplacian_of(const SiteGraph& graph, const Arena& arena) {
   return result;
 }
 
+Laplacian laplacian_of(const WeightedGraph& graph, const Arena& arena) {
+  Laplacian result;
+  result.edges.reset(graph.neighbour.size());
+  result.first.reset(graph.first.size());
+  for (std::size_t k = 0; k < graph.neighbour.size(); ++k) {
+    result.edges[k] = {Node(graph.neighbour[k].index()), graph.weight[k]};
+  }
+  std::copy(graph.first.begin(), graph.first.end(), result.first.begin());
+  result.add_degrees(arena);
+  return result;
+}
+
 /// The graph of aggregates of consecutive nodes: weights between them are sums.
 Laplacian coarser(const Laplacian& fine, const Arena& arena) {
   using Edge = Laplacian::Edge;
@@ -227,16 +239,13 @@ class Multigrid {
   std::vector<Level> levels_;
 };
 
-}  // namespace
-
-std::vector<double> potential(const SiteGraph& graph, std::span<const Index> e,
-                              const Arena& arena) {
-  const std::size_t n = e.size();
+/// Conjugate gradients, to `share` of the largest e or to kResidual.
+Vector solve(Laplacian laplacian, Vector residual, double share, const Arena& arena) {
+  const std::size_t n = residual.size();
   Vector phi(n, 0.0);
   if (n < 2) return phi;
-  Multigrid inverse(laplacian_of(graph, arena), arena);
+  Multigrid inverse(std::move(laplacian), arena);
   const Laplacian& matrix = inverse.finest();
-  Vector residual(e.begin(), e.end());
   Vector direction(n, 0.0);
   Vector image(n);
   Vector improved(n);
@@ -251,8 +260,9 @@ std::vector<double> potential(const SiteGraph& graph, std::span<const Index> e,
         return in_range;
       },
       largest);
+  const double enough = std::max(kResidual, share * most);
   double before = 0;
-  for (std::size_t iteration = 0; iteration < 2 * n && most > kResidual; ++iteration) {
+  for (std::size_t iteration = 0; iteration < 2 * n && most > enough; ++iteration) {
     arena.check();
     inverse.apply(residual, improved);
     const double rho =
@@ -281,6 +291,19 @@ std::vector<double> potential(const SiteGraph& graph, std::span<const Index> e,
         largest);
   }
   return phi;
+}
+
+}  // namespace
+
+std::vector<double> potential(const SiteGraph& graph, std::span<const Index> e,
+                              const Arena& arena) {
+  return solve(laplacian_of(graph, arena), Vector(e.begin(), e.end()), 0, arena);
+}
+
+std::vector<double> potential(const WeightedGraph& graph, std::span<const double> e,
+                              const Arena& arena) {
+  constexpr double kShare = 0.01;
+  return solve(laplacian_of(graph, arena), Vector(e.begin(), e.end()), kShare, arena);
 }
 
 }  // namespace ccvt

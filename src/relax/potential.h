@@ -16,4 +16,15 @@ namespace ccvt {
 std::vector<double> potential(const SiteGraph& graph, std::span<const Index> e,
                               const Arena& arena = Arena(1));
 
+/// A graph of sites with a weight on each edge, which both of its ends list.
+struct WeightedGraph {
+  std::vector<std::size_t> first;  ///< edge of each site, and one more
+  std::vector<SiteNumber> neighbour;
+  std::vector<float> weight;
+};
+
+/// The same for the Laplacian of a weighted graph, to a hundredth of the largest e, or to 0.25.
+std::vector<double> potential(const WeightedGraph& graph, std::span<const double> e,
+                              const Arena& arena = Arena(1));
+
 }  // namespace ccvt
