@@ -89,6 +89,13 @@ TEST_CASE("sample: files, summary and the same bytes for any number of threads")
   CHECK(seconds["total"].get<double>() > 0);
   CHECK(seconds["initialization"].get<double>() + seconds["relaxation"].get<double>() <=
         seconds["total"].get<double>() * 1.0001);
+  double in_phases = 0;
+  for (const auto& [name, phase] : json["phases"].items()) {
+    in_phases += phase["seconds"].get<double>();
+    CHECK(phase["work_seconds"].get<double>() >= 0);
+  }
+  CHECK(json["phases"]["swap"]["tasks"].get<int>() > 0);
+  CHECK(in_phases == doctest::Approx(seconds["total"].get<double>()).epsilon(0.5));
   CHECK(json["peak_memory_bytes"].get<std::uint64_t>() > 1000000);
 
   // The library does the same.
@@ -257,6 +264,8 @@ TEST_CASE("bad input: one line, status 2, nothing written") {
   };
   const Case cases[] = {
       {"", {"needs a command", "tessellate", "see ccvt --help"}},
+      {"tesselate p.csv", {"unknown command 'tesselate'", "tessellate", "see ccvt --help"}},
+      {"--tesselate p.csv", {"unknown argument '--tesselate'", "see ccvt --help"}},
       {"draw", {"'draw'"}},
       {"sample --dim 2 -o o.npy", {"sample: needs --sites; see ccvt sample --help"}},
       {"sample --sites 8 -o o.npy", {"sample: needs --dim"}},

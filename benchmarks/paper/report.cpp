@@ -26,18 +26,18 @@ Json read_record(const fs::path& file) {
   return json;
 }
 
-std::string quick_note(const Json& record) {
-  return record.at("scale").value("quick", false)
-             ? "**A quick run: small problems, once each. Not figures to quote.**\n\n"
-             : "";
-}
-
 struct Sweep {
   std::vector<double> x;
   std::vector<double> seconds;
 };
 
 }  // namespace
+
+std::string quick_note(const Json& record) {
+  return record.at("scale").value("quick", false)
+             ? "**A quick run: small problems, once each. Not figures to quote.**\n\n"
+             : "";
+}
 
 std::string markdown_table(const std::vector<std::vector<std::string>>& rows) {
   std::string text;

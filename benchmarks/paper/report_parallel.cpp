@@ -29,17 +29,28 @@ std::string phases_of(const Json& run) {
                     seconds_text(phase.at("on_16").get<double>()),
                     seconds_text(phase.at("on_64").get<double>())});
   }
-  return case_name(run) + ", phase by phase:\n\n" + markdown_table(rows);
+  return case_name(run) +
+         ", phase by phase, each with its own medians; what is in tasks is without the ends of "
+         "loops:\n\n" +
+         markdown_table(rows);
 }
 
 }  // namespace
 
 std::string report_parallel(const Json& record, const std::filesystem::path&) {
   std::string text =
-      "## Threads\n\n"
-      "Share: the speed-up of two threads over one, of what two runs side by side give on this\n"
-      "machine just then. Predicted: the tasks of one-thread runs, each with its median time,\n"
-      "scheduled on so many workers; serial parts stay as they are.\n\n";
+      "## Threads\n\n" + quick_note(record) +
+      "Seconds are medians of whole runs. Ceiling: the speed-up of two runs of one thread side by\n"
+      "side over one after the other, which is what the machine gives just then. Share: the\n"
+      "speed-up of two threads, of the ceiling. Predicted: the speed-up with so many workers, "
+      "when\n"
+      "the tasks of one-thread runs, each with its median time, are scheduled on them, serial "
+      "parts\n"
+      "stay as they are, and the end of each loop costs what it does on two threads, times log2 "
+      "of\n"
+      "the workers: where loops are short, more workers only wait longer. Predicted / measured: "
+      "for\n"
+      "two threads.\n\n";
   std::vector<std::vector<std::string>> rows = {{"problem", "one thread, s", "two, s", "speed-up",
                                                  "ceiling", "share", "predicted / measured"}};
   for (const int workers : {4, 8, 16, 32, 64}) {

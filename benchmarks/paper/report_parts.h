@@ -16,6 +16,9 @@ std::string report_quality(const Json& record, const std::filesystem::path& dire
 std::string report_scaling(const Json& record, const std::filesystem::path& directory);
 std::string report_parallel(const Json& record, const std::filesystem::path& directory);
 
+/// Says so where the record is of a quick run.
+std::string quick_note(const Json& record);
+
 /// Rows of cells; the first is the head.
 std::string markdown_table(const std::vector<std::vector<std::string>>& rows);
 

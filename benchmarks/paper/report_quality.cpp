@@ -155,10 +155,7 @@ std::string report_quality(const Json& record, const fs::path& directory) {
   }
   write_png(directory / "quality.png", grid);
 
-  std::string text = "## Quality (Figure 4)\n\n";
-  if (record.at("scale").at("quick").get<bool>()) {
-    text += "**A quick run: small problems, once each. Not figures to quote.**\n\n";
-  }
+  std::string text = "## Quality (Figure 4)\n\n" + quick_note(record);
   text += std::to_string(record.at("parameters").at("sites").get<int>()) +
           " sites on the torus, default options, " + std::to_string(sets) +
           " sets each. Unstructured noise has an anisotropy of " + figure(noise) +

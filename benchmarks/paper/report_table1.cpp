@@ -235,10 +235,7 @@ std::string plot_of(const Json& runs, const std::filesystem::path& directory) {
 
 std::string report_table1(const Json& record, const std::filesystem::path& directory) {
   const Json& runs = record.at("runs");
-  std::string text = "## Table 1\n\n";
-  if (record.at("scale").at("quick").get<bool>()) {
-    text += "**A quick run: small problems, once each. Not figures to quote.**\n\n";
-  }
+  std::string text = "## Table 1\n\n" + quick_note(record);
   text +=
       "Seconds, medians; 2D torus, white noise, float, the same points and sites for all rows of a "
       "column, rows in turn. One thread but for `parallel`, `fast-ccvt` and `default-parallel`. "

@@ -43,9 +43,13 @@ struct IterationRecord {
   double seconds = 0;          ///< since the start of the run
 };
 
-/// What part of a run took how long.
+/// What part of a run took how long. Phases: initial "sites" and their order; "levels", which
+/// points join on which; "nearest" sites of points; how they "join" cells; the "graph" of
+/// neighbouring sites, the "potential" on it, and the "flow" down it of points where cells are too
+/// full; "lists" of the pairs of sites that meet, and their "schedule"; "swap" of points between
+/// the cells of a pair; "update" of the sites; and "other".
 struct PhaseRecord {
-  std::string name;         ///< "nearest", "swap", …
+  std::string name;         ///< as above
   double seconds = 0;       ///< on the clock
   double work_seconds = 0;  ///< of these, work in parallel loops: of all threads together
   std::int64_t loops = 0;   ///< parallel loops, one after the other

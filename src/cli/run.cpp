@@ -42,6 +42,12 @@ std::string summary_json(const std::string& command, const Summary& summary,
   json["seconds"] = {{"total", summary.seconds_total},
                      {"initialization", summary.seconds_initialization},
                      {"relaxation", summary.seconds_relaxation}};
+  for (const PhaseRecord& phase : summary.phases) {
+    json["phases"][phase.name] = {{"seconds", phase.seconds},
+                                  {"work_seconds", phase.work_seconds},
+                                  {"loops", phase.loops},
+                                  {"tasks", phase.tasks}};
+  }
   json["peak_memory_bytes"] = peak_memory_bytes();
   if (put_back) {
     json["put_back"] = {{"sites", put_back->sites}, {"farthest", put_back->farthest}};

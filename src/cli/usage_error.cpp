@@ -49,9 +49,13 @@ std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> given = app.get_subcommands();
   const std::string command = given.empty() ? "" : given.front()->get_name();
   const std::vector<std::string> unknown = app.remaining(true);
-  return (unknown.empty() ? reason(app, command, error)
-                          : "unknown argument '" + unknown.front() + "'") +
-         "; see ccvt " + (command.empty() ? "" : command + " ") + "--help";
+  const auto what = [&] {
+    if (unknown.empty()) return reason(app, command, error);
+    const std::string& first = unknown.front();
+    if (!command.empty() || first.starts_with("-")) return "unknown argument '" + first + "'";
+    return "unknown command '" + first + "', not one of " + commands_of(app);
+  };
+  return what() + "; see ccvt " + (command.empty() ? "" : command + " ") + "--help";
 }
 
 }  // namespace ccvt::cli

@@ -100,6 +100,82 @@ struct CentredCell {
   Index stride = 0;
 };
 
+/// Tells of all pairs of sites in two blocks which may gain. One per worker: it owns scratch
+/// memory.
+template <class Scalar>
+class BlockScreen {
+ public:
+  using Block = typename SiteBlocks<Scalar>::Block;
+
+  BlockScreen(const Metric& metric, const Cells<Scalar>& cells, const SiteState& sites,
+              const SiteBlocks<Scalar>& blocks, const std::vector<double>& norm, const Arena& arena)
+      : metric_(metric),
+        cells_(cells),
+        sites_(sites),
+        blocks_(blocks),
+        norm_(norm),
+        arena_(arena),
+        forth_(kBlockSites * kBlockSites),
+        back_(kBlockSites * kBlockSites) {}
+
+  /// Appends the pairs that may gain of a site of `a` and one of `b`, which may be the same, of
+  /// which at least one is touched.
+  void append(const Block& a, const Block& b, std::vector<Pair>& out) {
+    const bool same = &a == &b;
+    find_largest(a, b, forth_);
+    if (!same) find_largest(b, a, back_);
+    const std::vector<Scalar>& back = same ? forth_ : back_;
+    for (std::size_t k = 0; k < a.site.size(); ++k) {
+      for (std::size_t l = 0; l < b.site.size(); ++l) {
+        if (k >= a.touched && l >= b.touched) continue;
+        if (same && a.site[k] >= b.site[l]) continue;
+        if (may_gain(a.site[k], b.site[l], forth_[k * kBlockSites + l],
+                     back[l * kBlockSites + k])) {
+          out.push_back(Pair::ascending(a.site[k], b.site[l]));
+        }
+      }
+    }
+  }
+
+ private:
+  /// largest[k][l]: over the points of cell k of `from`, the largest point . (site l of `to`), less
+  /// the same with the point's own site.
+  void find_largest(const Block& from, const Block& to, std::vector<Scalar>& largest) {
+    for (std::size_t k = 0; k < from.site.size(); ++k) {
+      const auto targets = static_cast<Index>(k < from.touched ? to.site.size() : to.touched);
+      if (targets == 0) continue;
+      arena_.check();
+      cell_.load(cells_, sites_, blocks_, from.site[k]);
+      const Index padded =
+          (targets + kernels::kDotSites - 1) / kernels::kDotSites * kernels::kDotSites;
+      kernels::largest_dots(cell_.block.data(), cell_.stride, metric_.dimension(),
+                            cell_.offset.data(), to.position.data(), padded,
+                            largest.data() + k * kBlockSites);
+    }
+  }
+
+  /// M(i, j) = 2 max over p of (p - s_i) . (s_j - s_i) - |s_j - s_i|^2, and the same of j, sum to
+  /// more than rounding can take away.
+  [[nodiscard]] bool may_gain(SiteNumber i, SiteNumber j, double to_j, double to_i) const {
+    const double gain = to_j + to_i - metric_.squared_distance(sites_.at(i), sites_.at(j));
+    const double rounding = 4 * (metric_.dimension() + 4) *
+                            (std::numeric_limits<Scalar>::epsilon() *
+                                 (sites_.radius[i] + sites_.radius[j]) * (norm_[i] + norm_[j]) +
+                             std::numeric_limits<Scalar>::denorm_min());
+    return gain > -rounding;
+  }
+
+  const Metric& metric_;
+  const Cells<Scalar>& cells_;
+  const SiteState& sites_;
+  const SiteBlocks<Scalar>& blocks_;
+  const std::vector<double>& norm_;
+  const Arena& arena_;
+  CentredCell<Scalar> cell_;
+  std::vector<Scalar> forth_;
+  std::vector<Scalar> back_;
+};
+
 }  // namespace
 
 bool screening_pays(const Metric& metric) {
@@ -110,11 +186,9 @@ template <class Scalar>
 Buffer<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells, const SiteState& sites,
                            const std::vector<std::uint8_t>& touched, const Arena& arena) {
   const auto charge = arena.phase(Phase::lists);
-  const int dimension = metric.dimension();
   const SiteBlocks<Scalar> blocks(sites, touched);
   std::vector<double> norm(sites.count());
   for (const SiteNumber s : sites.all()) norm[s] = blocks.norm(s);
-
   struct PairOfBlocks {
     std::size_t first;
     std::size_t second;
@@ -125,60 +199,14 @@ Buffer<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells, con
       if (blocks[a].touched + blocks[b].touched > 0) work.push_back({a, b});
     }
   }
-  struct Scratch {
-    CentredCell<Scalar> cell;
-    std::vector<Scalar> largest;
-  };
-  PerWorker<Scratch> scratch(arena);
-  const auto screen = [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int worker) {
-    Scratch& own = scratch[worker];
-    own.largest.resize(2 * kBlockSites * kBlockSites);
-    // largest[k][l]: over the points of cell k of `from`, the largest point . (site l of `to`),
-    // less the same with the point's own site.
-    const auto fill = [&](const auto& from, const auto& to, Scalar* largest) {
-      for (std::size_t k = 0; k < from.site.size(); ++k) {
-        const auto targets = static_cast<Index>(k < from.touched ? to.site.size() : to.touched);
-        if (targets == 0) continue;
-        arena.check();
-        own.cell.load(cells, sites, blocks, from.site[k]);
-        const Index padded =
-            (targets + kernels::kDotSites - 1) / kernels::kDotSites * kernels::kDotSites;
-        kernels::largest_dots(own.cell.block.data(), own.cell.stride, dimension,
-                              own.cell.offset.data(), to.position.data(), padded,
-                              largest + k * kBlockSites);
-      }
-    };
-    for (std::size_t w = begin; w < end; ++w) {
-      const auto& a = blocks[work[w].first];
-      const auto& b = blocks[work[w].second];
-      Scalar* forth = own.largest.data();
-      Scalar* back = forth + kBlockSites * kBlockSites;
-      fill(a, b, forth);
-      if (work[w].first == work[w].second) {
-        back = forth;
-      } else {
-        fill(b, a, back);
-      }
-      for (std::size_t k = 0; k < a.site.size(); ++k) {
-        for (std::size_t l = 0; l < b.site.size(); ++l) {
-          const SiteNumber i = a.site[k];
-          const SiteNumber j = b.site[l];
-          if (k >= a.touched && l >= b.touched) continue;
-          if (work[w].first == work[w].second && i >= j) continue;
-          // M(i, j) = 2 max over p of (p - s_i) . (s_j - s_i) - |s_j - s_i|^2.
-          const double to_j = forth[k * kBlockSites + l];
-          const double to_i = back[l * kBlockSites + k];
-          const double gain = to_j + to_i - metric.squared_distance(sites.at(i), sites.at(j));
-          const double rounding = 4 * (dimension + 4) *
-                                  (std::numeric_limits<Scalar>::epsilon() *
-                                       (sites.radius[i] + sites.radius[j]) * (norm[i] + norm[j]) +
-                                   std::numeric_limits<Scalar>::denorm_min());
-          if (gain > -rounding) out.push_back(Pair::ascending(i, j));
-        }
-      }
-    }
-  };
-  Buffer<Pair> gaining = collect<Pair>(arena, work.size(), 1, screen);
+  PerWorker<BlockScreen<Scalar>> screens(arena, {metric, cells, sites, blocks, norm, arena});
+  Buffer<Pair> gaining =
+      collect<Pair>(arena, work.size(), 1,
+                    [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int worker) {
+                      for (std::size_t w = begin; w < end; ++w) {
+                        screens[worker].append(blocks[work[w].first], blocks[work[w].second], out);
+                      }
+                    });
   return std::move(pairs_by_first(arena, std::move(gaining), sites.count()).items);
 }
 

@@ -20,18 +20,15 @@ PairSwapper<Scalar>::PairSwapper(const Metric& metric, const Options& options,
       cut_(metric, coordinate_bound),
       coordinates_(static_cast<std::size_t>(metric.dimension())) {}
 
-/// Median-cut pruning [5.2]: no key of cell i is above any key of cell j.
 template <class Scalar>
-bool PairSwapper<Scalar>::already_separated(const Cells<Scalar>& cells, SiteNumber i,
-                                            SiteNumber j) {
+auto PairSwapper<Scalar>::key_bounds(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j) const
+    -> KeyBounds {
   const auto extremes = [&](const auto& cut_i, const auto& cut_j) {
     return kernels::key_extremes(cells.block(i), cells.size(i), cut_i, cells.block(j),
                                  cells.size(j), cut_j, metric_.dimension());
   };
   const auto [highest, lowest] = cut_.with_kernels(extremes);
-  highest_i_ = highest + cut_.tolerance();
-  lowest_j_ = lowest - cut_.tolerance();
-  return highest_i_ <= lowest_j_;
+  return {highest + cut_.tolerance(), lowest - cut_.tolerance()};
 }
 
 /// Point distance pruning [5.2, eq. 8 and 9]: the points of `cell` that are near enough to the
@@ -70,7 +67,7 @@ Index PairSwapper<Scalar>::within_reach(const Cells<Scalar>& cells, const SiteSt
 
 template <class Scalar>
 void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const SiteState& sites,
-                                          SiteNumber i, SiteNumber j) {
+                                          SiteNumber i, SiteNumber j, const KeyBounds& bounds) {
   using Side = typename PairCut<Scalar>::Side;
   const auto keep = [&](SiteNumber cell, Side side, Index found,
                         std::vector<Candidate>& candidates) {
@@ -106,9 +103,9 @@ void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const Site
       // Thresholds are rounded outwards, away from the points that can move.
       const auto infinity = std::numeric_limits<Scalar>::infinity();
       const auto floor =
-          std::nextafter(static_cast<Scalar>(lowest_j_ - cut_.tolerance()), -infinity);
+          std::nextafter(static_cast<Scalar>(bounds.lowest_j - cut_.tolerance()), -infinity);
       const auto ceiling =
-          std::nextafter(static_cast<Scalar>(highest_i_ + cut_.tolerance()), infinity);
+          std::nextafter(static_cast<Scalar>(bounds.highest_i + cut_.tolerance()), infinity);
       const auto find = [&](SiteNumber cell, const auto& cut, kernels::Beyond beyond,
                             Scalar threshold) {
         make_room(cells.points(cell).size());
@@ -151,10 +148,12 @@ template <class Scalar>
 Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, SiteState& sites, SiteNumber i,
                                       SiteNumber j) {
   cut_.place(sites, i, j);
-  if ((median_cut_ || pruning_ == PointPruning::extremes) && already_separated(cells, i, j)) {
-    return 0;
+  KeyBounds bounds{};
+  if (median_cut_ || pruning_ == PointPruning::extremes) {
+    bounds = key_bounds(cells, i, j);
+    if (bounds.separated()) return 0;
   }
-  find_candidates(cells, sites, i, j);
+  find_candidates(cells, sites, i, j, bounds);
   if (moves_.from_i.empty() || moves_.from_j.empty()) return 0;
 
   const auto centroid_error = [&](SiteNumber cell) {

@@ -67,9 +67,16 @@ class PairSwapper {
   }
 
  private:
+  /// Bounds on the keys of a pair that decide what can move.
+  struct KeyBounds {
+    double highest_i;
+    double lowest_j;
+    /// Median-cut pruning [5.2]: no key of cell i is above any key of cell j.
+    [[nodiscard]] bool separated() const { return highest_i <= lowest_j; }
+  };
+  KeyBounds key_bounds(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j) const;
   void find_candidates(const Cells<Scalar>& cells, const SiteState& sites, SiteNumber i,
-                       SiteNumber j);
-  bool already_separated(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j);
+                       SiteNumber j, const KeyBounds& bounds);
   Index within_reach(const Cells<Scalar>& cells, const SiteState& sites, SiteNumber cell,
                      SiteNumber other);
   void make_room(std::size_t places) { places_.resize(std::max(places_.size(), places)); }
@@ -80,9 +87,7 @@ class PairSwapper {
   PointPruning pruning_;
   bool median_cut_;
   double coordinate_bound_;
-  PairCut<Scalar> cut_;  ///< of the current pair
-  double highest_i_ = 0;
-  double lowest_j_ = 0;
+  PairCut<Scalar> cut_;              ///< of the current pair
   std::vector<Scalar> coordinates_;  ///< of one point
   std::vector<double> per_point_;    ///< exact keys, or squared distances, of one cell
   std::vector<Index> places_;        ///< points of one cell, found last
