@@ -1,7 +1,6 @@
 #include "ccvt/solver.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <span>
 #include <utility>
 
@@ -70,6 +69,8 @@ struct Solver<Scalar>::Implementation {
     return total_energy(state.sites, arena);
   }
   [[nodiscard]] bool on_finest_level() const { return level + 1 == levels.size(); }
+  [[nodiscard]] bool descends() const;
+  PassCount pass();
 
   Problem<Scalar> problem;
   bool warm;  ///< the problem has owners
@@ -86,8 +87,8 @@ struct Solver<Scalar>::Implementation {
   std::size_t level = 0;
   LevelState<Scalar> state;
   std::unique_ptr<Relaxer<Scalar>> relaxer;
-  std::unique_ptr<Descent<Scalar>> descent;
-  std::vector<double> weights;
+  std::unique_ptr<Descent<Scalar>> descent;  ///< while it goes on
+  std::vector<double> weights;               ///< of sites, for it
   /// Of a run that was cancelled, when there was no time for more: the owners, by deal_rest().
   std::vector<SiteNumber> dealt;
 };
@@ -140,20 +141,17 @@ bool Solver<Scalar>::Implementation::step() {
   if (record.iterations() >= options.max_iterations) return end(Termination::iteration_limit);
 
   const double energy_before = record.energy();
-  PassCount pass;
-  {
-    const auto timed = record.relaxing();
-    if (descent) {
-      pass = descent->step(state);
-      if (descent->ended()) { descent.reset(); if (!on_finest_level() && std::getenv("SKIP")) { const double e = energy_of_sites(); record.add(pass, static_cast<int>(level), state.cells.point_count(), e, options); enter_level(level + 1); return true; } }
-    } else pass = relaxer->step(state);
-  }
+  const PassCount done = pass();
   const double energy = energy_of_sites();
   const bool go_on =
-      record.add(pass, static_cast<int>(level), state.cells.point_count(), energy, options);
+      record.add(done, static_cast<int>(level), state.cells.point_count(), energy, options);
 
-  if (pass.stopped || !go_on) return end(Termination::cancelled);
-  if (!relaxer->stable()) {
+  if (done.stopped || !go_on) return end(Termination::cancelled);
+  if (descent) {
+    if (!descent->ended()) return true;
+    descent.reset();
+    if (on_finest_level()) return true;
+  } else if (!relaxer->stable()) {
     const bool improved = energy_before - energy >= options.energy_tolerance * energy_before;
     return improved || !on_finest_level() || options.energy_tolerance == 0 ||
            end(Termination::energy_tolerance);
@@ -161,6 +159,22 @@ bool Solver<Scalar>::Implementation::step() {
   if (on_finest_level()) return end(Termination::stable);
   enter_level(level + 1);
   return dealt.empty() || end(Termination::cancelled);
+}
+
+template <class Scalar>
+PassCount Solver<Scalar>::Implementation::pass() {
+  const auto timed = record.relaxing();
+  return descent ? descent->step(state) : relaxer->step(state);
+}
+
+/// Whether this level is lowered by Descent.
+template <class Scalar>
+bool Solver<Scalar>::Implementation::descends() const {
+  constexpr double kTimesAsManyOnFinest = 4;
+  const double least = static_cast<double>(options.descent_points) * problem.site_count();
+  return options.descent_points > 0 && options.pairs == PairSelection::meeting &&
+         state.cells.point_count() >= least &&
+         problem.point_count() >= kTimesAsManyOnFinest * least;
 }
 
 /// Ends the run; points of levels that it has not reached join. False.
@@ -288,8 +302,10 @@ void Solver<Scalar>::Implementation::begin_level() {
     const Stop::Pause pause(stop);
     update_all(metric, state, arena);
   }
-  const char* dp = std::getenv("DESCENT");
-  if (dp && double(state.cells.point_count()) / state.sites.count() >= std::atof(dp)) descent = std::make_unique<Descent<Scalar>>(metric, arena, problem.points(), weights, state, on_finest_level());
+  if (descends()) {
+    descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, problem.points(), state,
+                                                !on_finest_level(), weights);
+  }
   record.begin(energy_of_sites(), on_finest_level());
 }
 

@@ -76,6 +76,12 @@ struct CCVT_EXPORT Options {
   int level_points = 8;
   int level_factor = 4;
 
+  /// A level with so many points a site or more, in the mean, is first lowered by quasi-Newton steps
+  /// of all sites at once, on power diagrams; where the finest has four times as many. Exchanges of
+  /// pairs, which settle the rest on the finest level, creep the more the finer the points are. 0:
+  /// never.
+  int descent_points = 512;
+
   SwapMethod swap = SwapMethod::median;
   PointPruning point_pruning = PointPruning::extremes;
   /// Leave a pair alone when its cells are already separated [5.2]. PointPruning::extremes contains

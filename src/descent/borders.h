@@ -3,35 +3,27 @@
 #include <span>
 #include <vector>
 
+#include "descent/site_views.h"
 #include "geometry/metric.h"
-#include "kernels/power.h"
 #include "parallel/loops.h"
 #include "relax/cells.h"
 #include "relax/filling.h"
-#include "schedule/pair.h"
 
 namespace ccvt {
 
-/// Positions of sites, as steps from where they were when the borders were found, and their
-/// weights: a point p belongs to the site s with the least |p - s|^2 - weight.
-struct PowerDiagram {
-  std::vector<double> step;  ///< dimension values for each site
-  std::vector<double> weight;
-};
-
-/// The points near the borders of cells: only they can change owners while the sites move a little,
-/// and what a power diagram of the sites owns is counted from them alone.
+/// The points near the borders of cells. Only they can change owners while the sites move a little,
+/// and what a power diagram of the sites owns is counted from them alone; the others stay with
+/// their owners.
 ///
 /// A point is near a border when its power distance to another site is less than a threshold above
-/// that to its own. Coordinates are kept relative to the cell's site, so that a torus needs no
-/// further thought.
+/// that to its own.
 template <class Scalar>
 class Borders {
  public:
   Borders(const Metric& metric, const Arena& arena)
-      : metric_(metric),
-        arena_(arena),
+      : arena_(arena),
         dimension_(metric.coordinate_count()),
+        views_(metric, arena),
         scratch_(arena) {}
 
   /// Finds the points near borders, O(points * neighbours). `position` and `radius` are the sites'
@@ -41,8 +33,7 @@ class Borders {
             std::span<const double> radius, std::span<const double> weight,
             std::span<const Pair> near, double share);
 
-  /// Counts what each site of the diagram owns, O(points near borders * neighbours). False, and
-  /// nothing is counted, when points that are not near a border might have changed owners.
+  /// Counts what each site of the diagram owns, O(points near borders * neighbours).
   void count(const PowerDiagram& diagram);
 
   /// Of the last diagram counted: the points of each site less its capacity.
@@ -55,20 +46,22 @@ class Borders {
   /// By how much each weight must grow so that, to first order, no surplus is left: a step of
   /// Newton's method on the dual.
   [[nodiscard]] std::vector<double> correction() const;
-  /// How much of the threshold the diagram has used up, at most.
+  /// How far the diagram has used up the thresholds, in the mean over the cells: beyond 1 many
+  /// points that would have changed owners were not asked.
   [[nodiscard]] double used() const { return used_; }
   [[nodiscard]] std::size_t size() const { return place_.size(); }
 
-  /// Points change to the owners last counted; cells may then be too full, or not full. How many.
+  /// Points change to the owners last counted. Cells may then be too full, or not full. How many.
   Index change_owners(Filling<Scalar>& filling) const;
 
  private:
-  using Slot = Number<struct OfSlots>;  ///< of a site as seen from a cell, its own the first
+  using View = typename SiteViews<Scalar>::View;
   /// Consecutive points of a cell, or of those near its borders.
   struct Block {
     SiteNumber cell;
     std::size_t begin;
     std::size_t end;
+    [[nodiscard]] std::size_t size() const { return end - begin; }
   };
   struct Scratch {
     std::vector<Scalar> points;
@@ -76,76 +69,50 @@ class Borders {
     std::vector<Index> nearest;
     std::vector<Index> next;
     std::vector<Scalar> margin;
-    std::vector<double> part;
+    void make_room(std::size_t count, std::size_t dimension);
   };
 
-  void link(const Cells<Scalar>& cells, std::span<const Pair> near);
-  void set_thresholds(std::span<const double> position, std::span<const double> radius,
-                      std::span<const double> weight, double share);
+  /// A sum over points: how many, and their coordinates relative to the cell's reference.
+  [[nodiscard]] std::size_t sum_size() const { return 1 + dimension_; }
+  /// What a block has for a site: the sum of the points that it owns, in the end relative to the
+  /// site; and how many are at the border between it and the cell's own.
+  [[nodiscard]] std::size_t part_size() const { return 2 + dimension_; }
+
   void split(const Cells<Scalar>& cells);
+  double sum_block(const Block& block, const Cells<Scalar>& cells, Scratch& own, double* inner,
+                   std::vector<Index>& near) const;
   void keep(const Cells<Scalar>& cells);
-  double see(SiteNumber cell, const PowerDiagram& diagram);
-  double count_block(std::size_t number, Scratch& own, double* part);
-  void gather(const PowerDiagram& diagram);
-  Scalar relative(SiteNumber cell, Scalar x, std::size_t d) const;
+  double count_block(std::size_t number, Scratch& own);
+  double gather(SiteNumber site, const PowerDiagram& diagram);
+  [[nodiscard]] std::size_t stride(SiteNumber cell) const { return first_[cell + 1] - first_[cell]; }
 
-  [[nodiscard]] NumberRange<Slot> slots(SiteNumber cell) const {
-    return {Slot(first_slot_[cell]), Slot(first_slot_[cell + 1])};
-  }
-  [[nodiscard]] std::size_t slot_count(SiteNumber cell) const {
-    return first_slot_[cell + 1] - first_slot_[cell];
-  }
-  /// Values of a part: points, their coordinates relative to the site, points at its border.
-  [[nodiscard]] std::size_t part_size() const { return dimension_ + 2; }
-  [[nodiscard]] double power_gap(SiteNumber cell, Slot slot) const;
-  [[nodiscard]] kernels::PowerSites<Scalar> seen_from(SiteNumber cell) const {
-    const std::size_t first = first_slot_[cell];
-    return {&slope_[first * dimension_], &offset_[first], static_cast<Index>(slot_count(cell))};
-  }
-  [[nodiscard]] kernels::NearestPowers<Scalar> nearest(SiteNumber cell, const Scalar* points,
-                                                       std::size_t stride, std::size_t count,
-                                                       Scratch& own) const;
-
-  const Metric& metric_;
   const Arena& arena_;
   std::size_t dimension_;
+  SiteViews<Scalar> views_;
   PerWorker<Scratch> scratch_;
-
-  // Sites as seen from cells.
-  std::vector<std::size_t> first_slot_;
-  std::vector<SiteNumber> site_;       ///< of each slot
-  std::vector<Slot> twin_;             ///< the cell's own site, as seen from the slot's
-  std::vector<double> from_reference_; ///< where the site was, relative to the cell's reference
-  std::vector<double> now_;            ///< where it is in the diagram
-  std::vector<double> gap_;            ///< power of the site's position less that of the own
-  std::vector<double> room_;           ///< for a change of power differences
-  std::vector<Scalar> slope_;          ///< of the diagram, as the kernel wants them
-  std::vector<Scalar> offset_;
-  std::vector<double> mass_;           ///< points at the border between the two sites
 
   // Cells.
   std::vector<double> capacity_;
-  std::vector<Scalar> reference_;      ///< a position near the site
-  std::vector<double> reach_;          ///< of the cell's points, from the reference
   std::vector<double> threshold_;
-  std::vector<double> width_;          ///< of the border, where points are counted for its mass
-  std::vector<double> inner_;          ///< parts: of points that are not near a border
-  double squares_ = 0;                 ///< of all points, from their references
+  std::vector<double> width_;  ///< of the border, where points are counted for its mass
+  std::vector<double> inner_;  ///< the sum of the points that are not near a border
+  double squares_ = 0;         ///< of all points, from their references
 
-  // Points near borders.
-  std::vector<std::size_t> first_;     ///< of each cell
-  Buffer<Index> place_;                ///< in their cell, ascending
-  Buffer<Scalar> points_;              ///< of each cell a stream for each dimension
-  Buffer<Index> owner_;                ///< as a slot of the cell
+  // Points near borders, in blocks.
+  std::vector<std::size_t> first_;  ///< of each cell, and one more
+  Buffer<Index> place_;             ///< in their cell, ascending
+  Buffer<Scalar> points_;           ///< of each cell a stream for each dimension
+  Buffer<Index> owner_;             ///< which of the cell's views
   std::vector<Block> blocks_;
-  std::vector<double> totals_;            ///< of the points of each block, the sum
-  std::vector<std::size_t> first_block_;  ///< of each cell
-  std::vector<std::size_t> first_part_;   ///< of each block
-  std::vector<double> parts_;             ///< of each block, one for each slot
-  Groups<Slot> seen_;                     ///< the slots of each site, by the cells that see it
+  std::vector<std::size_t> first_block_;  ///< of each cell, and one more
+  std::vector<std::size_t> first_part_;   ///< of each block, and one more
+  std::vector<double> totals_;            ///< the sum of each block's coordinates
+  std::vector<double> parts_;             ///< of each block, one for each view
 
+  // Of the last diagram.
   std::vector<double> surplus_;
   std::vector<double> to_centroid_;
+  std::vector<double> mass_;  ///< of each view: points at the border with the cell's own site
   double energy_ = 0;
   double used_ = 0;
 };

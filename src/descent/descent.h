@@ -12,54 +12,59 @@
 
 namespace ccvt {
 
-/// Lowers the energy of a level whose sites own many points. The exchange of points between two
-/// cells [Program 3] turns the border between them quickly, but shifts it slowly, the more so the
-/// finer the points; and a site that moves to its centroid takes the step of steepest descent. Here
+/// Lowers the energy of a level whose sites own many points. An exchange of points between two cells
+/// [Program 3] turns the border between them at once, but shifts it slowly, and the more so the finer
+/// the points are; and a site that moves to its centroid takes a step of steepest descent. Here all
 /// sites take steps of a quasi-Newton method [Liu et al. 2009], and for each the weights are found
-/// for which the cells of the power diagram are full [Aurenhammer, Hoffmann, Aronov 1998; de Goes
-/// et al. 2012]: that is the tessellation of least energy for these sites.
+/// with which the cells of the power diagram are full [Aurenhammer, Hoffmann, Aronov 1998; de Goes et
+/// al. 2012]: the tessellation of least energy for these sites.
 ///
-/// Only points near borders are looked at. When the sites have moved as far as that allows, points
-/// change to their new owners, and the few that single points make too many or too few flow to
-/// neighbours, as at the start.
+/// Only points near borders are looked at. When the sites have moved as far as these allow, points
+/// change to their new owners, and those that are single points too many flow to neighbours, as at
+/// the start.
 template <class Scalar>
 class Descent {
  public:
-  Descent(const Metric& metric, const Arena& arena, const PointsView<Scalar>& points,
-          std::vector<double>& weights, const LevelState<Scalar>& state, bool finest);
+  /// `weights`: of the sites on the level before, or none; those of this level, when it ends.
+  /// `coarse`: more points join on the next level, and will move the sites anyway.
+  Descent(const Metric& metric, const Arena& arena, Stop& stop, const PointsView<Scalar>& points,
+          const LevelState<Scalar>& state, bool coarse, std::vector<double>& weights);
 
-  /// Descends for as long as the points near borders allow, and updates cells and sites. What is
-  /// counted as exchanged are points that changed owners.
+  /// Descends for as long as the points near borders allow, and updates cells and sites; the energy
+  /// does not rise. When the run is cancelled meanwhile, nothing has changed. What counts as
+  /// exchanged are the points that changed owners.
   PassCount step(LevelState<Scalar>& state);
-  /// Whether nothing more is to be gained.
+  /// Whether little is left to be gained.
   [[nodiscard]] bool ended() const { return ended_; }
 
  private:
-  enum class Move { made, beyond, failed };
-  bool find_borders(const LevelState<Scalar>& state);
-  bool fill(PowerDiagram& diagram);
-  Move descend();
+  bool find_neighbours(const LevelState<Scalar>& state);
+  void start(const LevelState<Scalar>& state);
+  void fill(PowerDiagram& diagram, double fullness);
+  bool descend();
+  [[nodiscard]] double farthest_centroid() const;
+  [[nodiscard]] bool is_worth_it(double energy) const;
   Index commit(LevelState<Scalar>& state);
 
   const Metric& metric_;
   const Arena& arena_;
+  Stop& stop_;
   const PointsView<Scalar>& points_;
   std::vector<double>& weights_;
-  bool finest_;
+  double least_gain_;
   bool ended_ = false;
-  double share_;
-  double fullness_ = 1e-3; int counts_ = 0; double before_ = 0; int small_ = 0;
+  double share_;           ///< of the radius squared: how near to a border points are looked at
+  int small_gains_ = 0;    ///< steps one after the other
 
   MeetingPairs meeting_;
-  Buffer<Pair> all_pairs_;
-  std::span<const Pair> near_;
+  Buffer<Pair> near_;
   Borders<Scalar> borders_;
   std::vector<double> capacity_;
   std::vector<double> radius_;
-  std::vector<double> position_;  ///< of sites, where borders were found
+  std::vector<double> position_;  ///< of the sites, where the borders were found
   Lbfgs directions_;
-  PowerDiagram at_;  ///< the diagram descended to, full but for single points
-  std::vector<double> gradient_;
+  PowerDiagram at_;               ///< what has been descended to
+  std::vector<double> gradient_;  ///< there, in the inner product of `directions_`, halved
   double energy_ = 0;
 };
 

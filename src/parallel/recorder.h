@@ -25,8 +25,9 @@ enum class Phase {
   schedule,   ///< of these pairs
   swap,       ///< of points between the cells of a pair
   update,     ///< of the sites
+  descent,    ///< of the energy, all sites at once
 };
-inline constexpr std::size_t kPhases = 12;
+inline constexpr std::size_t kPhases = 13;
 const char* name_of(Phase phase);
 
 /// Where time goes: for each phase how long it took, how much of that was work in parallel loops,
