@@ -75,8 +75,8 @@ void Borders<Scalar>::find(const Cells<Scalar>& cells, std::span<const double> p
     const double squared = radius[s] * radius[s];
     capacity_.push_back(cells.size(s));
     threshold_.push_back(share * squared);
-    width_.push_back(std::min(
-        threshold_.back(), squared * std::max(kWidth, kPointsAtBorders / capacity_.back())));
+    width_.push_back(std::min(threshold_.back(),
+                              squared * std::max(kWidth, kPointsAtBorders / capacity_.back())));
   }
   views_.look(cells, position, radius, weight, near, threshold_);
   split(cells);
@@ -103,8 +103,7 @@ void Borders<Scalar>::split(const Cells<Scalar>& cells) {
       [&](std::size_t begin, std::size_t end, std::vector<Index>& near, int worker) {
         for (std::size_t b = begin; b < end; ++b) {
           const std::size_t before = near.size();
-          squares[b] =
-              sum_block(blocks[b], cells, scratch_[worker], &inner[b * sum_size()], near);
+          squares[b] = sum_block(blocks[b], cells, scratch_[worker], &inner[b * sum_size()], near);
           kept[b] = near.size() - before;
         }
       });
@@ -120,8 +119,8 @@ void Borders<Scalar>::split(const Cells<Scalar>& cells) {
     }
     first_.push_back(first_.back() + points);
   }
-  squares_ = sum_of(arena_, squares.size(), kSitesPerGrain,
-                    [&](std::size_t b) { return squares[b]; });
+  squares_ =
+      sum_of(arena_, squares.size(), kSitesPerGrain, [&](std::size_t b) { return squares[b]; });
 }
 
 /// Appends the places of the points of a block that are near a border, and sums the others. Returns
@@ -142,7 +141,8 @@ double Borders<Scalar>::sum_block(const Block& block, const Cells<Scalar>& cells
   const Index found = kernels::contested_places(
       own.points.data(), count, count, static_cast<int>(dimension_), views_.seen_from(cell),
       static_cast<Scalar>(threshold_[cell]), own.places.data());
-  const std::span<const Index> places = std::span(own.places).first(static_cast<std::size_t>(found));
+  const std::span<const Index> places =
+      std::span(own.places).first(static_cast<std::size_t>(found));
   for (const Index place : places) near.push_back(static_cast<Index>(begin) + place);
   inner[0] = count - found;
   double squares = 0;
@@ -212,7 +212,8 @@ void Borders<Scalar>::count(const PowerDiagram& diagram) {
   to_centroid_.resize(sites * dimension_);
   mass_.resize(views_.count());
   energy_ = squares_;
-  energy_ += sum_of(arena_, energy.size(), kSitesPerGrain, [&](std::size_t b) { return energy[b]; });
+  energy_ +=
+      sum_of(arena_, energy.size(), kSitesPerGrain, [&](std::size_t b) { return energy[b]; });
   energy_ += sum_of(arena_, sites, kSitesPerGrain,
                     [&](std::size_t s) { return gather(SiteNumber(s), diagram); });
 }
@@ -228,9 +229,9 @@ double Borders<Scalar>::count_block(std::size_t number, Scratch& own) {
   const auto width = static_cast<Scalar>(width_[cell]);
   const auto dimension = static_cast<int>(dimension_);
   own.make_room(kBlock, dimension_);
-  const Index found = kernels::contested_places(
-      points, static_cast<Index>(step), static_cast<Index>(block.size()), dimension,
-      views_.seen_from(cell), width, own.places.data());
+  const Index found =
+      kernels::contested_places(points, static_cast<Index>(step), static_cast<Index>(block.size()),
+                                dimension, views_.seen_from(cell), width, own.places.data());
   const auto contested = static_cast<std::size_t>(found);
   for (std::size_t d = 0; d < dimension_; ++d) {
     for (std::size_t k = 0; k < contested; ++k) {
@@ -340,8 +341,7 @@ Index Borders<Scalar>::change_owners(Filling<Scalar>& filling) const {
     SiteNumber to;
   };
   Buffer<Leaving> leaving = collect_by_site<Leaving>(
-      arena_, capacity_.size(), kSitesPerGrain,
-      [&](SiteNumber s, std::vector<Leaving>& out, int) {
+      arena_, capacity_.size(), kSitesPerGrain, [&](SiteNumber s, std::vector<Leaving>& out, int) {
         // From the last to the first, so that filling a gap does not move another.
         for (std::size_t k = first_[s + 1]; k-- > first_[s];) {
           if (owner_[k] == 0) continue;

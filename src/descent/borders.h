@@ -84,7 +84,9 @@ class Borders {
   void keep(const Cells<Scalar>& cells);
   double count_block(std::size_t number, Scratch& own);
   double gather(SiteNumber site, const PowerDiagram& diagram);
-  [[nodiscard]] std::size_t stride(SiteNumber cell) const { return first_[cell + 1] - first_[cell]; }
+  [[nodiscard]] std::size_t stride(SiteNumber cell) const {
+    return first_[cell + 1] - first_[cell];
+  }
 
   const Arena& arena_;
   std::size_t dimension_;

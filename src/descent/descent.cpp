@@ -205,22 +205,6 @@ bool Descent<Scalar>::descend() {
   return false;
 }
 
-/// Whether the tessellation of the diagram last counted, with sites at their centroids, has a lower
-/// energy even when those points that are too many have moved on: to second order that costs half of
-/// what the correction of the weights promises; single points are not as fine.
-template <class Scalar>
-bool Descent<Scalar>::is_worth_it(double energy) const {
-  constexpr double kCoarser = 4;
-  const std::size_t dimension = metric_.coordinate_count();
-  const std::vector<double> correction = borders_.correction();
-  const double lower = sum_of(arena_, capacity_.size(), kSitesPerGrain, [&](std::size_t s) {
-    const double surplus = borders_.surplus()[s];
-    const double to_centroid = squared(&borders_.to_centroid()[s * dimension], dimension);
-    return (capacity_[s] + surplus) * to_centroid + kCoarser * surplus * correction[s] / 2;
-  });
-  return borders_.energy() - lower < energy;
-}
-
 template <class Scalar>
 PassCount Descent<Scalar>::step(LevelState<Scalar>& state) try {
   const auto charge = arena_.phase(Phase::descent);
@@ -252,13 +236,8 @@ PassCount Descent<Scalar>::step(LevelState<Scalar>& state) try {
   if (steps > 0) {
     share_ = std::clamp(share_ * kStepsAhead * used / steps, kSmallestShare, kLargestShare);
   }
-  if (!is_worth_it(total_energy(state.sites, arena_))) {
-    ended_ = true;
-    return result;
-  }
   const Stop::Pause pause(stop_);  // points must not be left between cells
-  result.exchanged = commit(state);
-  result.active_sites = static_cast<Index>(capacity_.size());
+  commit(state, result);
   return result;
 } catch (const Stopped&) {
   stop_.off();
@@ -267,8 +246,13 @@ PassCount Descent<Scalar>::step(LevelState<Scalar>& state) try {
   return result;
 }
 
+/// Points change to the owners that the last diagram gives them, those that are too many flow on,
+/// and sites move to their centroids. All is taken back when that does not lower the energy: single
+/// points are not as fine as the diagram would have them.
 template <class Scalar>
-Index Descent<Scalar>::commit(LevelState<Scalar>& state) {
+void Descent<Scalar>::commit(LevelState<Scalar>& state, PassCount& result) {
+  const SiteState before = state.sites;
+  const double energy_before = total_energy(before, arena_);
   for (const SiteNumber s : state.sites.all()) {
     for (std::size_t d = 0; d < metric_.coordinate_count(); ++d) {
       const std::size_t k = s * metric_.coordinate_count() + d;
@@ -279,10 +263,17 @@ Index Descent<Scalar>::commit(LevelState<Scalar>& state) {
   state.sites.position = position_;
   Filling<Scalar> filling(state.cells, points_, state.tiling);
   filling.filled = state.cells.sizes();
-  const Index changed = borders_.change_owners(filling);
+  filling.begin_journal();
+  result.exchanged = borders_.change_owners(filling);
   balance(metric_, state.sites, near_.span(), arena_, filling);
   update_all(metric_, state, arena_);
-  return changed;
+  result.active_sites = static_cast<Index>(capacity_.size());
+  const double energy = total_energy(state.sites, arena_);
+  ended_ = ended_ || !(energy_before - energy > least_gain_ * energy_before);
+  if (energy <= energy_before) return;
+  filling.take_back();
+  state.sites = before;
+  result = {};
 }
 
 template class Descent<float>;

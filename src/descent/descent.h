@@ -12,12 +12,12 @@
 
 namespace ccvt {
 
-/// Lowers the energy of a level whose sites own many points. An exchange of points between two cells
-/// [Program 3] turns the border between them at once, but shifts it slowly, and the more so the finer
-/// the points are; and a site that moves to its centroid takes a step of steepest descent. Here all
-/// sites take steps of a quasi-Newton method [Liu et al. 2009], and for each the weights are found
-/// with which the cells of the power diagram are full [Aurenhammer, Hoffmann, Aronov 1998; de Goes et
-/// al. 2012]: the tessellation of least energy for these sites.
+/// Lowers the energy of a level whose sites own many points. An exchange of points between two
+/// cells [Program 3] turns the border between them at once, but shifts it slowly, and the more so
+/// the finer the points are; and a site that moves to its centroid takes a step of steepest
+/// descent. Here all sites take steps of a quasi-Newton method [Liu et al. 2009], and for each the
+/// weights are found with which the cells of the power diagram are full [Aurenhammer, Hoffmann,
+/// Aronov 1998; de Goes et al. 2012]: the tessellation of least energy for these sites.
 ///
 /// Only points near borders are looked at. When the sites have moved as far as these allow, points
 /// change to their new owners, and those that are single points too many flow to neighbours, as at
@@ -43,8 +43,7 @@ class Descent {
   void fill(PowerDiagram& diagram, double fullness);
   bool descend();
   [[nodiscard]] double farthest_centroid() const;
-  [[nodiscard]] bool is_worth_it(double energy) const;
-  Index commit(LevelState<Scalar>& state);
+  void commit(LevelState<Scalar>& state, PassCount& result);
 
   const Metric& metric_;
   const Arena& arena_;
@@ -53,8 +52,8 @@ class Descent {
   std::vector<double>& weights_;
   double least_gain_;
   bool ended_ = false;
-  double share_;           ///< of the radius squared: how near to a border points are looked at
-  int small_gains_ = 0;    ///< steps one after the other
+  double share_;         ///< of the radius squared: how near to a border points are looked at
+  int small_gains_ = 0;  ///< steps one after the other
 
   MeetingPairs meeting_;
   Buffer<Pair> near_;

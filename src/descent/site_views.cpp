@@ -75,7 +75,8 @@ void SiteViews<Scalar>::place(SiteNumber cell, std::span<const double> position,
   reach_[cell] = radius + off;
   for (const View view : of(cell)) {
     for (std::size_t d = 0; d < dimension_; ++d) {
-      const double apart = metric_.wrap(position[site_[view] * dimension_ + d] - own_position[d], d);
+      const double apart =
+          metric_.wrap(position[site_[view] * dimension_ + d] - own_position[d], d);
       const double from = own_position[d] - double{reference_[cell * dimension_ + d]};
       now_[view * dimension_ + d] = first_at_[view * dimension_ + d] = from + apart;
     }

@@ -132,17 +132,18 @@ HWY_INLINE auto with_dimension(int dimension, Function function) {
   return function(dimension);
 }
 
-#define CCVT_FOR_SCALAR(Scalar, Name)                                                          \
-  void Name##_nearest(const Scalar* points, Index stride, Index count, int dimension,          \
-                      const PowerSites<Scalar>& sites, const NearestPowers<Scalar>& out) {     \
-    with_dimension(dimension, [&](auto d)                                                      \
-                                  HWY_ATTR { nearest_of_all(points, stride, count, d, sites, out); }); \
-  }                                                                                            \
-  Index Name##_contested(const Scalar* points, Index stride, Index count, int dimension,       \
-                         const PowerSites<Scalar>& sites, Scalar width, Index* places) {       \
-    return with_dimension(dimension, [&](auto d) HWY_ATTR {                                    \
-      return contested_of_all(points, stride, count, d, sites, width, places);                 \
-    });                                                                                        \
+#define CCVT_FOR_SCALAR(Scalar, Name)                                                      \
+  void Name##_nearest(const Scalar* points, Index stride, Index count, int dimension,      \
+                      const PowerSites<Scalar>& sites, const NearestPowers<Scalar>& out) { \
+    with_dimension(dimension, [&](auto d) HWY_ATTR {                                       \
+      nearest_of_all(points, stride, count, d, sites, out);                                \
+    });                                                                                    \
+  }                                                                                        \
+  Index Name##_contested(const Scalar* points, Index stride, Index count, int dimension,   \
+                         const PowerSites<Scalar>& sites, Scalar width, Index* places) {   \
+    return with_dimension(dimension, [&](auto d) HWY_ATTR {                                \
+      return contested_of_all(points, stride, count, d, sites, width, places);             \
+    });                                                                                    \
   }
 CCVT_FOR_SCALAR(float, float32)
 CCVT_FOR_SCALAR(double, float64)
@@ -155,19 +156,19 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ccvt::kernels {
 
-#define CCVT_DISPATCH(Scalar, Name)                                                              \
-  HWY_EXPORT(Name##_nearest);                                                                    \
-  HWY_EXPORT(Name##_contested);                                                                  \
-  template <>                                                                                    \
-  void nearest_powers(const Scalar* points, Index stride, Index count, int dimension,            \
-                      const PowerSites<Scalar>& sites, const NearestPowers<Scalar>& out) {       \
-    HWY_DYNAMIC_DISPATCH(Name##_nearest)(points, stride, count, dimension, sites, out);          \
-  }                                                                                              \
-  template <>                                                                                    \
-  Index contested_places(const Scalar* points, Index stride, Index count, int dimension,         \
-                         const PowerSites<Scalar>& sites, Scalar width, Index* places) {         \
-    return HWY_DYNAMIC_DISPATCH(Name##_contested)(points, stride, count, dimension, sites,       \
-                                                  width, places);                                \
+#define CCVT_DISPATCH(Scalar, Name)                                                               \
+  HWY_EXPORT(Name##_nearest);                                                                     \
+  HWY_EXPORT(Name##_contested);                                                                   \
+  template <>                                                                                     \
+  void nearest_powers(const Scalar* points, Index stride, Index count, int dimension,             \
+                      const PowerSites<Scalar>& sites, const NearestPowers<Scalar>& out) {        \
+    HWY_DYNAMIC_DISPATCH(Name##_nearest)(points, stride, count, dimension, sites, out);           \
+  }                                                                                               \
+  template <>                                                                                     \
+  Index contested_places(const Scalar* points, Index stride, Index count, int dimension,          \
+                         const PowerSites<Scalar>& sites, Scalar width, Index* places) {          \
+    return HWY_DYNAMIC_DISPATCH(Name##_contested)(points, stride, count, dimension, sites, width, \
+                                                  places);                                        \
   }
 CCVT_DISPATCH(float, float32)
 CCVT_DISPATCH(double, float64)

@@ -4,8 +4,8 @@
 
 namespace ccvt::kernels {
 
-/// A site as points see it: the power distance of a point q to it is |q|^2 + offset - q . slope. All
-/// are relative to one origin.
+/// A site as points see it: the power distance of a point q to it is |q|^2 + offset - q . slope.
+/// All are relative to one origin.
 ///
 /// `slopes`: of each of `count` sites, `dimension` values; `offsets`: one of each.
 template <class Scalar>

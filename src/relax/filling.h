@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "ccvt/types.h"
@@ -78,6 +79,7 @@ class Filling {
   }
 
   void add(SiteNumber site, PointNumber point, const Scalar* x) {
+    note(site, point, 1);
     Index& count = filled[site];
     if (count < cells.size(site)) {
       cells.put(site, count++, point, x);
@@ -93,6 +95,7 @@ class Filling {
   PointNumber take(SiteNumber site, Index k) {
     Index& count = filled[site];
     const PointNumber point = cells.points(site).data()[k];
+    note(site, point, -1);
     --count;
     if (k != count) cells.copy_within(site, count, k);
     return point;
@@ -105,8 +108,14 @@ class Filling {
     Waiting& waiting = waiting_[site];
     waiting.head = list(site).pop(waiting.head, point, x);
     --waiting.count;
+    note(site, point, -1);
     return point;
   }
+
+  /// Gives back to the sites that had them when the journal was begun all points that have moved
+  /// since. No point waits, now or then. O(points of the cells concerned).
+  void begin_journal() { journals_.resize(lists_.size()); }
+  void take_back();
 
   /// Points of a site beyond its capacity; negative where it lacks some.
   [[nodiscard]] Index surplus(SiteNumber site) const {
@@ -124,9 +133,65 @@ class Filling {
     Index count = 0;
   };
   WaitingPoints<Scalar>& list(SiteNumber site) { return lists_[tiles.tile_of(site)]; }
+  /// A point that came to a site, or left it.
+  struct Entry {
+    PointNumber point;
+    SiteNumber site;
+    int change;
+  };
+  void note(SiteNumber site, PointNumber point, int change) {
+    if (!journals_.empty()) journals_[tiles.tile_of(site)].push_back({point, site, change});
+  }
 
   std::vector<Waiting> waiting_;
   std::vector<WaitingPoints<Scalar>> lists_;  ///< by tile
+  std::vector<std::vector<Entry>> journals_;  ///< by tile
 };
+
+template <class Scalar>
+void Filling<Scalar>::take_back() {
+  std::vector<Entry> all;
+  for (auto& journal : std::exchange(journals_, {})) {
+    all.insert(all.end(), journal.begin(), journal.end());
+  }
+  std::sort(all.begin(), all.end(), [](const Entry& a, const Entry& b) {
+    return a.point != b.point ? a.point < b.point : a.site < b.site;
+  });
+  // Where each point has come to, and what it had left; all between is even.
+  struct Back {
+    SiteNumber from;
+    PointNumber point;
+    SiteNumber to;
+  };
+  std::vector<Back> back;
+  for (std::size_t k = 0; k < all.size();) {
+    Back own{SiteNumber::none(), all[k].point, SiteNumber::none()};
+    while (k < all.size() && all[k].point == own.point) {
+      const SiteNumber site = all[k].site;
+      int change = 0;
+      for (; k < all.size() && all[k].point == own.point && all[k].site == site; ++k) {
+        change += all[k].change;
+      }
+      if (change > 0) own.from = site;
+      if (change < 0) own.to = site;
+    }
+    if (own.from != SiteNumber::none()) back.push_back(own);
+  }
+  std::sort(back.begin(), back.end(), [](const Back& a, const Back& b) {
+    return a.from != b.from ? a.from < b.from : a.point < b.point;
+  });
+  for (auto own = back.begin(); own != back.end();) {
+    const SiteNumber from = own->from;
+    const auto end = std::find_if(own, back.end(), [&](const Back& b) { return b.from != from; });
+    for (Index k = filled[from]; k-- > 0;) {
+      const PointNumber point = cells.points(from).data()[k];
+      const auto at = std::lower_bound(own, end, point,
+                                       [](const Back& b, PointNumber p) { return b.point < p; });
+      if (at != end && at->point == point) take(from, k);
+    }
+    own = end;
+  }
+  for (const Back& own : back) add(own.to, own.point);
+}
 
 }  // namespace ccvt
