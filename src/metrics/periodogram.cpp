@@ -71,13 +71,14 @@ void FrequencyGrid::add_power(const PointSet& set, const Arena& arena,
   const auto dimensions = half_.size();
   const int last = half_.back();
   const Eigen::Index columns = last + 1;
+  const Eigen::Index rows = Eigen::Index{2} * kTileRows;  // a tile: cosines, then sines
   const std::vector<Prefix> prefixes = half_of_prefixes(half_);
   const std::size_t tiles = (prefixes.size() + kTileRows - 1) / kTileRows;
   const auto prefixes_of = [&prefixes](std::size_t tile) {
     const std::span<const Prefix> rest = std::span(prefixes).subspan(tile * kTileRows);
     return rest.first(std::min<std::size_t>(rest.size(), kTileRows));
   };
-  std::vector<Eigen::MatrixXd> sums(tiles, Eigen::MatrixXd::Zero(2 * kTileRows, 2 * columns));
+  std::vector<Eigen::MatrixXd> sums(tiles, Eigen::MatrixXd::Zero(rows, 2 * columns));
 
   PerWorker<Eigen::MatrixXd> tile_waves(arena);
   std::vector<Waves> waves(dimensions);
@@ -94,7 +95,7 @@ void FrequencyGrid::add_power(const PointSet& set, const Arena& arena,
     last_waves.rightCols(columns) = waves.back().imag();
     arena.for_ranges(tiles, 1, [&](std::size_t begin, std::size_t end, int worker) {
       Eigen::MatrixXd& tile = tile_waves[worker];
-      tile.setZero(count, 2 * kTileRows);
+      tile.setZero(count, rows);
       for (std::size_t t = begin; t < end; ++t) {
         Eigen::Index row = 0;
         for (const Prefix& prefix : prefixes_of(t)) {

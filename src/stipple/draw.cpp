@@ -100,7 +100,7 @@ Image render(const Stippling<Scalar>& stippling, double scale) {
     const int last_row = height.pixels_to(y + reach);
     const int last_column = width.pixels_to(x + reach);
     for (int row = height.pixels_to(y - reach); row < last_row; ++row) {
-      float* const values = image.values.data() + row * image.width;
+      float* const values = image.values.data() + std::ptrdiff_t{row} * image.width;
       for (int column = width.pixels_to(x - reach); column < last_column; ++column) {
         const double distance = std::hypot(column + 0.5 - x, row + 0.5 - y);
         if (distance <= faint) {
