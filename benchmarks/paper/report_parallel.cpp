@@ -40,17 +40,13 @@ std::string phases_of(const Json& run) {
 std::string report_parallel(const Json& record, const std::filesystem::path&) {
   std::string text =
       "## Threads\n\n" + quick_note(record) +
-      "Seconds are medians of whole runs. Ceiling: the speed-up of two runs of one thread side by\n"
-      "side over one after the other, which is what the machine gives just then. Share: the\n"
-      "speed-up of two threads, of the ceiling. Predicted: the speed-up with so many workers, "
-      "when\n"
-      "the tasks of one-thread runs, each with its median time, are scheduled on them, serial "
-      "parts\n"
-      "stay as they are, and the end of each loop costs what it does on two threads, times log2 "
-      "of\n"
-      "the workers: where loops are short, more workers only wait longer. Predicted / measured: "
-      "for\n"
-      "two threads.\n\n";
+      "Seconds are medians of whole runs. Ceiling: the speed-up of two runs of one thread, side\n"
+      "by side over one after the other, which is what the machine gives just then. Share: the\n"
+      "speed-up of two threads, of the ceiling. Predicted: the speed-up with so many workers,\n"
+      "when the tasks of one-thread runs, each with its median time, are scheduled on them,\n"
+      "serial parts stay as they are, and the end of each loop costs what it does on two\n"
+      "threads, times log2 of the workers: where loops are short, more workers only wait\n"
+      "longer. Predicted / measured: for two threads.\n\n";
   std::vector<std::vector<std::string>> rows = {{"problem", "one thread, s", "two, s", "speed-up",
                                                  "ceiling", "share", "predicted / measured"}};
   for (const int workers : {4, 8, 16, 32, 64}) {

@@ -114,9 +114,7 @@ class BlockScreen {
         sites_(sites),
         blocks_(blocks),
         norm_(norm),
-        arena_(arena),
-        forth_(kBlockSites * kBlockSites),
-        back_(kBlockSites * kBlockSites) {}
+        arena_(arena) {}
 
   /// Appends the pairs that may gain of a site of `a` and one of `b`, which may be the same, of
   /// which at least one is touched.
@@ -141,6 +139,7 @@ class BlockScreen {
   /// largest[k][l]: over the points of cell k of `from`, the largest point . (site l of `to`), less
   /// the same with the point's own site.
   void find_largest(const Block& from, const Block& to, std::vector<Scalar>& largest) {
+    largest.resize(kBlockSites * kBlockSites);  // here, so that the worker touches it first
     for (std::size_t k = 0; k < from.site.size(); ++k) {
       const auto targets = static_cast<Index>(k < from.touched ? to.site.size() : to.touched);
       if (targets == 0) continue;
