@@ -64,7 +64,7 @@ template <class Scalar>
 Lloyd<Scalar>::Lloyd(const Problem<Scalar>& problem, const Options& options)
     : problem_(problem),
       options_((options.validate(), options)),
-      stop_(options.cancelled),
+      stop_(options.cancelled, options.time_limit),
       arena_(options.threads, &stop_),
       metric_(problem.dimension(), problem.domain()),
       box_(problem.bounding_box()),
@@ -187,7 +187,8 @@ void Lloyd<Scalar>::gather() {
 
 template <class Scalar>
 void Lloyd<Scalar>::finish(Termination termination) {
-  summary_.termination = termination;
+  summary_.termination =
+      termination == Termination::cancelled && stop_.late() ? Termination::time_limit : termination;
   summary_.capacity_error = capacity_error(owners_, summary_.sites);
   normalize_energy(box_, summary_);
 }

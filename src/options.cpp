@@ -23,16 +23,25 @@ void Options::validate() const {
   at_least("max_iterations", max_iterations, 0, "it must be 0 or more");
   require(energy_tolerance >= 0 && energy_tolerance < 1, "energy_tolerance", text(energy_tolerance),
           "it must be in [0, 1)");
+  require(time_limit >= 0, "time_limit", text(time_limit), "it must be 0 (none) or more seconds");
   at_least("level_points", level_points, 1, "it must be 1 or more");
   at_least("level_factor", level_factor, 2, "it must be 2 or more");
+  at_least("descent_points", descent_points, 0, "it must be 0 (never) or more");
   at_least("cached_passes", cached_passes, 0, "it must be 0 or more");
   at_least("tile_sites", tile_sites, 1, "it must be 1 or more");
+}
+
+Options Options::samples() {
+  Options options;
+  options.until = Until::blue_noise;
+  return options;
 }
 
 Options Options::balzer2009() {
   Options options;
   options.initialization = Initialization::random;
   options.multilevel = false;
+  options.descent_points = 0;
   options.swap = SwapMethod::heap;
   options.point_pruning = PointPruning::none;
   options.median_cut_pruning = false;

@@ -52,6 +52,8 @@ std::vector<Preset> make_ablation_presets() {
   add("default", "default", [](Options&) {});
   add("default-parallel", "default, all threads", [](Options& o) { o.threads = 0; });
   add("one-level", "one level instead of many", [](Options& o) { o.multilevel = false; });
+  add("pairs-only", "exchanges of pairs alone, however many points a site",
+      [](Options& o) { o.descent_points = 0; });
   add("coherent", "coherent instead of balanced start",
       [](Options& o) { o.initialization = Initialization::coherent; });
   add("random", "random instead of balanced start",

@@ -31,7 +31,7 @@ void RunRecord::begin(double energy, bool finest) {
   if (finest) summary_.initial_energy = energy;
 }
 
-bool RunRecord::add(const PassCount& pass, int level, Index points, double energy,
+bool RunRecord::add(const PassCount& pass, int level, Index points, double energy, double progress,
                     const Options& options) {
   IterationRecord record;
   record.iteration = ++summary_.iterations;
@@ -45,6 +45,8 @@ bool RunRecord::add(const PassCount& pass, int level, Index points, double energ
   record.active_sites = pass.active_sites;
   record.energy = energy;
   record.seconds = summary_.seconds_total;
+  const auto& log = summary_.iterations_log;
+  record.progress = std::max(log.empty() ? 0.0 : log.back().progress, std::min(progress, 1.0));
   summary_.pairs += pass.pairs;
   summary_.swaps += pass.swaps;
   summary_.exchanged += pass.exchanged;

@@ -53,7 +53,8 @@ class RunRecord {
   /// A level begins with this energy; the finest one with the run's initial energy.
   void begin(double energy, bool finest);
   /// A pass has been made. What Options::on_iteration says of it.
-  bool add(const PassCount& pass, int level, Index points, double energy, const Options& options);
+  bool add(const PassCount& pass, int level, Index points, double energy, double progress,
+           const Options& options);
   template <class Scalar>
   void end(Termination termination, const Problem<Scalar>& problem, const Box& box);
 

@@ -1,6 +1,7 @@
 #include "ccvt/solver.h"
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -69,8 +70,9 @@ struct Solver<Scalar>::Implementation {
     return total_energy(state.sites, arena);
   }
   [[nodiscard]] bool on_finest_level() const { return level + 1 == levels.size(); }
-  [[nodiscard]] bool descends() const;
+  [[nodiscard]] std::optional<Depth> descends() const;
   PassCount pass();
+  [[nodiscard]] double progress(const PassCount& done) const;
 
   Problem<Scalar> problem;
   bool warm;  ///< the problem has owners
@@ -98,7 +100,7 @@ Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Op
     : problem(std::move(given_problem)),
       warm(!problem.initial_owners().empty()),
       options(resolved(std::move(given_options), problem.dimension(), warm)),
-      stop(options.cancelled),
+      stop(options.cancelled, options.time_limit),
       record(options),
       arena(options.threads, &stop, &record.clock()),
       metric(problem.dimension(), problem.domain()) {
@@ -143,14 +145,17 @@ bool Solver<Scalar>::Implementation::step() {
   const double energy_before = record.energy();
   const PassCount done = pass();
   const double energy = energy_of_sites();
-  const bool go_on =
-      record.add(done, static_cast<int>(level), state.cells.point_count(), energy, options);
+  const bool go_on = record.add(done, static_cast<int>(level), state.cells.point_count(), energy,
+                                progress(done), options);
 
   if (done.stopped || !go_on) return end(Termination::cancelled);
   if (descent) {
     if (!descent->ended()) return true;
+    const bool pairs_next =
+        descent->unsuited() || (on_finest_level() && options.until == Until::stable);
     descent.reset();
-    if (on_finest_level()) return true;
+    if (pairs_next) return true;
+    if (on_finest_level()) return end(Termination::blue_noise);
   } else if (!relaxer->stable()) {
     const bool improved = energy_before - energy >= options.energy_tolerance * energy_before;
     return improved || !on_finest_level() || options.energy_tolerance == 0 ||
@@ -167,20 +172,43 @@ PassCount Solver<Scalar>::Implementation::pass() {
   return descent ? descent->step(state) : relaxer->step(state);
 }
 
-/// Whether this level is lowered by Descent.
+/// How far the run has come: levels count as their points, and a level by how many sites are at
+/// rest.
 template <class Scalar>
-bool Solver<Scalar>::Implementation::descends() const {
+double Solver<Scalar>::Implementation::progress(const PassCount& done) const {
+  double before = 0;
+  double all = 0;
+  std::size_t joined = 0;
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    if (l == level) before = all;
+    joined += levels[l].joining.size();
+    all += static_cast<double>(joined);
+  }
+  const double here = descent ? descent->progress()
+                              : 1 - static_cast<double>(done.active_sites) / problem.site_count();
+  return (before + here * state.cells.point_count()) / all;
+}
+
+/// Whether this level is lowered by Descent, and how far.
+template <class Scalar>
+std::optional<Depth> Solver<Scalar>::Implementation::descends() const {
   constexpr double kTimesAsManyOnFinest = 4;
   const double least = static_cast<double>(options.descent_points) * problem.site_count();
-  return options.descent_points > 0 && options.pairs == PairSelection::meeting &&
-         state.cells.point_count() >= least &&
-         problem.point_count() >= kTimesAsManyOnFinest * least;
+  if (options.descent_points == 0 || options.pairs != PairSelection::meeting ||
+      state.cells.point_count() < least) {
+    return {};
+  }
+  if (options.until == Until::blue_noise && level > 0) return Depth::even;
+  if (problem.point_count() < kTimesAsManyOnFinest * least) return {};
+  return on_finest_level() ? Depth::full : Depth::coarse;
 }
 
 /// Ends the run; points of levels that it has not reached join. False.
 template <class Scalar>
 bool Solver<Scalar>::Implementation::end(Termination termination) {
+  const Termination cut_short = stop.late() ? Termination::time_limit : Termination::cancelled;
   if (termination == Termination::cancelled) {
+    termination = cut_short;
     // Owners as good as the sites, if there is time for that.
     stop.allow(kTimeToFinish);
     if (!on_finest_level() && problem.point_count() > kMostToFinish) {
@@ -190,7 +218,7 @@ bool Solver<Scalar>::Implementation::end(Termination termination) {
   while (!on_finest_level()) enter_level(level + 1);
   stop.off();
   // Cancelled while points of the last levels joined.
-  record.end(dealt.empty() ? termination : Termination::cancelled, problem, box);
+  record.end(dealt.empty() ? termination : cut_short, problem, box);
   return false;
 }
 
@@ -302,9 +330,9 @@ void Solver<Scalar>::Implementation::begin_level() {
     const Stop::Pause pause(stop);
     update_all(metric, state, arena);
   }
-  if (descends()) {
+  if (const std::optional<Depth> depth = descends()) {
     descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, problem.points(), state,
-                                                !on_finest_level(), weights);
+                                                *depth, weights);
   }
   record.begin(energy_of_sites(), on_finest_level());
 }

@@ -15,10 +15,14 @@ const char* to_string(Termination termination) {
       return "running";
     case Termination::stable:
       return "stable";
+    case Termination::blue_noise:
+      return "blue_noise";
     case Termination::energy_tolerance:
       return "energy_tolerance";
     case Termination::iteration_limit:
       return "iteration_limit";
+    case Termination::time_limit:
+      return "time_limit";
     case Termination::cancelled:
       return "cancelled";
   }

@@ -26,13 +26,13 @@ CCVT_EXPORT LloydResult<Scalar> lloyd(const Problem<Scalar>& problem, const Opti
 /// The sites start where tessellate() would start them for the same problem and seed; given owners
 /// are what the first centroids are made of. A site without points stays where it is.
 ///
-/// Of the options, `threads`, `seed`, `max_iterations`, `energy_tolerance`, `on_iteration` and
-/// `cancelled` count; the others are about exchanges between sites. Ends as `stable` when a pass
-/// over all points changes no owner: each point is then owned by its nearest site, up to rounding,
-/// and each site is the centroid of its points. That happens after finitely many iterations. With
-/// any other end the sites are the centroids of the cells returned; a run that is cancelled before
-/// all points have an owner takes no longer for that than a third of a second, and else deals them
-/// out evenly in their order. Bit-identical for any number of threads.
+/// Of the options, `threads`, `seed`, `max_iterations`, `energy_tolerance`, `time_limit`,
+/// `on_iteration` and `cancelled` count; the others are about exchanges between sites. Ends as
+/// `stable` when a pass over all points changes no owner: each point is then owned by its nearest
+/// site, up to rounding, and each site is the centroid of its points. That happens after finitely
+/// many iterations. With any other end the sites are the centroids of the cells returned; a run
+/// that is cancelled before all points have an owner takes no longer for that than a third of a
+/// second, and else deals them out evenly in their order. Bit-identical for any number of threads.
 ///
 /// In the summary, `exchanged` counts the points that changed owner after the first assignment,
 /// which is the initialization "nearest"; there are no pairs and no swaps.

@@ -51,6 +51,20 @@ enum class PairSelection {
   meeting,
 };
 
+/// Where a run ends. One and the same with few points a site: see Options::descent_points.
+enum class Until {
+  /// No exchange of points between any two sites lowers the energy, and every site is the centroid
+  /// of its cell: the lowest energy. The more points a site, the lower, and the more regular: from
+  /// some thousands on sites are a lattice with faults.
+  stable,
+  /// Sites are as even as with a few hundred points a site, and as irregular, and have less noise
+  /// at
+  /// low frequencies: a level of many points a site is stable as soon as its points have their
+  /// owners. Then cells are those of a power diagram, and every site is the centroid of its cell,
+  /// but an exchange of points may still lower the energy.
+  blue_noise,
+};
+
 /// What to do and how. The defaults are the fastest combination that keeps a clean spectrum; see
 /// benchmarks/README.md for the measurements. Every field may be set alone.
 struct CCVT_EXPORT Options {
@@ -65,6 +79,10 @@ struct CCVT_EXPORT Options {
   /// Stops on the finest level when an iteration lowers the energy by less than this share of it.
   /// In [0, 1); 0: run until stable.
   double energy_tolerance = 0;
+  /// Seconds after which the run ends as if it were cancelled, see `cancelled`. Not negative; 0: no
+  /// limit. What a run that ends so has reached is not the same each time.
+  double time_limit = 0;
+  Until until = Until::stable;
 
   /// How points get their first owners, on each level.
   Initialization initialization = Initialization::automatic;
@@ -76,10 +94,13 @@ struct CCVT_EXPORT Options {
   int level_points = 8;
   int level_factor = 4;
 
-  /// A level with so many points a site or more, in the mean, is first lowered by quasi-Newton steps
-  /// of all sites at once, on power diagrams; where the finest has four times as many. Exchanges of
-  /// pairs, which settle the rest on the finest level, creep the more the finer the points are. 0:
-  /// never.
+  /// With so many points a site or more, in the mean, a level is not lowered by exchanges of pairs,
+  /// which creep the more the finer the points are. Until stable, and if the finest level has four
+  /// times as many: by quasi-Newton steps of all sites at once, on power diagrams [Liu et al. 2009;
+  /// de Goes et al. 2012]; pairs settle the rest on the finest. Until blue_noise: the points of
+  /// such a level, beyond the first level, change their owners to those of one power diagram. In
+  /// both cases with `pairs` that meet, and where a cell has no more than 64 neighbours. At least
+  /// 0; 0: never.
   int descent_points = 512;
 
   SwapMethod swap = SwapMethod::median;
@@ -114,6 +135,9 @@ struct CCVT_EXPORT Options {
   /// Throws InvalidInput naming the first field outside its bounds.
   void validate() const;
 
+  /// The defaults until blue_noise: for sites that are to be samples, irregular, rather than the
+  /// best partition of the points.
+  static Options samples();
   /// The method of Balzer et al. 2009 [Program 1]: random start, all pairs, heap swap, one level.
   static Options balzer2009();
   /// The method of the paper's section 4: median swap, two-stage cache, batches of single pairs.

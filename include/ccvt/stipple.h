@@ -22,8 +22,8 @@ struct CCVT_EXPORT StippleOptions {
   double gamma = 1;
   /// In pixels of the picture; 0: the radius of dot_radius_for(). At least 0, finite.
   double dot_radius = 0;
-  /// Its seed also fixes the points that are drawn.
-  Options tessellation = {};
+  /// Its seed also fixes the points that are drawn. Until blue_noise, as dots are wanted irregular.
+  Options tessellation = Options::samples();
 
   /// Throws InvalidInput naming the first field outside its bounds.
   void validate() const;

@@ -17,15 +17,19 @@ enum class Termination {
   /// A full pass over every pair whose bounding spheres meet made no swap, and every site is the
   /// centroid of its cell: no exchange of points between any two sites lowers the energy.
   stable,
+  /// As Until::blue_noise says, with many points a site.
+  blue_noise,
   /// (E_before - E_after) < Options::energy_tolerance * E_before on the finest level.
   energy_tolerance,
   /// Options::max_iterations passes were made.
   iteration_limit,
+  /// Options::time_limit seconds had passed.
+  time_limit,
   /// Options::on_iteration returned false, Options::cancelled true, or Solver::cancel() was called.
   cancelled,
 };
 
-/// The words of the enumerators: "stable", "energy_tolerance", …
+/// The words of the enumerators: "stable", "blue_noise", …
 CCVT_EXPORT const char* to_string(Termination termination);
 
 /// One iteration: a pass over a schedule of pairs, and the centroid update after it.
@@ -41,6 +45,7 @@ struct IterationRecord {
   Index active_sites = 0;      ///< sites whose cell changed
   double energy = 0;           ///< after the centroid update; falls within a level, up to rounding
   double seconds = 0;          ///< since the start of the run
+  double progress = 0;         ///< of the run, an estimate in [0, 1] that does not fall
 };
 
 /// What part of a run took how long. Phases: initial "sites" and their order; "levels", which

@@ -154,8 +154,9 @@ struct CCVT_EXPORT VolumeOptions {
   DensitySampling sampling = DensitySampling::stratified;
   /// Whether VolumeSamples hold the points that were drawn, and their owners.
   bool keep_points = false;
-  /// Its seed also fixes the points that are drawn, and its threads draw them.
-  Options tessellation = {};
+  /// Its seed also fixes the points that are drawn, and its threads draw them. Until blue_noise, as
+  /// samples are wanted irregular.
+  Options tessellation = Options::samples();
 
   /// Throws InvalidInput naming the first field outside its bounds.
   void validate() const;

@@ -1,6 +1,8 @@
 #include "cli/argument_kinds.h"
 
 #include <algorithm>
+#include <limits>
+#include <map>
 #include <sstream>
 
 #include "ccvt/presets.h"
@@ -93,7 +95,7 @@ void add_run(CLI::App& app, CommonArguments& common) {
 }
 
 void add_common(CLI::App& app, CommonArguments& common, io::Extensions extensions,
-                const std::string& default_scalar) {
+                const std::string& default_scalar, const std::string& default_until) {
   add_file(app, "-o,--output", common.output, "Where the sites go", extensions)->required();
   add_run(app, common);
   app.add_option(
@@ -110,6 +112,23 @@ void add_common(CLI::App& app, CommonArguments& common, io::Extensions extension
               const std::string_view reason = error.what();
               return std::string(reason.substr(reason.find(' ') + 1));  // "--preset: " precedes it
             }
+          },
+          ""));
+  add_number<double>(app, "--time-limit", common.time_limit,
+                     "End after so many seconds with what has been reached [none]", "SECONDS",
+                     {.least = 0, .most = std::numeric_limits<double>::max(), .open_below = true});
+  static const std::map<std::string, Until> ends = {{"stable", Until::stable},
+                                                    {"blue-noise", Until::blue_noise}};
+  app.add_option_function<std::string>(
+         "--until", [&common](const std::string& name) { common.until = ends.at(name); },
+         "With 512 points a site and more: stable (least energy; a lattice with faults, from "
+         "thousands on) or blue-noise (as irregular as with 256, and much sooner) [" +
+             default_until + "]")
+      ->type_name("END")
+      ->check(CLI::Validator(
+          [](std::string& name) {
+            if (ends.contains(name)) return std::string();
+            return "'" + name + "' is not stable or blue-noise";
           },
           ""));
   auto* const single = app.add_flag_function(

@@ -71,7 +71,7 @@ void add_run(CLI::App& app, CommonArguments& common);
 
 /// That, and where the sites go: to a file of one of `extensions`.
 void add_common(CLI::App& app, CommonArguments& common, io::Extensions extensions,
-                const std::string& default_scalar);
+                const std::string& default_scalar, const std::string& default_until = "blue-noise");
 
 /// The arguments, last one first, with all numbers that follow --box made its one value: CLI11
 /// would take the file after them for a number, and "-.5" for an option.

@@ -78,7 +78,8 @@ CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
            io::kTableFiles);
   add_flag(*command, "--periodic", arguments.periodic, "Opposite faces of --box are one");
   add_box(*command, arguments.box, "The box that holds the points");
-  add_common(*command, arguments, io::kTableFiles, "as the points are stored; text: float64");
+  add_common(*command, arguments, io::kTableFiles, "as the points are stored; text: float64",
+             "stable");
   add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too",
            io::kTableFiles);
   command->footer(

@@ -8,6 +8,7 @@
 
 #include "ccvt/codebook.h"
 #include "ccvt/io.h"
+#include "ccvt/options.h"
 #include "ccvt/sampling.h"
 #include "ccvt/types.h"
 #include "ccvt/volume.h"
@@ -23,6 +24,8 @@ struct CommonArguments {
   int threads = 0;
   std::optional<int> max_iterations;
   double energy_tolerance = 0;
+  double time_limit = 0;
+  std::optional<Until> until;
   std::string preset;  ///< empty: the default options
   std::optional<ScalarType> scalar;
   bool quiet = false;

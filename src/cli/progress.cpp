@@ -42,7 +42,8 @@ void Progress::show(const IterationRecord& record, Index sites) {
   last_ = now;
   drawn_ = true;
   const double active = 1.0 * record.active_sites / std::max(sites, Index{1});
-  const auto settled = static_cast<std::size_t>(std::clamp(1 - active, 0.0, 1.0) * kBarWidth + 0.5);
+  const auto settled =
+      static_cast<std::size_t>(std::clamp(record.progress, 0.0, 1.0) * kBarWidth + 0.5);
   char text[200];
   const int length = std::snprintf(
       text, sizeof text, "] level %d/%d  iteration %d  active %4.1f %%  energy %.5g  %.1f s",

@@ -70,12 +70,15 @@ std::string few_of(const std::vector<std::string>& names) {
 
 }  // namespace
 
-Options make_options(const CommonArguments& common, Index sites, Progress& progress) {
-  Options options = common.preset.empty() ? Options{} : find_preset(common.preset).options;
+Options make_options(const CommonArguments& common, const Options& defaults, Index sites,
+                     Progress& progress) {
+  Options options = common.preset.empty() ? defaults : find_preset(common.preset).options;
   options.seed = common.seed;
   options.threads = common.threads;
   if (common.max_iterations) options.max_iterations = *common.max_iterations;
   options.energy_tolerance = common.energy_tolerance;
+  options.time_limit = common.time_limit;
+  if (common.until) options.until = *common.until;
   options.on_iteration = [sites, &progress](const IterationRecord& record) {
     progress.show(record, sites);
     return true;

@@ -18,8 +18,9 @@
 namespace ccvt::cli {
 
 /// Options for a tessellation of `sites` sites that draws on `progress`, which must outlive them,
-/// and ends when the user interrupts it.
-Options make_options(const CommonArguments& common, Index sites, Progress& progress);
+/// and ends when the user interrupts it. `defaults`: what holds where the user says nothing.
+Options make_options(const CommonArguments& common, const Options& defaults, Index sites,
+                     Progress& progress);
 
 /// The box that --box gives: all lower bounds, then all upper bounds. Throws InvalidInput unless it
 /// has `dimension` dimensions, those of the points in `file`, of positive extent.

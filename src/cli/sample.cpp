@@ -23,7 +23,8 @@ int sample(const SampleArguments& arguments) {
   problem.set_domain(arguments.periodic ? Domain::periodic(box) : Domain::euclidean(box));
   const auto result = [&] {
     Progress progress(arguments.quiet);
-    return tessellate(problem, make_options(arguments, arguments.sites, progress));
+    return tessellate(problem,
+                      make_options(arguments, Options::samples(), arguments.sites, progress));
   }();
 
   Publication outputs;

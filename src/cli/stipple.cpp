@@ -23,7 +23,7 @@ int stipple_file(const StippleArguments& arguments) {
   options.dot_radius = arguments.dot_radius;
   const Stippling<Scalar> stippling = blame(arguments.image, [&] {
     Progress progress(arguments.quiet);
-    options.tessellation = make_options(arguments, arguments.sites, progress);
+    options.tessellation = make_options(arguments, options.tessellation, arguments.sites, progress);
     return stipple<Scalar>(image, arguments.sites, options);
   });
 

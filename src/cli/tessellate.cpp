@@ -47,7 +47,7 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
   }
   const auto result = [&] {
     Progress progress(arguments.quiet);
-    return tessellate(problem, make_options(arguments, sites, progress));
+    return tessellate(problem, make_options(arguments, {}, sites, progress));
   }();
 
   Publication outputs;

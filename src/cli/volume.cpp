@@ -33,7 +33,7 @@ int sample(const VolumeArguments& arguments, const VolumeHeader& header,
   options.points_per_site = arguments.points_per_site;
   const VolumeSamples samples = blame(arguments.volume, [&] {
     Progress progress(arguments.quiet);
-    options.tessellation = make_options(arguments, arguments.sites, progress);
+    options.tessellation = make_options(arguments, options.tessellation, arguments.sites, progress);
     return sample_volume<Scalar>(density, arguments.sites, options);
   });
   Publication outputs;

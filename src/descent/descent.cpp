@@ -58,13 +58,14 @@ double squared(const double* x, std::size_t dimension) {
 template <class Scalar>
 Descent<Scalar>::Descent(const Metric& metric, const Arena& arena, Stop& stop,
                          const PointsView<Scalar>& points, const LevelState<Scalar>& state,
-                         bool coarse, std::vector<double>& weights)
+                         Depth depth, std::vector<double>& weights)
     : metric_(metric),
       arena_(arena),
       stop_(stop),
       points_(points),
       weights_(weights),
-      least_gain_(coarse ? kLeastGainWhenCoarse : kLeastGain),
+      depth_(depth),
+      least_gain_(depth == Depth::coarse ? kLeastGainWhenCoarse : kLeastGain),
       share_(kLargestShare),
       borders_(metric, arena),
       capacity_(state.cells.site_count()),
@@ -206,13 +207,22 @@ bool Descent<Scalar>::descend() {
 }
 
 template <class Scalar>
+double Descent<Scalar>::progress() const {
+  if (ended_) return 1;
+  if (!(first_gain_ > least_gain_)) return 0;
+  return std::log(first_gain_ / std::clamp(last_gain_, least_gain_, first_gain_)) /
+         std::log(first_gain_ / least_gain_);
+}
+
+template <class Scalar>
 PassCount Descent<Scalar>::step(LevelState<Scalar>& state) try {
   const auto charge = arena_.phase(Phase::descent);
   PassCount result;
   if (!find_neighbours(state)) {
-    ended_ = true;
+    ended_ = unsuited_ = true;
     return result;
   }
+  ended_ = depth_ == Depth::even;
   start(state);
   energy_ = borders_.energy();
   gradient_ = borders_.to_centroid();
@@ -224,7 +234,9 @@ PassCount Descent<Scalar>::step(LevelState<Scalar>& state) try {
     if (descend()) {
       ++steps;
       used = borders_.used();
-      small_gains_ = before - energy_ < least_gain_ * before ? small_gains_ + 1 : 0;
+      last_gain_ = (before - energy_) / before;
+      if (first_gain_ == 0) first_gain_ = last_gain_;
+      small_gains_ = last_gain_ < least_gain_ ? small_gains_ + 1 : 0;
       ended_ = small_gains_ == kSmallGains;
     } else if (directions_.empty()) {
       borders_.count(at_);

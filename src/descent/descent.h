@@ -12,6 +12,13 @@
 
 namespace ccvt {
 
+/// How far a level is lowered.
+enum class Depth {
+  even,    ///< its cells become full, for the sites where they are, and these move once
+  coarse,  ///< more points join on the next level, and will move the sites anyway
+  full,    ///< until steps gain next to nothing
+};
+
 /// Lowers the energy of a level whose sites own many points. An exchange of points between two
 /// cells [Program 3] turns the border between them at once, but shifts it slowly, and the more so
 /// the finer the points are; and a site that moves to its centroid takes a step of steepest
@@ -26,9 +33,8 @@ template <class Scalar>
 class Descent {
  public:
   /// `weights`: of the sites on the level before, or none; those of this level, when it ends.
-  /// `coarse`: more points join on the next level, and will move the sites anyway.
   Descent(const Metric& metric, const Arena& arena, Stop& stop, const PointsView<Scalar>& points,
-          const LevelState<Scalar>& state, bool coarse, std::vector<double>& weights);
+          const LevelState<Scalar>& state, Depth depth, std::vector<double>& weights);
 
   /// Descends for as long as the points near borders allow, and updates cells and sites; the energy
   /// does not rise. When the run is cancelled meanwhile, nothing has changed. What counts as
@@ -36,6 +42,11 @@ class Descent {
   PassCount step(LevelState<Scalar>& state);
   /// Whether little is left to be gained.
   [[nodiscard]] bool ended() const { return ended_; }
+  /// Whether nothing was done, because cells have too many neighbours for it, or are too large for
+  /// their torus.
+  [[nodiscard]] bool unsuited() const { return unsuited_; }
+  /// An estimate in [0, 1] of how far it has come.
+  [[nodiscard]] double progress() const;
 
  private:
   bool find_neighbours(const LevelState<Scalar>& state);
@@ -50,8 +61,12 @@ class Descent {
   Stop& stop_;
   const PointsView<Scalar>& points_;
   std::vector<double>& weights_;
+  Depth depth_;
   double least_gain_;
   bool ended_ = false;
+  bool unsuited_ = false;
+  double first_gain_ = 0;  ///< of the first step, and of the last; shares of the energy
+  double last_gain_ = 0;
   double share_;         ///< of the radius squared: how near to a border points are looked at
   int small_gains_ = 0;  ///< steps one after the other
 

@@ -24,18 +24,28 @@ struct Stopped {};
 class Stop {
  public:
   Stop() = default;
-  /// An empty callback never says yes.
-  explicit Stop(std::function<bool()> cancelled)
-      : cancelled_(std::move(cancelled)), asking_(static_cast<bool>(cancelled_)) {}
+  /// An empty callback never says yes. `seconds`: after so many it is as if it did; 0: never.
+  explicit Stop(std::function<bool()> cancelled, double seconds = 0)
+      : cancelled_(std::move(cancelled)), asking_(cancelled_ || seconds > 0) {
+    constexpr double kLongest = 1e9;  // beyond, the clock has no such time
+    if (seconds > 0 && seconds < kLongest) {
+      deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                     std::chrono::duration<double>(seconds));
+    }
+  }
 
   /// Makes this thread the one that asks.
   void enter() { caller_ = std::this_thread::get_id(); }
 
   /// Asks at once.
   bool requested() {
-    if (asking_ && !stop_ && cancelled_()) stop_ = true;
+    if (!asking_ || stop_) return stop_;
+    late_ = Clock::now() >= deadline_;
+    if (late_ || (cancelled_ && cancelled_())) stop_ = true;
     return stop_;
   }
+  /// Whether it was the time that ended it.
+  [[nodiscard]] bool late() const { return late_; }
 
   void check() {
     if (stop_.load(std::memory_order_relaxed)) throw Stopped();
@@ -92,6 +102,8 @@ class Stop {
   std::thread::id caller_ = std::this_thread::get_id();
   std::atomic<bool> stop_{false};
   // Of the caller's thread, or changed while no other works:
+  Clock::time_point deadline_ = Clock::time_point::max();
+  bool late_ = false;
   bool asking_ = false;
   bool limited_ = false;
   Clock::time_point next_ = {};  // the first check asks
