@@ -78,9 +78,15 @@ TEST_CASE("subsets of points are exact, nested and the same for any threads") {
       const ccvt::NestedSubsets subsets(7, 1, points, sizes, Arena(threads));
       std::vector<std::vector<std::size_t>> members(sizes.size());
       for (std::size_t p = 0; p < points; ++p) {
-        for (std::size_t s = subsets.smallest_with(p); s < sizes.size(); ++s) {
-          members[s].push_back(p);
+        int in = 0;
+        for (std::size_t s = 0; s <= sizes.size(); ++s) {
+          if (!subsets.members(s).contains(p)) continue;
+          ++in;
+          for (std::size_t larger = s; larger < sizes.size(); ++larger) {
+            members[larger].push_back(p);
+          }
         }
+        if (in != 1) FAIL("a point is first in one subset, or in none");
       }
       for (std::size_t s = 0; s < sizes.size(); ++s) {
         CHECK(members[s].size() == sizes[s]);
@@ -92,7 +98,7 @@ TEST_CASE("subsets of points are exact, nested and the same for any threads") {
       CHECK(members == expected);
     }
   }
-  CHECK(ccvt::NestedSubsets(7, 1, 10, {}, Arena(1)).smallest_with(3) == 0);
+  CHECK(ccvt::NestedSubsets(7, 1, 10, {}, Arena(1)).members(0).contains(3));
 }
 
 TEST_CASE("tiles cover the sites in runs, and hold no more points than fit the cache") {

@@ -73,7 +73,9 @@ class FlowRounds {
  public:
   FlowRounds(const Metric& metric, const SiteState& sites, const SiteGraph& graph, const Flow& flow,
              const Arena& arena, Filling<Scalar>& filling)
-      : arena_(arena), movers_(arena, Mover<Scalar>(metric, sites, filling)) {
+      : arena_(arena),
+        tiles_(filling.tiles),
+        movers_(arena, Mover<Scalar>(metric, sites, filling)) {
     const Buffer<Pair> edges = collect_by_site<Pair>(
         arena, graph.site_count(), kSitesPerGrain, [&](SiteNumber s, std::vector<Pair>& out, int) {
           for (const SiteNumber t : graph.neighbours(s)) {
@@ -103,7 +105,7 @@ class FlowRounds {
       std::int64_t left = 0;
     };
     PerWorker<Count> counts(arena_);
-    schedule_.run(arena_, [&](const Schedule::Task& task, int w) {
+    schedule_.run(arena_, tiles_, [&](const Schedule::Task& task, int w) {
       Mover<Scalar>& mover = movers_[w];
       SiteNumber from = SiteNumber::none();
       for (std::size_t e = task.begin; e < task.end; ++e) {
@@ -131,6 +133,7 @@ class FlowRounds {
 
  private:
   const Arena& arena_;
+  const Tiling tiles_;
   Schedule schedule_;
   Buffer<std::int64_t> left_;  ///< to move along each edge, which are the schedule's pairs
   PerWorker<Mover<Scalar>> movers_;

@@ -17,11 +17,12 @@ constexpr std::size_t kSitesPerGrain = 4096;
 Buffer<PointNumber> distinct_points(std::size_t count, std::size_t points, std::uint64_t seed,
                                     const Arena& arena) {
   const NestedSubsets subset(seed, streams::initial_sites, points, std::array{count}, arena);
+  const NestedSubsets::Members first = subset.members(0);
   return collect<PointNumber>(
       arena, points, NestedSubsets::kBlock,
       [&](std::size_t begin, std::size_t end, std::vector<PointNumber>& out, int) {
         for (std::size_t p = begin; p < end; ++p) {
-          if (subset.smallest_with(p) == 0) out.emplace_back(p);
+          if (first.contains(p)) out.emplace_back(p);
         }
       });
 }

@@ -82,8 +82,7 @@ Buffer<PointNumber> JoiningPoints::in_blocks(std::size_t first, std::size_t last
                                              const Arena& arena) const {
   const auto charge = arena.phase(Phase::levels);
   Buffer<PointNumber> points(before_[last] - before_[first]);
-  arena.for_each(last - first, 1, [&](std::size_t k) {
-    const std::size_t block = first + k;
+  const auto fill = [&](std::size_t block, const auto& joins) {
     PointNumber* next = points.data() + (before_[block] - before_[first]);
     const std::size_t begin = start_ + block * kBlock;
     const std::size_t end = std::min(begin + kBlock, end_);
@@ -91,8 +90,13 @@ Buffer<PointNumber> JoiningPoints::in_blocks(std::size_t first, std::size_t last
     PointNumber* const stop = points.data() + (before_[block + 1] - before_[first]);
     for (std::size_t p = begin; p < end && next != stop; ++p) {
       *next = PointNumber(p);
-      next += subsets_ == nullptr || subsets_->smallest_with(p) == subset_ ? 1 : 0;
+      next += joins(p) ? 1 : 0;
     }
+  };
+  arena.for_each(last - first, 1, [&](std::size_t k) {
+    if (subsets_ == nullptr) return fill(first + k, [](std::size_t) { return true; });
+    fill(first + k,
+         [members = subsets_->members(subset_)](std::size_t p) { return members.contains(p); });
   });
   return points;
 }

@@ -1,9 +1,7 @@
 #include "relax/mover.h"
 
 #include <algorithm>
-#include <array>
 #include <functional>
-#include <limits>
 #include <stdexcept>
 
 #include "kernels/keys.h"
@@ -12,6 +10,7 @@ namespace ccvt {
 namespace {
 
 constexpr Index kColumns = 16;
+constexpr Index kColumnsAChoice = 4;
 
 }  // namespace
 
@@ -91,27 +90,28 @@ void Mover<Scalar>::choose(Index wanted, Index places) {
   choices_.clear();
   if (wanted == 0) return;
   const Scalar* const keys = keys_.data();
-  std::array<Scalar, kColumns> columns;
-  columns.fill(-std::numeric_limits<Scalar>::infinity());
-  Scalar* const highest = columns.data();
-  const Index whole = places - places % kColumns;
-  for (Index row = 0; row < whole; row += kColumns) {
-    for (Index c = 0; c < kColumns; ++c) highest[c] = std::max(highest[c], keys[row + c]);
-  }
-  for (Index k = whole; k < places; ++k) {
-    highest[k - whole] = std::max(highest[k - whole], keys[k]);
-  }
-  Scalar floor = -std::numeric_limits<Scalar>::infinity();
-  if (wanted <= kColumns) {
-    std::array<Scalar, kColumns> sorted = columns;
-    const auto last = sorted.begin() + wanted - 1;
-    std::nth_element(sorted.begin(), last, sorted.end(), std::greater<>());
-    floor = *last;
-  }
-  for (Index c = 0; c < kColumns; ++c) {
-    if (highest[c] < floor) continue;
-    for (std::ptrdiff_t k = c; k < places; k += kColumns) {
-      if (keys[k] >= floor) choices_.push_back({keys[k], static_cast<Index>(k)});
+  if (wanted > places / (2 * kColumnsAChoice)) {
+    for (Index k = 0; k < places; ++k) choices_.push_back({keys[k], k});
+  } else {
+    const Index columns = std::max(std::min(kColumns, places), kColumnsAChoice * wanted);
+    highest_.assign(keys, keys + columns);
+    Scalar* const highest = highest_.data();
+    const Index whole = places - places % columns;
+    for (Index row = columns; row < whole; row += columns) {
+      for (Index c = 0; c < columns; ++c) highest[c] = std::max(highest[c], keys[row + c]);
+    }
+    for (Index k = whole; k < places; ++k) {
+      highest[k - whole] = std::max(highest[k - whole], keys[k]);
+    }
+    sorted_ = highest_;
+    const auto last = sorted_.begin() + wanted - 1;
+    std::nth_element(sorted_.begin(), last, sorted_.end(), std::greater<>());
+    const Scalar floor = *last;
+    for (Index c = 0; c < columns; ++c) {
+      if (highest[c] < floor) continue;
+      for (Index k = c; k < places; k += columns) {
+        if (keys[k] >= floor) choices_.push_back({keys[k], k});
+      }
     }
   }
   if (std::ssize(choices_) < wanted) throw std::logic_error("balance: a key is not a number");

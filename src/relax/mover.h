@@ -51,7 +51,9 @@ class Mover {
   std::vector<PointNumber> waiting_;  ///< of from_
   std::vector<Scalar> waiting_x_;     ///< their coordinates, point after point
   std::vector<Scalar> block_;
-  std::vector<Scalar> moving_;  ///< coordinates of one point
+  std::vector<Scalar> moving_;   ///< coordinates of one point
+  std::vector<Scalar> highest_;  ///< of each column
+  std::vector<Scalar> sorted_;
   std::vector<Choice> choices_;
 };
 

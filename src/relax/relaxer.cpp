@@ -94,15 +94,16 @@ void Relaxer<Scalar>::run(Source&& source, bool full, LevelState<Scalar>& state)
     return (flags[a] | flags[b]) != 0;
   };
   for (std::size_t b = 0; b < source.batch_count() && !cancelled(); ++b) {
-    Schedule::run_batch(arena_, source.batch(b), [&](const Schedule::Task& task, int w) {
-      if (of_touched && !touched(touched_tile_, task.a, task.b)) return;
-      Worker& worker = workers_[w];
-      source.for_pairs(task, [&](SiteNumber i, SiteNumber j) {
-        if (of_touched && !touched(touched_, i, j)) return;
-        if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j)) return;
-        examine(state, worker, i, j);
-      });
-    });
+    Schedule::run_batch(
+        arena_, state.tiling, source.batch(b), [&](const Schedule::Task& task, int w) {
+          if (of_touched && !touched(touched_tile_, task.a, task.b)) return;
+          Worker& worker = workers_[w];
+          source.for_pairs(task, [&](SiteNumber i, SiteNumber j) {
+            if (of_touched && !touched(touched_, i, j)) return;
+            if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j)) return;
+            examine(state, worker, i, j);
+          });
+        });
   }
 }
 

@@ -22,13 +22,28 @@ class NestedSubsets {
   NestedSubsets(std::uint64_t seed, std::uint64_t stream, std::size_t points,
                 std::span<const std::size_t> sizes, const Arena& arena);
 
-  /// The smallest subset that a point is in; the number of subsets when it is in none.
-  [[nodiscard]] std::size_t smallest_with(std::size_t point) const {
-    const std::uint64_t key = key_of(point);
-    std::size_t smaller = 0;
-    for (const std::uint64_t last : last_) smaller += key > last ? 1 : 0;
-    return smaller;
-  }
+  /// The points that are in a subset and in no smaller one: see Members::contains().
+  class Members {
+   public:
+    [[nodiscard]] bool contains(std::size_t point) const {
+      const std::uint64_t key = all_.key_of(point);
+      return key <= last_ && (smallest_ || key > before_);
+    }
+
+   private:
+    friend NestedSubsets;
+    Members(const NestedSubsets& all, std::size_t subset)
+        : all_(all),
+          smallest_(subset == 0),
+          before_(smallest_ ? 0 : all.last_[subset - 1]),
+          last_(subset < all.last_.size() ? all.last_[subset] : UINT64_MAX) {}
+    const NestedSubsets& all_;
+    bool smallest_;
+    std::uint64_t before_;
+    std::uint64_t last_;
+  };
+  /// `subset`: their number is that of the points in none.
+  [[nodiscard]] Members members(std::size_t subset) const { return {*this, subset}; }
   /// How many points of a block are in a subset.
   [[nodiscard]] std::size_t count(std::size_t block, std::size_t subset) const {
     return count_[block * last_.size() + subset];

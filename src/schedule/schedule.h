@@ -66,11 +66,12 @@ struct Schedule {
 
   /// Calls body(task, worker) for each task, one batch after the other.
   template <class Body>
-  void run(const Arena& arena, const Body& body) const {
-    for (std::size_t b = 0; b < batch_count(); ++b) run_batch(arena, batch(b), body);
+  void run(const Arena& arena, const Tiling& tiling, const Body& body) const {
+    for (std::size_t b = 0; b < batch_count(); ++b) run_batch(arena, tiling, batch(b), body);
   }
   template <class Body>
-  static void run_batch(const Arena& arena, std::span<const Task> tasks, const Body& body);
+  static void run_batch(const Arena& arena, const Tiling& tiling, std::span<const Task> tasks,
+                        const Body& body);
 };
 
 /// The pairs of two tiles, or inside one, become a task; pairs of tiles are distributed by
@@ -85,12 +86,11 @@ Schedule schedule_rounds(std::span<const Pair> pairs, std::size_t sites,
                          const Arena& arena = Arena(1));
 
 template <class Body>
-void Schedule::run_batch(const Arena& arena, std::span<const Task> tasks, const Body& body) {
-  // About as many pairs as make the start of a task negligible.
-  constexpr std::size_t kPairsPerGrain = 24;
+void Schedule::run_batch(const Arena& arena, const Tiling& tiling, std::span<const Task> tasks,
+                         const Body& body) {
   std::size_t pairs = 1;
   for (const Task& task : tasks) pairs += task.size();
-  const std::size_t grain = 1 + kPairsPerGrain * tasks.size() / pairs;
+  const std::size_t grain = 1 + tiling.pairs_per_grain() * tasks.size() / (pairs + 1);
   arena.for_ranges(tasks.size(), grain, [&](std::size_t begin, std::size_t end, int worker) {
     for (std::size_t t = begin; t < end; ++t) body(tasks[t], worker);
   });

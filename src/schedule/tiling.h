@@ -26,11 +26,17 @@ class Tiling {
   static Tiling of_points(Index sites, Index points, Index most_sites) {
     constexpr Index kPoints = 1 << 16;
     const Index capacity = std::max(points / sites, 1);
-    return {sites, std::min(most_sites, kPoints / capacity)};
+    Tiling tiling(sites, std::min(most_sites, kPoints / capacity));
+    tiling.pairs_per_grain_ = std::clamp(kPairsPerGrain * kFewPoints / capacity, 1, kPairsPerGrain);
+    return tiling;
   }
 
   [[nodiscard]] std::size_t sites() const { return end_; }
   [[nodiscard]] Index sites_per_tile() const { return sites_per_tile_; }
+  /// Pairs of sites beside whose work the start of a task is negligible.
+  [[nodiscard]] std::size_t pairs_per_grain() const {
+    return static_cast<std::size_t>(pairs_per_grain_);
+  }
   [[nodiscard]] std::size_t count() const { return tile_of(SiteNumber(end_ - 1)) + 1; }
   [[nodiscard]] Tile tile_of(SiteNumber site) const { return Tile(site.index() / sites_per_tile_); }
   [[nodiscard]] NumberRange<SiteNumber> sites_of(Tile tile) const {
@@ -39,8 +45,12 @@ class Tiling {
   }
 
  private:
+  static constexpr Index kPairsPerGrain = 24;  ///< of cells of a few points
+  static constexpr Index kFewPoints = 256;
+
   SiteNumber end_{1};
   Index sites_per_tile_ = 1;
+  Index pairs_per_grain_ = kPairsPerGrain;
 };
 
 /// Calls body(tile, worker) for each tile, which is a task.
