@@ -152,7 +152,7 @@ bool Solver<Scalar>::Implementation::step() {
   if (descent) {
     if (!descent->ended()) return true;
     const bool pairs_next =
-        descent->unsuited() || (on_finest_level() && options.until == Until::stable);
+        descent->unsuited() || (on_finest_level() && descent->depth() == Depth::full);
     descent.reset();
     if (pairs_next) return true;
     if (on_finest_level()) return end(Termination::blue_noise);
@@ -200,7 +200,7 @@ std::optional<Depth> Solver<Scalar>::Implementation::descends() const {
   }
   if (options.until == Until::blue_noise && level > 0) return Depth::even;
   if (problem.point_count() < kTimesAsManyOnFinest * least) return {};
-  return on_finest_level() ? Depth::full : Depth::coarse;
+  return Depth::full;
 }
 
 /// Ends the run; points of levels that it has not reached join. False.

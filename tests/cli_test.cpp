@@ -9,6 +9,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ccvt/capacity.h"
@@ -135,6 +136,17 @@ TEST_CASE("sample: distributions and scalar types") {
       run(directory, "sample --dim 2 --sites 400 --energy-tolerance 0.5 -o s.npy --summary s.json")
           .status == 0);
   CHECK(json_of(directory / "s.json")["termination"] == "energy_tolerance");
+  const std::string fine =
+      "sample --dim 2 --sites 32 --points-per-site 2048 -o s.npy --summary s.json";
+  for (const auto& [end, termination] : {std::pair{"", "blue_noise"},
+                                         {" --until blue-noise", "blue_noise"},
+                                         {" --until stable", "stable"},
+                                         {" --preset default", "stable"},
+                                         {" --time-limit 1e-9", "time_limit"}}) {
+    CAPTURE(end);
+    CHECK(run(directory, fine + end).status == 0);
+    CHECK(json_of(directory / "s.json")["termination"] == termination);
+  }
   CHECK(run(directory, "sample --dim 2 --sites 16 --preset fast-ccvt -o s.npy --summary s.json")
             .status == 0);
   CHECK(json_of(directory / "s.json")["initialization"] == "coherent");
@@ -289,6 +301,8 @@ TEST_CASE("bad input: one line, status 2, nothing written") {
       {sample + "--preset fast", {"--preset", "'fast'", "fast-ccvt"}},
       {sample + "--energy-tolerance 1", {"--energy-tolerance", "'1'", "below 1"}},
       {sample + "--energy-tolerance nan", {"--energy-tolerance", "'nan'"}},
+      {sample + "--time-limit 0", {"--time-limit", "'0'", "above 0"}},
+      {sample + "--until blue", {"--until", "'blue'", "stable or blue-noise"}},
       {sample + "--distribution blue", {"--distribution", "'blue'", "jittered"}},
       {sample + "--float --double", {"--float: cannot be given beside --double"}},
       {sample + "--float=maybe", {"--float: takes no value"}},

@@ -4,13 +4,17 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "ccvt/metrics.h"
 #include "ccvt/problem.h"
+#include "ccvt/sampling.h"
 #include "ccvt/solver.h"
 #include "kernels/power.h"
 #include "random.h"
@@ -315,6 +319,77 @@ TEST_CASE_TEMPLATE("a tessellation descended to is what it claims", Scalar, floa
         if (periodic) problem.set_domain(Domain::periodic(box));
         check_descended(problem, {.seed = 2});
       }
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("until blue noise: the end is what it claims", Scalar, float, double) {
+  for (const int dimension : {1, 2, 3, 5}) {
+    for (const Layout layout : all_layouts) {
+      CAPTURE(dimension);
+      CAPTURE(name_of(layout));
+      const Box box = uneven_box(dimension);
+      const auto points = make_points<Scalar>(layout, box, 60 * 40 + 7);
+      const Problem<Scalar> problem(points, 60);
+      Options options{.until = ccvt::Until::blue_noise, .level_points = 4, .descent_points = 20};
+      const auto result = ccvt::tessellate(problem, options);
+      CHECK(result.summary.termination == Termination::blue_noise);
+      CHECK(faults(problem, result) == "");
+      options.threads = 3;
+      CHECK(differences(result, ccvt::tessellate(problem, options)) == "");
+    }
+  }
+}
+
+TEST_CASE("until blue noise: with few points a site, and from given owners, as stable") {
+  const auto points = make_points<float>(Layout::random, Box::unit(2), 300 * 500);
+  Problem<float> problem(points, 300);
+  const auto stable = ccvt::tessellate(problem);
+  Options options = Options::samples();
+  CHECK(differences(stable, ccvt::tessellate(problem, options)) == "");
+  options.descent_points = 10;
+  const auto even = ccvt::tessellate(problem, options);
+  CHECK(even.summary.termination == Termination::blue_noise);
+  CHECK(even.summary.energy > stable.summary.energy);
+  problem.set_initial_owners(even.owners);
+  CHECK(ccvt::tessellate(problem, options).summary.termination == Termination::stable);
+}
+
+TEST_CASE("until blue noise: as irregular as with 256 points a site; stable is not") {
+  constexpr Index kSites = 256;
+  const auto torus = ccvt::Domain::periodic(Box::unit(2));
+  const auto psi6 = [&](Index points_per_site, ccvt::Until until) {
+    std::vector<ccvt::PointSet> sets;
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      const auto points = ccvt::sample_uniform<float, 2>(Box::unit(2), kSites * points_per_site,
+                                                         seed, ccvt::Distribution::white);
+      Problem<float> problem(points, kSites);
+      problem.set_domain(torus);
+      sets.emplace_back(ccvt::tessellate(problem, {.seed = seed, .until = until}).sites, torus);
+    }
+    return ccvt::analyze(sets).order.psi6_local;
+  };
+  const double few = psi6(256, ccvt::Until::stable);
+  CHECK(psi6(4096, ccvt::Until::blue_noise) < few + 0.12);
+  CHECK(psi6(4096, ccvt::Until::stable) > few + 0.2);
+}
+
+TEST_CASE("a run that is cancelled anywhere in a descent leaves capacities exact") {
+  const auto points = make_points<float>(Layout::random, Box::unit(2), 3000);
+  const Problem<float> problem(points, 20);
+  for (const auto until : {ccvt::Until::stable, ccvt::Until::blue_noise}) {
+    for (const int stop : {1, 5, 8, 10, 12, 14, 16, 19, 23, 28, 34}) {
+      CAPTURE(stop);
+      int asked = 0;
+      Options options{.threads = 1, .until = until, .level_points = 8, .descent_points = 8};
+      options.cancelled = [&] {
+        // So slowly that each check is due again.
+        std::this_thread::sleep_for(std::chrono::milliseconds(21));
+        return ++asked >= stop;
+      };
+      const auto result = ccvt::tessellate(problem, options);
+      CHECK(ccvt::capacity_error(result.owners, 20) == 0);
+      if (asked >= stop) CHECK(result.summary.termination == Termination::cancelled);
     }
   }
 }

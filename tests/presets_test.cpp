@@ -20,7 +20,8 @@ int differing_fields(const ccvt::Options& a, const ccvt::Options& b) {
          int{a.multilevel != b.multilevel} + int{a.swap != b.swap} +
          int{a.point_pruning != b.point_pruning} +
          int{a.median_cut_pruning != b.median_cut_pruning} + int{a.pairs != b.pairs} +
-         int{a.cached_passes != b.cached_passes} + int{a.tile_sites != b.tile_sites};
+         int{a.cached_passes != b.cached_passes} + int{a.tile_sites != b.tile_sites} +
+         int{a.descent_points != b.descent_points} + int{a.until != b.until};
 }
 
 }  // namespace

@@ -302,6 +302,9 @@ TEST_CASE("options") {
       {[&] { solve({.energy_tolerance = -0.5}); }, {"energy_tolerance", "-0.5"}},
       {[&] { solve({.energy_tolerance = 1}); }, {"energy_tolerance", "1"}},
       {[&] { solve({.energy_tolerance = not_a_number}); }, {"energy_tolerance", "nan"}},
+      {[&] { solve({.time_limit = -1}); }, {"time_limit", "-1"}},
+      {[&] { solve({.time_limit = not_a_number}); }, {"time_limit", "nan"}},
+      {[&] { solve({.descent_points = -1}); }, {"descent_points", "-1"}},
       {[&] { solve({.level_points = 0}); }, {"level_points", "0"}},
       {[&] { solve({.level_factor = 1}); }, {"level_factor", "1"}},
       {[&] { solve({.cached_passes = -1}); }, {"cached_passes", "-1"}},
@@ -314,6 +317,9 @@ TEST_CASE("options") {
   // The largest values that are allowed must not overflow anywhere.
   CHECK_NOTHROW(solve({.level_points = 2147483647}));
   CHECK_NOTHROW(solve({.level_factor = 2147483647}));
+  CHECK_NOTHROW(solve({.time_limit = 1e300}));
+  CHECK_NOTHROW(solve({.time_limit = infinity}));
+  CHECK_NOTHROW(solve({.descent_points = 2147483647}));
   CHECK_NOTHROW(solve({.level_points = 2147483647, .level_factor = 2147483647}));
   CHECK_NOTHROW(solve({.cached_passes = 2147483647}));
   CHECK_NOTHROW(solve({.tile_sites = 2147483647}));

@@ -248,6 +248,42 @@ TEST_CASE("Options::cancelled is heard wherever it is asked, also when levels ch
   }
 }
 
+TEST_CASE("the time limit ends a run with capacities exact, on whatever level it is") {
+  const auto points = make_points<float>(Layout::random, Box::unit(2), 60 * 4096);
+  const Problem<float> problem(points, 60);
+  const auto unlimited = ccvt::tessellate(problem, {.time_limit = 1e6});
+  CHECK(unlimited.summary.termination == Termination::stable);
+  const auto first = ccvt::tessellate(problem, {.time_limit = 1e-9});
+  CHECK(first.summary.termination == Termination::time_limit);
+  CHECK(first.summary.iterations == 0);
+  CHECK(ccvt::capacity_error(first.owners, 60) == 0);
+  // Time passes on the level where the callback sleeps.
+  for (int level = 0; level < unlimited.summary.levels; ++level) {
+    CAPTURE(level);
+    Options options{.time_limit = 0.4};
+    options.on_iteration = [&](const ccvt::IterationRecord& record) {
+      if (record.level == level) std::this_thread::sleep_for(std::chrono::milliseconds(410));
+      return true;
+    };
+    const auto result = ccvt::tessellate(problem, options);
+    CHECK(result.summary.termination == Termination::time_limit);
+    CHECK(ccvt::capacity_error(result.owners, 60) == 0);
+    CHECK(faults(problem, result) == "");
+  }
+}
+
+TEST_CASE("progress goes from 0 to 1 and does not fall") {
+  const auto points = make_points<float>(Layout::random, Box::unit(2), 60 * 4096);
+  const auto log = ccvt::tessellate(points, 60).summary.iterations_log;
+  double before = 0;
+  for (const ccvt::IterationRecord& record : log) {
+    CHECK(record.progress >= before);
+    before = record.progress;
+  }
+  CHECK(log.front().progress < 0.01);
+  CHECK(log.back().progress == doctest::Approx(1));
+}
+
 TEST_CASE("step by step is the same as at once") {
   const auto points = make_points<float>(Layout::clusters, uneven_box(3), 4000);
   Problem<float> problem(points, 50);

@@ -24,10 +24,10 @@ constexpr double kLargestShare = 0.3;
 constexpr double kSmallestShare = 1e-4;
 constexpr double kStepsAhead = 4;
 /// A descent ends after so many steps one after the other that lower the energy by less than this
-/// share of it.
+/// share of it. With a tenth of it 1024 sites of 4096 points take half as long again, and end .2 %
+/// lower.
 constexpr int kSmallGains = 3;
-constexpr double kLeastGain = 1e-5;
-constexpr double kLeastGainWhenCoarse = 1e-4;
+constexpr double kLeastGain = 1e-4;
 /// Cells are full when the surplus is, in the mean, this share of how far sites are from their
 /// centroids, of the radius; or a point.
 constexpr double kFullness = 0.1;
@@ -65,7 +65,6 @@ Descent<Scalar>::Descent(const Metric& metric, const Arena& arena, Stop& stop,
       points_(points),
       weights_(weights),
       depth_(depth),
-      least_gain_(depth == Depth::coarse ? kLeastGainWhenCoarse : kLeastGain),
       share_(kLargestShare),
       borders_(metric, arena),
       capacity_(state.cells.site_count()),
@@ -209,9 +208,9 @@ bool Descent<Scalar>::descend() {
 template <class Scalar>
 double Descent<Scalar>::progress() const {
   if (ended_) return 1;
-  if (!(first_gain_ > least_gain_)) return 0;
-  return std::log(first_gain_ / std::clamp(last_gain_, least_gain_, first_gain_)) /
-         std::log(first_gain_ / least_gain_);
+  if (!(first_gain_ > kLeastGain)) return 0;
+  return std::log(first_gain_ / std::clamp(last_gain_, kLeastGain, first_gain_)) /
+         std::log(first_gain_ / kLeastGain);
 }
 
 template <class Scalar>
@@ -236,7 +235,7 @@ PassCount Descent<Scalar>::step(LevelState<Scalar>& state) try {
       used = borders_.used();
       last_gain_ = (before - energy_) / before;
       if (first_gain_ == 0) first_gain_ = last_gain_;
-      small_gains_ = last_gain_ < least_gain_ ? small_gains_ + 1 : 0;
+      small_gains_ = last_gain_ < kLeastGain ? small_gains_ + 1 : 0;
       ended_ = small_gains_ == kSmallGains;
     } else if (directions_.empty()) {
       borders_.count(at_);
@@ -281,7 +280,7 @@ void Descent<Scalar>::commit(LevelState<Scalar>& state, PassCount& result) {
   update_all(metric_, state, arena_);
   result.active_sites = static_cast<Index>(capacity_.size());
   const double energy = total_energy(state.sites, arena_);
-  ended_ = ended_ || !(energy_before - energy > least_gain_ * energy_before);
+  ended_ = ended_ || !(energy_before - energy > kLeastGain * energy_before);
   if (energy <= energy_before) return;
   filling.take_back();
   state.sites = before;

@@ -14,9 +14,8 @@ namespace ccvt {
 
 /// How far a level is lowered.
 enum class Depth {
-  even,    ///< its cells become full, for the sites where they are, and these move once
-  coarse,  ///< more points join on the next level, and will move the sites anyway
-  full,    ///< until steps gain next to nothing
+  even,  ///< its cells become full, for the sites where they are, and these move once
+  full,  ///< until steps gain next to nothing
 };
 
 /// Lowers the energy of a level whose sites own many points. An exchange of points between two
@@ -42,6 +41,7 @@ class Descent {
   PassCount step(LevelState<Scalar>& state);
   /// Whether little is left to be gained.
   [[nodiscard]] bool ended() const { return ended_; }
+  [[nodiscard]] Depth depth() const { return depth_; }
   /// Whether nothing was done, because cells have too many neighbours for it, or are too large for
   /// their torus.
   [[nodiscard]] bool unsuited() const { return unsuited_; }
@@ -62,7 +62,6 @@ class Descent {
   const PointsView<Scalar>& points_;
   std::vector<double>& weights_;
   Depth depth_;
-  double least_gain_;
   bool ended_ = false;
   bool unsuited_ = false;
   double first_gain_ = 0;  ///< of the first step, and of the last; shares of the energy
