@@ -107,21 +107,14 @@ HWY_INLINE void nearest_of_all(const Scalar* points, Index stride, Index count, 
   const hn::ScalableTag<Scalar> tag;
   const hn::CappedTag<Scalar, 1> one;
   const auto lanes = static_cast<Index>(hn::Lanes(tag));
-  Index k = 0;
-  const auto advance = [&](Index step) {
-    k += step;
-    out.nearest += step;
-    out.next += step;
-    out.margin += step;
+  const auto from = [&out](Index k) {
+    return NearestPowers<Scalar>{out.nearest + k, out.next + k, out.margin + k};
   };
-  while (k + lanes <= count) {
-    nearest_of_vector(tag, points + k, stride, dimension, sites, out);
-    advance(lanes);
+  Index k = 0;
+  for (; k + lanes <= count; k += lanes) {
+    nearest_of_vector(tag, points + k, stride, dimension, sites, from(k));
   }
-  while (k < count) {
-    nearest_of_vector(one, points + k, stride, dimension, sites, out);
-    advance(1);
-  }
+  for (; k < count; ++k) nearest_of_vector(one, points + k, stride, dimension, sites, from(k));
 }
 
 /// Lets the compiler unroll the loop over dimensions in the common cases.
