@@ -133,6 +133,57 @@ TEST_CASE("a run of one size becomes tables and plots") {
   CHECK(test::get(directory.path() / "table1.svg").find("median-cut") != std::string::npos);
 }
 
+TEST_CASE("runs of many points a site become tables and plots") {
+  const test::TemporaryDirectory directory;
+  Record record("growth", Scale{}, directory.path());
+  const auto add = [&](const char* table, Index points_per_site, const char* until,
+                       double seconds) -> Json& {
+    record.json["runs"].push_back({{"table", table},
+                                   {"problem", "2D box"},
+                                   {"sites", 64},
+                                   {"points_per_site", points_per_site},
+                                   {"threads", 1},
+                                   {"until", until},
+                                   {"seconds", repeated({seconds})},
+                                   {"iterations", 7},
+                                   {"normalized_energy", 0.17},
+                                   {"reference", seconds == 1},
+                                   {"times_reference", repeated({seconds})}});
+    return record.json["runs"].back();
+  };
+  add("box", 256, "stable", 1);
+  add("box", 1024, "stable", 2)["times_flann"] = repeated({0.71});
+  add("box", 4096, "stable", 4)["wanted"] = {{"figure", "times_reference"}, {"most", 1.5}};
+  add("box", 16384, "stable", 32)["wanted"] = {{"figure", "seconds"}, {"most", 33}};
+  add("others", 4096, "stable", 2)["capacities"] = {29, 5000};
+  add("threads", 4096, "stable", 0.5);
+  record.json["parameters"]["order"] = {{"sites", 64}, {"sets", 5}};
+  for (const char* until : {"stable", "blue_noise"}) {
+    Json& run = add("order", 4096, until, 2);
+    run["normalized_energy"] = repeated({0.17});
+    for (const char* key :
+         {"peak", "psi6", "smallest_distance", "mean_distance", "low_frequency_power"}) {
+      run[key] = 0.5;
+    }
+  }
+  record.save();
+  const std::string text = report(directory.path());
+  for (const char* part :
+       {"| 65536 | 64x1024 | 2.00 |", "| 0.710 |", "at most 1.5 times the reference: not reached",
+        "at most 33 s: reached", "| 64 | 1024 to 16384 | 1.00 | 1.50 |",
+        "2D box, capacities 29 to 5000", "| 64x4096 | 1 | 0.500 | 2.00 |", "| 4096 | blue_noise |",
+        "(growth.svg)", "(growth_order.svg)"}) {
+    CAPTURE(part);
+    CHECK(text.find(part) != std::string::npos);
+  }
+  const std::string picture = test::get(directory.path() / "growth_order.svg");
+  for (const char* part :
+       {"highest power", "psi6", "smallest distance", "low-frequency", ">stable<"}) {
+    CAPTURE(part);
+    CHECK(picture.find(part) != std::string::npos);
+  }
+}
+
 TEST_CASE("reports of nothing, and of other files, are refused") {
   const test::TemporaryDirectory directory;
   CHECK_THROWS_AS(report(directory.path()), IoError);

@@ -20,7 +20,7 @@ struct Scale {
   int repetitions = 3;
   int threads = 0;     ///< most threads to use; 0: one per processor
   double budget = 30;  ///< seconds; rows of Table 1 that would take longer are estimated
-  std::string only;    ///< of Table 1 and parallel: one size, such as "1024x256"; empty: all
+  std::string only;    ///< of table1, growth, parallel: one size, such as "1024x256"; empty: all
 };
 
 /// Table 1: every row on the same points, on the torus, white noise.
@@ -31,6 +31,8 @@ void clusters(const Scale& scale, const std::filesystem::path& directory);
 void quality(const Scale& scale, const std::filesystem::path& directory);
 /// Time against sites, points per site, threads and dimensions.
 void scaling(const Scale& scale, const std::filesystem::path& directory);
+/// Time and order against the points a site, many of them.
+void growth(const Scale& scale, const std::filesystem::path& directory);
 /// Two threads over one, beside the machine's ceiling, and what more workers would give.
 void parallel(const Scale& scale, const std::filesystem::path& directory);
 

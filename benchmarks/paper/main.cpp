@@ -26,6 +26,7 @@ constexpr Experiment kExperiments[] = {
     {"clusters", "Figure 2: how many pairs there are in a batch", ccvt::bench::clusters},
     {"quality", "Figure 4: spectra by points per site and kind of points", ccvt::bench::quality},
     {"scaling", "Time against sites, points per site, threads, dimensions", ccvt::bench::scaling},
+    {"growth", "Time and order with many points per site", ccvt::bench::growth},
     {"parallel", "Threads: phase by phase, and predicted for more of them", ccvt::bench::parallel},
 };
 
@@ -77,7 +78,7 @@ int run(int argc, char** argv) {
     CLI::App* const command = app.add_subcommand(experiment.name, experiment.description);
     add_arguments(*command, arguments);
     const std::string name = experiment.name;
-    if (name != "table1" && name != "parallel") continue;
+    if (name != "table1" && name != "growth" && name != "parallel") continue;
     command->add_option("--only", arguments.scale.only, "One size, such as 1024x256")
         ->type_name("SIZE");
   }

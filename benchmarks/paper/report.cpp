@@ -173,11 +173,9 @@ std::string report_scaling(const Json& record, const fs::path& directory) {
 
 std::string report(const fs::path& directory) {
   using Part = std::string (*)(const Json&, const fs::path&);
-  const std::pair<const char*, Part> parts[] = {{"table1", report_table1},
-                                                {"clusters", report_clusters},
-                                                {"quality", report_quality},
-                                                {"scaling", report_scaling},
-                                                {"parallel", report_parallel}};
+  const std::pair<const char*, Part> parts[] = {
+      {"table1", report_table1},   {"clusters", report_clusters}, {"quality", report_quality},
+      {"scaling", report_scaling}, {"growth", report_growth},     {"parallel", report_parallel}};
   std::string text;
   std::string last_machine;
   for (const auto& [name, part] : parts) {

@@ -14,6 +14,7 @@ std::string report_table1(const Json& record, const std::filesystem::path& direc
 std::string report_clusters(const Json& record, const std::filesystem::path& directory);
 std::string report_quality(const Json& record, const std::filesystem::path& directory);
 std::string report_scaling(const Json& record, const std::filesystem::path& directory);
+std::string report_growth(const Json& record, const std::filesystem::path& directory);
 std::string report_parallel(const Json& record, const std::filesystem::path& directory);
 
 /// Says so where the record is of a quick run.
