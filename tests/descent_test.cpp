@@ -323,6 +323,18 @@ TEST_CASE_TEMPLATE("a tessellation descended to is what it claims", Scalar, floa
   }
 }
 
+// Pairs of such cells creep: they must be left what is nearly at rest.
+TEST_CASE("many points a site: a descent leaves little to the pairs") {
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+    CAPTURE(seed);
+    const auto points =
+        ccvt::sample_uniform<float, 2>(Box::unit(2), 16 * 65536, seed, ccvt::Distribution::white);
+    const auto summary = ccvt::tessellate(points, 16, {.seed = seed}).summary;
+    CHECK(summary.termination == Termination::stable);
+    CHECK(summary.iterations < 80);
+  }
+}
+
 TEST_CASE_TEMPLATE("until blue noise: the end is what it claims", Scalar, float, double) {
   for (const int dimension : {1, 2, 3, 5}) {
     for (const Layout layout : all_layouts) {

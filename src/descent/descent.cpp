@@ -118,14 +118,27 @@ template <class Scalar>
 void Descent<Scalar>::start(const LevelState<Scalar>& state) {
   borders_.find(state.cells, position_, radius_, weights_, near_.span(), share_);
   at_ = {std::vector<double>(position_.size(), 0.0), weights_};
+  if (gradient_.empty()) {
+    fill(at_, kLargestFullness);
+    look();
+  }
+  // As full as it will be after a step: else its energy, which is a lower bound, cannot be
+  // compared.
   fill(at_, kFullness * farthest_centroid());
+  look();
 }
 
-/// How far sites are from the centroids of what they own, at most, of the radius; 1 before that is
-/// known.
+/// Takes the energy and its gradient from the diagram last counted.
+template <class Scalar>
+void Descent<Scalar>::look() {
+  energy_ = borders_.energy();
+  gradient_ = borders_.to_centroid();
+  for (double& g : gradient_) g = -g;
+}
+
+/// How far sites are from the centroids of what they own, at most, of the radius.
 template <class Scalar>
 double Descent<Scalar>::farthest_centroid() const {
-  if (gradient_.empty()) return 1;
   const std::size_t dimension = metric_.coordinate_count();
   return std::sqrt(largest(arena_, capacity_.size(), [&](std::size_t s) {
     return squared(&gradient_[s * dimension], dimension) / (radius_[s] * radius_[s]);
@@ -223,9 +236,6 @@ PassCount Descent<Scalar>::step(LevelState<Scalar>& state) try {
   }
   ended_ = depth_ == Depth::even;
   start(state);
-  energy_ = borders_.energy();
-  gradient_ = borders_.to_centroid();
-  for (double& g : gradient_) g = -g;
   int steps = 0;
   double used = 0;
   while (!ended_ && steps < kMostSteps && used <= 1) {

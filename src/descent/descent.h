@@ -51,6 +51,7 @@ class Descent {
  private:
   bool find_neighbours(const LevelState<Scalar>& state);
   void start(const LevelState<Scalar>& state);
+  void look();
   void fill(PowerDiagram& diagram, double fullness);
   bool descend();
   [[nodiscard]] double farthest_centroid() const;
