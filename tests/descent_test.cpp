@@ -367,7 +367,7 @@ TEST_CASE("until blue noise: with few points a site, and from given owners, as s
   CHECK(ccvt::tessellate(problem, options).summary.termination == Termination::stable);
 }
 
-TEST_CASE("until blue noise: as irregular as with 256 points a site; stable is not") {
+TEST_CASE("until blue noise: sites stay irregular; stable ones become a lattice") {
   constexpr Index kSites = 256;
   const auto torus = ccvt::Domain::periodic(Box::unit(2));
   const auto psi6 = [&](Index points_per_site, ccvt::Until until) {

@@ -246,7 +246,7 @@ std::string order(const Json& record, const Runs& runs, const fs::path& director
          " sites of white noise on the torus, one thread, sets of points: " +
          std::to_string(parameters.at("sets").get<int>()) +
          ". Until\nstable, sites become a lattice with faults the more points they have; until\n"
-         "blue_noise, they are to stay as irregular as with 256. Below 512 points a site the two\n"
+         "blue_noise, they are to stay irregular. Below 512 points a site the two\n"
          "are the same. Distances are shares of the hexagonal lattice's; rings of width .125\n"
          "sqrt(n).\n\n" +
          markdown_table(rows) +

@@ -57,10 +57,9 @@ enum class Until {
   /// of its cell: the lowest energy. The more points a site, the lower, and the more regular: from
   /// some thousands on sites are a lattice with faults.
   stable,
-  /// Sites are as even as with a few hundred points a site, and as irregular, and have less noise
-  /// at
-  /// low frequencies: a level of many points a site is stable as soon as its points have their
-  /// owners. Then cells are those of a power diagram, and every site is the centroid of its cell,
+  /// Sites stay about as irregular as with a thousand points a site, and have less noise at low
+  /// frequencies: a level of many points a site ends as soon as its points have their owners. Then
+  /// cells are those of a power diagram, and every site is the centroid of its cell,
   /// but an exchange of points may still lower the energy.
   blue_noise,
 };

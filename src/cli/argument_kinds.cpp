@@ -122,7 +122,7 @@ void add_common(CLI::App& app, CommonArguments& common, io::Extensions extension
   app.add_option_function<std::string>(
          "--until", [&common](const std::string& name) { common.until = ends.at(name); },
          "With 512 points a site and more: stable (least energy; a lattice with faults, from "
-         "thousands on) or blue-noise (as irregular as with 256, and much sooner) [" +
+         "thousands on) or blue-noise (about as irregular as with 1024, and sooner) [" +
              default_until + "]")
       ->type_name("END")
       ->check(CLI::Validator(
