@@ -149,17 +149,16 @@ bool Solver<Scalar>::Implementation::step() {
                                 progress(done), options);
 
   if (done.stopped || !go_on) return end(Termination::cancelled);
-  if (descent) {
-    if (!descent->ended()) return true;
-    const bool pairs_next =
-        descent->unsuited() || (on_finest_level() && descent->depth() == Depth::full);
-    descent.reset();
-    if (pairs_next) return true;
-    if (on_finest_level()) return end(Termination::blue_noise);
-  } else if (!relaxer->stable()) {
+  if (!(descent ? descent->ended() : relaxer->stable())) {
     const bool improved = energy_before - energy >= options.energy_tolerance * energy_before;
     return improved || !on_finest_level() || options.energy_tolerance == 0 ||
            end(Termination::energy_tolerance);
+  }
+  if (descent) {
+    const bool pairs_next = on_finest_level() && descent->depth() == Depth::full;
+    descent.reset();
+    if (pairs_next) return true;
+    if (on_finest_level()) return end(Termination::blue_noise);
   }
   if (on_finest_level()) return end(Termination::stable);
   enter_level(level + 1);
@@ -169,7 +168,12 @@ bool Solver<Scalar>::Implementation::step() {
 template <class Scalar>
 PassCount Solver<Scalar>::Implementation::pass() {
   const auto timed = record.relaxing();
-  return descent ? descent->step(state) : relaxer->step(state);
+  if (descent) {
+    const PassCount done = descent->step(state);
+    if (!descent->unsuited()) return done;
+    descent.reset();
+  }
+  return relaxer->step(state);
 }
 
 /// How far the run has come: levels count as their points, and a level by how many sites are at
@@ -184,8 +188,11 @@ double Solver<Scalar>::Implementation::progress(const PassCount& done) const {
     joined += levels[l].joining.size();
     all += static_cast<double>(joined);
   }
-  const double here = descent ? descent->progress()
-                              : 1 - static_cast<double>(done.active_sites) / problem.site_count();
+  constexpr double kBeforePairs = 0.8;  // of a level that is descended first
+  const double here = !descent ? 1 - static_cast<double>(done.active_sites) / problem.site_count()
+                      : on_finest_level() && descent->depth() == Depth::full
+                          ? kBeforePairs * descent->progress()
+                          : descent->progress();
   return (before + here * state.cells.point_count()) / all;
 }
 
@@ -206,9 +213,11 @@ std::optional<Depth> Solver<Scalar>::Implementation::descends() const {
 /// Ends the run; points of levels that it has not reached join. False.
 template <class Scalar>
 bool Solver<Scalar>::Implementation::end(Termination termination) {
-  const Termination cut_short = stop.late() ? Termination::time_limit : Termination::cancelled;
+  const auto cut_short = [this] {
+    return stop.late() ? Termination::time_limit : Termination::cancelled;
+  };
   if (termination == Termination::cancelled) {
-    termination = cut_short;
+    termination = cut_short();
     // Owners as good as the sites, if there is time for that.
     stop.allow(kTimeToFinish);
     if (!on_finest_level() && problem.point_count() > kMostToFinish) {
@@ -218,7 +227,7 @@ bool Solver<Scalar>::Implementation::end(Termination termination) {
   while (!on_finest_level()) enter_level(level + 1);
   stop.off();
   // Cancelled while points of the last levels joined.
-  record.end(dealt.empty() ? termination : cut_short, problem, box);
+  record.end(dealt.empty() ? termination : cut_short(), problem, box);
   return false;
 }
 

@@ -323,6 +323,21 @@ TEST_CASE_TEMPLATE("a tessellation descended to is what it claims", Scalar, floa
   }
 }
 
+TEST_CASE("tiles that do not fit the ranges of sites, and a cell of one point") {
+  // Of 3000 points a site, 21 sites are a tile.
+  std::vector<Index> capacities(200, 3000);
+  capacities[77] = 1;
+  const auto points = make_points<float>(Layout::random, Box::unit(2), sum_of(capacities));
+  Problem<float> problem(points, 200);
+  problem.set_capacities(capacities);
+  const auto one = ccvt::tessellate(problem, {.threads = 1});
+  CHECK(one.summary.termination == Termination::stable);
+  CHECK(one.summary.iterations < 400);
+  for (const int threads : {2, 3, 8}) {
+    CHECK(differences(one, ccvt::tessellate(problem, {.threads = threads})) == "");
+  }
+}
+
 // Pairs of such cells creep: they must be left what is nearly at rest.
 TEST_CASE("many points a site: a descent leaves little to the pairs") {
   for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {

@@ -78,8 +78,9 @@ struct CCVT_EXPORT Options {
   /// Stops on the finest level when an iteration lowers the energy by less than this share of it.
   /// In [0, 1); 0: run until stable.
   double energy_tolerance = 0;
-  /// Seconds after which the run ends as if it were cancelled, see `cancelled`. Not negative; 0: no
-  /// limit. What a run that ends so has reached is not the same each time.
+  /// Seconds after which the run ends as if it were cancelled, see `cancelled`: from when the
+  /// Solver is made, with what its caller does between steps. Not negative; 0: no limit. What a run
+  /// that ends so has reached is not the same each time.
   double time_limit = 0;
   Until until = Until::stable;
 
@@ -98,8 +99,8 @@ struct CCVT_EXPORT Options {
   /// times as many: by quasi-Newton steps of all sites at once, on power diagrams [Liu et al. 2009;
   /// de Goes et al. 2012]; pairs settle the rest on the finest. Until blue_noise: the points of
   /// such a level, beyond the first level, change their owners to those of one power diagram. In
-  /// both cases with `pairs` that meet, and where a cell has no more than 64 neighbours. At least
-  /// 0; 0: never.
+  /// both cases with `pairs` that meet, and where cells have no more than 64 neighbours in the mean
+  /// and 512 at most, and are small beside a torus; else by pairs. At least 0; 0: never.
   int descent_points = 512;
 
   SwapMethod swap = SwapMethod::median;

@@ -340,8 +340,11 @@ Index Borders<Scalar>::change_owners(Filling<Scalar>& filling) const {
     PointNumber point;
     SiteNumber to;
   };
+  // Whole tiles: two tasks must not write one journal.
+  const auto tile = static_cast<std::size_t>(filling.tiles.sites_per_tile());
   Buffer<Leaving> leaving = collect_by_site<Leaving>(
-      arena_, capacity_.size(), kSitesPerGrain, [&](SiteNumber s, std::vector<Leaving>& out, int) {
+      arena_, capacity_.size(), tile * (1 + kSitesPerGrain / tile),
+      [&](SiteNumber s, std::vector<Leaving>& out, int) {
         // From the last to the first, so that filling a gap does not move another.
         for (std::size_t k = first_[s + 1]; k-- > first_[s];) {
           if (owner_[k] == 0) continue;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "relax/balance.h"
@@ -33,7 +34,10 @@ constexpr double kLeastGain = 1e-4;
 constexpr double kFullness = 0.1;
 constexpr double kLargestFullness = 0.01;
 /// Neighbours a site beyond which all this does not pay.
-constexpr std::size_t kMostNeighbours = 64;
+constexpr std::size_t kMostNeighbours = 64;  // in the mean
+constexpr std::size_t kMostNeighboursOfOne = 512;
+/// Of the mean radius: how small a cell is taken to be, at the least; that of one point has none.
+constexpr double kLeastRadius = 0.01;
 
 template <class Term>
 double largest(const Arena& arena, std::size_t count, const Term& term) {
@@ -75,8 +79,8 @@ Descent<Scalar>::Descent(const Metric& metric, const Arena& arena, Stop& stop,
   weights_.resize(capacity_.size(), 0.0);
 }
 
-/// The pairs of sites whose cells can meet. False when these are too many, or cells too large for
-/// their torus.
+/// The pairs of sites whose cells can meet. False when these are too many, of all or of one, or
+/// cells too large for their torus.
 template <class Scalar>
 bool Descent<Scalar>::find_neighbours(const LevelState<Scalar>& state) {
   const std::size_t sites = capacity_.size();
@@ -90,9 +94,13 @@ bool Descent<Scalar>::find_neighbours(const LevelState<Scalar>& state) {
     }
     radius_[s] = state.sites.radius[s] + std::sqrt(off);
   }
+  const double mean = std::accumulate(radius_.begin(), radius_.end(), 0.0) / sites;
+  for (double& radius : radius_) radius = std::max(radius, kLeastRadius * mean);
+  // A site must be near a cell by one of its images only, wherever steps lead.
+  constexpr double kImagesApart = 4.5;
   const double widest = *std::max_element(radius_.begin(), radius_.end());
   for (int d = 0; metric_.periodic() && d < metric_.dimension(); ++d) {
-    if (3 * widest > metric_.extent()[d]) return false;
+    if (kImagesApart * widest > metric_.extent()[d]) return false;
   }
   const std::size_t most = kMostNeighbours * sites / 2;
   const std::size_t all = sites * (sites - 1) / 2;
@@ -110,7 +118,12 @@ bool Descent<Scalar>::find_neighbours(const LevelState<Scalar>& state) {
   near_.reset(meeting_.pairs().size() + meeting_.added().size());
   std::copy(meeting_.added().begin(), meeting_.added().end(),
             std::copy(meeting_.pairs().begin(), meeting_.pairs().end(), near_.begin()));
-  return true;
+  std::vector<std::size_t> neighbours(sites, 0);
+  for (const Pair& pair : near_) {
+    ++neighbours[pair.first];
+    ++neighbours[pair.second];
+  }
+  return *std::max_element(neighbours.begin(), neighbours.end()) <= kMostNeighboursOfOne;
 }
 
 /// Finds the points near borders, and the diagram to descend from.
@@ -220,6 +233,7 @@ bool Descent<Scalar>::descend() {
 
 template <class Scalar>
 double Descent<Scalar>::progress() const {
+  if (unsuited_) return 0;
   if (ended_) return 1;
   if (!(first_gain_ > kLeastGain)) return 0;
   return std::log(first_gain_ / std::clamp(last_gain_, kLeastGain, first_gain_)) /
@@ -230,6 +244,7 @@ template <class Scalar>
 PassCount Descent<Scalar>::step(LevelState<Scalar>& state) try {
   const auto charge = arena_.phase(Phase::descent);
   PassCount result;
+  if (ended_) return result;
   if (!find_neighbours(state)) {
     ended_ = unsuited_ = true;
     return result;

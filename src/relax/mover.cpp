@@ -1,7 +1,9 @@
 #include "relax/mover.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 
 #include "kernels/keys.h"
@@ -91,13 +93,16 @@ void Mover<Scalar>::choose(Index wanted, Index places) {
   if (wanted == 0) return;
   const Scalar* const keys = keys_.data();
   if (wanted > places / (2 * kColumnsAChoice)) {
-    for (Index k = 0; k < places; ++k) choices_.push_back({keys[k], k});
+    for (Index k = 0; k < places; ++k) {
+      if (!std::isnan(keys[k])) choices_.push_back({keys[k], k});
+    }
   } else {
     const Index columns = std::max(std::min(kColumns, places), kColumnsAChoice * wanted);
-    highest_.assign(keys, keys + columns);
+    // So that what is not a number is not among them.
+    highest_.assign(static_cast<std::size_t>(columns), -std::numeric_limits<Scalar>::infinity());
     Scalar* const highest = highest_.data();
     const Index whole = places - places % columns;
-    for (Index row = columns; row < whole; row += columns) {
+    for (Index row = 0; row < whole; row += columns) {
       for (Index c = 0; c < columns; ++c) highest[c] = std::max(highest[c], keys[row + c]);
     }
     for (Index k = whole; k < places; ++k) {
