@@ -94,7 +94,7 @@ bool Descent<Scalar>::find_neighbours(const LevelState<Scalar>& state) {
     }
     radius_[s] = state.sites.radius[s] + std::sqrt(off);
   }
-  const double mean = std::accumulate(radius_.begin(), radius_.end(), 0.0) / sites;
+  const double mean = std::accumulate(radius_.begin(), radius_.end(), 0.0) / static_cast<double>(sites);
   for (double& radius : radius_) radius = std::max(radius, kLeastRadius * mean);
   // A site must be near a cell by one of its images only, wherever steps lead.
   constexpr double kImagesApart = 4.5;
