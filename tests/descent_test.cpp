@@ -340,7 +340,7 @@ TEST_CASE("tiles that do not fit the ranges of sites, and a cell of one point") 
 
 // Pairs of such cells creep: they must be left what is nearly at rest.
 TEST_CASE("many points a site: a descent leaves little to the pairs") {
-  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
     CAPTURE(seed);
     const auto points =
         ccvt::sample_uniform<float, 2>(Box::unit(2), 16 * 65536, seed, ccvt::Distribution::white);
@@ -387,7 +387,7 @@ TEST_CASE("until blue noise: sites stay irregular; stable ones become a lattice"
   const auto torus = ccvt::Domain::periodic(Box::unit(2));
   const auto psi6 = [&](Index points_per_site, ccvt::Until until) {
     std::vector<ccvt::PointSet> sets;
-    for (const std::uint64_t seed : {1, 2, 3}) {
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
       const auto points = ccvt::sample_uniform<float, 2>(Box::unit(2), kSites * points_per_site,
                                                          seed, ccvt::Distribution::white);
       Problem<float> problem(points, kSites);
