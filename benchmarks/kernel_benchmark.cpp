@@ -119,14 +119,17 @@ void swap_separated(benchmark::State& state) {
   const auto dimension = static_cast<int>(state.range(0));
   Start start(dimension, kSites, kPointsPerSite);
   PairSwapper<float> swap(start.metric, Options{}, 1);
+  Patches<float> patches(dimension, start.sites.count());
   for (int pass = 0; pass < 200; ++pass) {
     Index exchanged = 0;
-    for (const auto& [i, j] : start.pairs) exchanged += swap(start.cells, start.sites, i, j);
+    for (const auto& [i, j] : start.pairs) {
+      exchanged += swap(start.cells, patches, start.sites, i, j);
+    }
     if (exchanged == 0) break;
   }
   for (auto _ : state) {
     for (const auto& [i, j] : start.pairs) {
-      benchmark::DoNotOptimize(swap(start.cells, start.sites, i, j));
+      benchmark::DoNotOptimize(swap(start.cells, patches, start.sites, i, j));
     }
   }
   count_points(state,
@@ -147,8 +150,11 @@ void swap_first_pass(benchmark::State& state, SwapMethod method, PointPruning pr
     state.PauseTiming();
     Cells<float> cells = start.cells;
     SiteState sites = start.sites;
+    Patches<float> patches(2, sites.count());
     state.ResumeTiming();
-    for (const auto& [i, j] : start.pairs) benchmark::DoNotOptimize(swap(cells, sites, i, j));
+    for (const auto& [i, j] : start.pairs) {
+      benchmark::DoNotOptimize(swap(cells, patches, sites, i, j));
+    }
   }
   count_points(state,
                static_cast<std::int64_t>(start.pairs.size()) * std::int64_t{2} * kPointsPerSite, 2);

@@ -338,6 +338,27 @@ TEST_CASE("tiles that do not fit the ranges of sites, and a cell of one point") 
   }
 }
 
+// Cells that are divided into patches, and left to the pairs.
+TEST_CASE("pairs alone, of large cells") {
+  for (const Layout layout : {Layout::random, Layout::clusters, Layout::duplicates}) {
+    for (const bool periodic : {false, true}) {
+      CAPTURE(name_of(layout));
+      CAPTURE(periodic);
+      const Box box = uneven_box(2);
+      const auto points = make_points<float>(layout, box, 12 * 4500);
+      Problem<float> problem(points, 12);
+      if (periodic) problem.set_domain(Domain::periodic(box));
+      const auto one = ccvt::tessellate(problem, {.threads = 1, .descent_points = 0});
+      CHECK(one.summary.termination == Termination::stable);
+      CHECK(faults(problem, one) == "");
+      for (const int threads : {2, 3}) {
+        const Options options{.threads = threads, .descent_points = 0};
+        CHECK(differences(one, ccvt::tessellate(problem, options)) == "");
+      }
+    }
+  }
+}
+
 // Pairs of such cells creep: they must be left what is nearly at rest.
 TEST_CASE("many points a site: a descent leaves little to the pairs") {
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {

@@ -50,8 +50,8 @@ std::string places_faults(const std::vector<Scalar>& block, int dimension, const
   for (const std::size_t middle : {std::size_t{0}, keys.size() / 2, keys.size() - 1}) {
     const Scalar threshold = keys[middle];
     for (const Beyond beyond : {Beyond::above, Beyond::below}) {
-      const Index found = ccvt::kernels::places_beyond(block.data(), count, dimension, cut, beyond,
-                                                       threshold, places.data());
+      const Index found = ccvt::kernels::places_beyond(block.data(), count, count, dimension, cut,
+                                                       beyond, threshold, places.data());
       if (found < 0 || found > count) return "an impossible number of places";
       std::vector<bool> is_found(keys.size(), false);
       for (Index k = 0; k < found; ++k) {
@@ -67,6 +67,42 @@ std::string places_faults(const std::vector<Scalar>& block, int dimension, const
         if (past < -slack && is_found[k]) return "should not have found " + std::to_string(k);
       }
     }
+  }
+  return "";
+}
+
+/// What is wrong with a stretch in the middle of a block, against the same points in a block of
+/// their own.
+template <class Scalar, class AnyCut>
+std::string stretch_faults(const std::vector<Scalar>& block, Index count, int dimension,
+                           const AnyCut& cut) {
+  using ccvt::kernels::Beyond;
+  const Index first = count / 3;
+  const Index size = count - first - count / 5;
+  std::vector<Scalar> own;
+  for (int d = 0; d < dimension; ++d) {
+    const auto from = block.begin() + static_cast<std::ptrdiff_t>(d) * count + first;
+    own.insert(own.end(), from, from + size);
+  }
+  const auto [highest, lowest] =
+      ccvt::kernels::key_extremes(own.data(), size, cut, own.data(), size, cut, dimension);
+  const Scalar* const stretch = block.data() + first;
+  const auto extreme = [&](Beyond beyond) {
+    return ccvt::kernels::extreme_key(stretch, count, size, dimension, cut, beyond);
+  };
+  if (extreme(Beyond::above) != highest) return "highest key";
+  if (extreme(Beyond::below) != lowest) return "lowest key";
+  const Scalar middle = (highest + lowest) / 2;
+  for (const Beyond beyond : {Beyond::above, Beyond::below}) {
+    std::vector<Index> places(own.size());
+    std::vector<Index> expected(own.size());
+    const Index found = ccvt::kernels::places_beyond(stretch, count, size, dimension, cut, beyond,
+                                                     middle, places.data());
+    ccvt::kernels::places_beyond(own.data(), size, size, dimension, cut, beyond, middle,
+                                 expected.data());
+    const auto all = static_cast<std::size_t>(found);
+    if (!std::equal(places.begin(), places.begin() + found, expected.begin())) return "places";
+    if (all > 0 && all == own.size()) return "all of them";
   }
   return "";
 }
@@ -167,6 +203,7 @@ TEST_CASE_TEMPLATE("keys and their extremes, also across faces", Scalar, float, 
             extremes = ccvt::kernels::key_extremes(block.data(), count, cut, block.data(), count,
                                                    cut, dimension);
             CHECK(places_faults(block, dimension, cut, keys, epsilon * size) == "");
+            CHECK(stretch_faults(block, count, dimension, cut) == "");
           };
           switch (faces) {
             case Faces::none:

@@ -24,6 +24,7 @@ using ccvt::Index;
 using ccvt::Metric;
 using ccvt::Options;
 using ccvt::PairSwapper;
+using ccvt::Patches;
 using ccvt::PointNumber;
 using ccvt::PointPruning;
 using ccvt::Random;
@@ -225,11 +226,12 @@ TEST_CASE_TEMPLATE("a swap leaves the pair optimal and its radii bounds", Scalar
                 options.point_pruning = pruning;
                 options.median_cut_pruning = median_cut;
                 PairSwapper<Scalar> swap(metric, options, 6.0);
-                swap(pair.cells, pair.sites, site_i, site_j);
+                Patches<Scalar> patches(dimension, 2);
+                swap(pair.cells, patches, pair.sites, site_i, site_j);
                 REQUIRE(pair_faults(domain, pair) == "");
                 // What is optimal stays, from the other side too.
-                REQUIRE(swap(pair.cells, pair.sites, site_i, site_j) == 0);
-                REQUIRE(swap(pair.cells, pair.sites, site_j, site_i) == 0);
+                REQUIRE(swap(pair.cells, patches, pair.sites, site_i, site_j) == 0);
+                REQUIRE(swap(pair.cells, patches, pair.sites, site_j, site_i) == 0);
               }
             }
           }
@@ -237,6 +239,115 @@ TEST_CASE_TEMPLATE("a swap leaves the pair optimal and its radii bounds", Scalar
       }
     }
   }
+}
+
+/// The points of a cell, whatever their order.
+template <class Scalar>
+std::vector<PointNumber> sorted_points(const Cells<Scalar>& cells, SiteNumber site) {
+  std::vector<PointNumber> points(cells.points(site).begin(), cells.points(site).end());
+  std::sort(points.begin(), points.end());
+  return points;
+}
+
+/// Patches of which these cells have been looked at often.
+template <class Scalar>
+void wear(Patches<Scalar>& patches, Cells<Scalar>& cells) {
+  typename Patches<Scalar>::Scratch scratch;
+  for (int k = 0; k < 100; ++k) {
+    for (const SiteNumber s : cells.sites()) patches.look(cells, s, scratch);
+  }
+}
+
+template <class Scalar>
+std::string box_faults(const Cells<Scalar>& cells, const Patches<Scalar>& patches, SiteNumber s) {
+  const std::size_t boxes = patches.count(s) + 1;
+  std::vector<Scalar> x(cells.dimension());
+  for (Index k = 0; k < cells.size(s); ++k) {
+    cells.get(s, k, x.data());
+    for (std::size_t d = 0; d < x.size(); ++d) {
+      const auto own = static_cast<std::size_t>(k / patches.size(s));
+      for (const std::size_t box : {own, boxes - 1}) {
+        if (x[d] < patches.low(s)[d * boxes + box]) return "a point below its box";
+        if (x[d] > patches.high(s)[d * boxes + box]) return "a point above its box";
+      }
+    }
+  }
+  return "";
+}
+
+TEST_CASE_TEMPLATE("cells in patches: the same points move, and no others", Scalar, float, double) {
+  struct Case {
+    int dimension;
+    Index size_i;
+    Index points;
+  };
+  // Both cells divided, one, and in a dimension in which hardly any is.
+  for (const Case& c : {Case{1, 500, 1100}, Case{2, 4000, 9000}, Case{2, 300, 9000},
+                        Case{2, 8800, 9000}, Case{3, 29000, 29200}}) {
+    for (const bool periodic : {false, true}) {
+      for (const Layout layout : all_layouts) {
+        CAPTURE(c.dimension);
+        CAPTURE(c.size_i);
+        CAPTURE(periodic);
+        CAPTURE(name_of(layout));
+        const Box box = uneven_box(c.dimension);
+        const Domain domain = periodic ? Domain::periodic(box) : Domain();
+        const Metric metric(c.dimension, domain);
+        const auto points = make_points<Scalar>(layout, box, c.points);
+        PairOfCells<Scalar> whole(metric, points, c.size_i);
+        PairOfCells<Scalar> divided(metric, points, c.size_i);
+        Patches<Scalar> none(c.dimension, 2);
+        Patches<Scalar> patches(c.dimension, 2);
+        PairSwapper<Scalar> swap(metric, Options{}, 6.0);
+        // Which of several points with one key moves hangs on their order.
+        const bool ties = layout != Layout::random && layout != Layout::clusters;
+        for (int round = 0; round < 6; ++round) {
+          wear(patches, divided.cells);
+          const Index moved = swap(whole.cells, none, whole.sites, site_i, site_j);
+          const Index also_moved = swap(divided.cells, patches, divided.sites, site_i, site_j);
+          REQUIRE(pair_faults(domain, divided) == "");
+          for (const SiteNumber s : whole.cells.sites()) {
+            if (patches.has(s)) REQUIRE(box_faults(divided.cells, patches, s) == "");
+            ccvt::update_site(metric, whole.cells, whole.sites, s);
+            ccvt::update_site(metric, divided.cells, divided.sites, s);
+          }
+          if (ties) continue;
+          REQUIRE(also_moved == moved);
+          REQUIRE(sorted_points(divided.cells, site_i) == sorted_points(whole.cells, site_i));
+          divided.sites = whole.sites;  // and not as rounding has it, in another order
+        }
+        CHECK((patches.has(site_i) || patches.has(site_j)));
+        CHECK_FALSE((none.has(site_i) || none.has(site_j)));
+      }
+    }
+  }
+}
+
+TEST_CASE("patches lie close together, and are divided anew when they do not") {
+  const auto points = make_points<float>(Layout::random, Box::unit(2), 20000);
+  PairOfCells<float> pair(Metric(2, Domain()), points, 10000);
+  Patches<float> patches(2, 2);
+  const auto area = [&] {
+    double sum = 0;
+    const std::size_t boxes = patches.count(site_i) + 1;
+    for (std::size_t k = 0; k + 1 < boxes; ++k) {
+      sum += static_cast<double>(patches.high(site_i)[k] - patches.low(site_i)[k]) *
+             static_cast<double>(patches.high(site_i)[boxes + k] - patches.low(site_i)[boxes + k]);
+    }
+    return sum;
+  };
+  wear(patches, pair.cells);
+  REQUIRE(patches.has(site_i));
+  CHECK(patches.count(site_i) > 20);
+  CHECK(area() < 1.5);  // of the whole; in no order, they would cover it each
+  const std::vector<float> far{0.5F, 0.5F};
+  for (Index k = 0; k < 2500; ++k) patches.replace(site_i, k, far.data());
+  CHECK(area() > 2);
+  wear(patches, pair.cells);
+  CHECK(area() > 2);
+  patches.replace(site_i, 0, far.data());  // a quarter, and one more
+  wear(patches, pair.cells);
+  CHECK(area() < 1.5);
 }
 
 TEST_CASE("spheres meet when their radii reach, across the border of a torus too") {
@@ -266,7 +377,8 @@ TEST_CASE("a cell that ends at a face of the torus, far from the origin") {
     points.array() += offset;
     PairOfCells<double> pair(metric, points, 3);
     PairSwapper<double> swap(metric, Options{}, offset + 1);
-    CHECK(swap(pair.cells, pair.sites, site_i, site_j) == 0);
+    Patches<double> patches(1, 2);
+    CHECK(swap(pair.cells, patches, pair.sites, site_i, site_j) == 0);
     CHECK(pair_faults(domain, pair) == "");
   }
 }

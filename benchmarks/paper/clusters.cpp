@@ -24,12 +24,13 @@ namespace {
 std::vector<Pair> swapped_pairs(const Metric& metric, PairSwapper<float>& swap, Cells<float>& cells,
                                 SiteState& sites) {
   std::vector<Pair> swapped;
+  Patches<float> patches(metric.dimension(), sites.count());
   for (std::size_t round = 0; round < sites.count(); ++round) {
     round_robin(sites.count(), round, [&](std::size_t a, std::size_t b) {
       const SiteNumber i(a);
       const SiteNumber j(b);
       if (!PairSwapper<float>::spheres_meet(metric, sites, i, j)) return;
-      if (swap(cells, sites, i, j) > 0) swapped.emplace_back(i, j);
+      if (swap(cells, patches, sites, i, j) > 0) swapped.emplace_back(i, j);
     });
   }
   for (const SiteNumber s : sites.all()) update_site(metric, cells, sites, s);

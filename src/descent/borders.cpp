@@ -210,7 +210,7 @@ void Borders<Scalar>::count(const PowerDiagram& diagram) {
                     });
   surplus_.resize(sites);
   to_centroid_.resize(sites * dimension_);
-  mass_.resize(views_.count());
+  at_border_.resize(views_.count() * sum_size());
   energy_ = squares_;
   energy_ +=
       sum_of(arena_, energy.size(), kSitesPerGrain, [&](std::size_t b) { return energy[b]; });
@@ -252,7 +252,10 @@ double Borders<Scalar>::count_block(std::size_t number, Scratch& own) {
     const auto to = static_cast<std::size_t>(own.nearest[k]);
     const auto next = static_cast<std::size_t>(own.next[k]);
     if (own.margin[k] < width && (to == 0 || next == 0)) {
-      parts[(to + next) * part_size() + 1 + dimension_] += 1;
+      double* const at_border = parts + (to + next) * part_size() + sum_size();
+      at_border[0] += 1;
+      for (std::size_t d = 0; d < dimension_; ++d)
+        at_border[1 + d] += own.points[d * contested + k];
     }
     if (to == 0) continue;
     owner[own.places[k]] = own.nearest[k];
@@ -300,9 +303,11 @@ double Borders<Scalar>::gather(SiteNumber site, const PowerDiagram& diagram) {
       points += part[0];
       for (std::size_t d = 0; d < dimension_; ++d) to[d] += part[1 + d];
     }
-    mass_[view] = 0;
+    double* const at_border = &at_border_[view * sum_size()];
+    std::fill_n(at_border, sum_size(), 0.0);
     for (std::size_t b = first_block_[site]; b < first_block_[site + 1]; ++b) {
-      mass_[view] += parts_[(first_part_[b] + (view - own)) * part_size() + 1 + dimension_];
+      const double* const part = &parts_[(first_part_[b] + (view - own)) * part_size()];
+      for (std::size_t v = 0; v < sum_size(); ++v) at_border[v] += part[sum_size() + v];
     }
   }
   surplus_[site] = points - capacity_[site];
@@ -312,6 +317,39 @@ double Borders<Scalar>::gather(SiteNumber site, const PowerDiagram& diagram) {
 
 template <class Scalar>
 std::vector<double> Borders<Scalar>::correction() const {
+  std::vector<double> lack(surplus_);
+  for (double& l : lack) l = -l;
+  return weights_for(lack);
+}
+
+/// When site s takes the step u, and its weight grows by |u|^2, its power at a point p grows by
+/// -2 (p - s) . u; so many points as have less than the difference to their next owner's leave.
+template <class Scalar>
+std::vector<double> Borders<Scalar>::correction(std::span<const double> step) const {
+  std::vector<double> leaving(views_.count());  // from each view's cell to its site
+  for_each_site(arena_, capacity_.size(), kSitesPerGrain, [&](SiteNumber s) {
+    const double* const own = views_.at(views_.own(s));
+    for (const View view : views_.of(s)) {
+      const double* const other = views_.at(view);
+      const double* const sum = &at_border_[view * sum_size() + 1];
+      double change = 0;
+      for (std::size_t d = 0; d < dimension_; ++d) {
+        change += (sum[d] - mass(view) * other[d]) * step[views_.site(view) * dimension_ + d] -
+                  (sum[d] - mass(view) * own[d]) * step[s * dimension_ + d];
+      }
+      leaving[view] = change / width_[s];
+    }
+  });
+  std::vector<double> lack(capacity_.size());
+  for_each_site(arena_, capacity_.size(), kSitesPerGrain, [&](SiteNumber s) {
+    for (const View view : views_.of(s)) lack[s] += leaving[view] - leaving[views_.twin(view)];
+  });
+  return weights_for(lack);
+}
+
+/// By how much each weight must grow so that, to first order, sites have so many points more.
+template <class Scalar>
+std::vector<double> Borders<Scalar>::weights_for(std::span<const double> lack) const {
   const std::size_t sites = capacity_.size();
   WeightedGraph graph{std::vector<std::size_t>(sites + 1), {}, {}};
   for (const SiteNumber s : sites_below(sites)) graph.first[s] = views_.own(s) - s;
@@ -323,14 +361,12 @@ std::vector<double> Borders<Scalar>::correction() const {
     for (const View view : views_.of(s)) {
       const SiteNumber other = views_.site(view);
       if (other == s) continue;
-      const double density = (mass_[view] + kLeastMass) / (2 * width_[s]) +
-                             (mass_[views_.twin(view)] + kLeastMass) / (2 * width_[other]);
+      const double density = (mass(view) + kLeastMass) / (2 * width_[s]) +
+                             (mass(views_.twin(view)) + kLeastMass) / (2 * width_[other]);
       graph.neighbour[edge] = other;
       graph.weight[edge++] = static_cast<float>(density);
     }
   });
-  std::vector<double> lack(sites);
-  for (std::size_t s = 0; s < sites; ++s) lack[s] = -surplus_[s];
   return potential(graph, lack, arena_);
 }
 

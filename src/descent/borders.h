@@ -46,6 +46,9 @@ class Borders {
   /// By how much each weight must grow so that, to first order, no surplus is left: a step of
   /// Newton's method on the dual.
   [[nodiscard]] std::vector<double> correction() const;
+  /// The same for the surpluses that come, to first order, when the sites take these steps and each
+  /// weight grows by the square of its own.
+  [[nodiscard]] std::vector<double> correction(std::span<const double> step) const;
   /// How far the diagram has used up the thresholds, in the mean over the cells: beyond 1 many
   /// points that would have changed owners were not asked.
   [[nodiscard]] double used() const { return used_; }
@@ -75,8 +78,8 @@ class Borders {
   /// A sum over points: how many, and their coordinates relative to the cell's reference.
   [[nodiscard]] std::size_t sum_size() const { return 1 + dimension_; }
   /// What a block has for a site: the sum of the points that it owns, in the end relative to the
-  /// site; and how many are at the border between it and the cell's own.
-  [[nodiscard]] std::size_t part_size() const { return 2 + dimension_; }
+  /// site; and that of those at the border between it and the cell's own.
+  [[nodiscard]] std::size_t part_size() const { return 2 * sum_size(); }
 
   void split(const Cells<Scalar>& cells);
   double sum_block(const Block& block, const Cells<Scalar>& cells, Scratch& own, double* inner,
@@ -84,6 +87,8 @@ class Borders {
   void keep(const Cells<Scalar>& cells);
   double count_block(std::size_t number, Scratch& own);
   double gather(SiteNumber site, const PowerDiagram& diagram);
+  [[nodiscard]] double mass(View view) const { return at_border_[view * sum_size()]; }
+  [[nodiscard]] std::vector<double> weights_for(std::span<const double> lack) const;
   [[nodiscard]] std::size_t stride(SiteNumber cell) const {
     return first_[cell + 1] - first_[cell];
   }
@@ -114,7 +119,8 @@ class Borders {
   // Of the last diagram.
   std::vector<double> surplus_;
   std::vector<double> to_centroid_;
-  std::vector<double> mass_;  ///< of each view: points at the border with the cell's own site
+  /// Of each view: the sum of the points at the border with the cell's own site.
+  std::vector<double> at_border_;
   double energy_ = 0;
   double used_ = 0;
 };

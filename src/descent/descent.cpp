@@ -94,7 +94,8 @@ bool Descent<Scalar>::find_neighbours(const LevelState<Scalar>& state) {
     }
     radius_[s] = state.sites.radius[s] + std::sqrt(off);
   }
-  const double mean = std::accumulate(radius_.begin(), radius_.end(), 0.0) / static_cast<double>(sites);
+  const double mean =
+      std::accumulate(radius_.begin(), radius_.end(), 0.0) / static_cast<double>(sites);
   for (double& radius : radius_) radius = std::max(radius, kLeastRadius * mean);
   // A site must be near a cell by one of its images only, wherever steps lead.
   constexpr double kImagesApart = 4.5;
@@ -211,11 +212,15 @@ bool Descent<Scalar>::descend() {
     return squared(&direction[s * dimension], dimension) / (radius_[s] * radius_[s]);
   }));
   const double fullness = kFullness * farthest_centroid();
+  const std::vector<double> correction = borders_.correction(direction);
   double part = std::min(1.0, kLongestStep / longest);
   for (int tries = 0; tries < kMostTries; ++tries, part *= kShorter) {
     PowerDiagram next = at_;
     for (double& u : direction) u *= tries == 0 ? part : kShorter;
     for (std::size_t k = 0; k < direction.size(); ++k) next.step[k] += direction[k];
+    for (std::size_t s = 0; s < capacity_.size(); ++s) {
+      next.weight[s] += part * correction[s] + squared(&direction[s * dimension], dimension);
+    }
     fill(next, fullness);
     if (borders_.energy() > energy_ + kSufficient * 2 * part * slope) continue;
     std::vector<double> change(gradient_.size());

@@ -41,22 +41,22 @@ struct Apart {
 
 /// Evaluates a Cut for the points k, k + 1, … of a vector.
 template <class Tag, class Scalar, class Add>
-HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
+HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index stride, int dimension,
                                const Cut<Scalar>& cut, Index k, Add add) {
   auto key = hn::Zero(tag);
   for (std::ptrdiff_t d = 0; d < dimension; ++d) {
-    const auto x = hn::LoadU(tag, block + d * count + k);
+    const auto x = hn::LoadU(tag, block + d * stride + k);
     key = add(key, hn::Sub(x, hn::Set(tag, cut.middle[d])), hn::Set(tag, cut.normal[d]));
   }
   return key;
 }
 
 template <class Tag, class Scalar, class Add>
-HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
+HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index stride, int dimension,
                                const WrappedCut<Scalar>& cut, Index k, Add add) {
   auto key = hn::Zero(tag);
   for (std::ptrdiff_t d = 0; d < dimension; ++d) {
-    const auto x = hn::LoadU(tag, block + d * count + k);
+    const auto x = hn::LoadU(tag, block + d * stride + k);
     const auto around =
         hn::IfThenElseZero(hn::Lt(x, hn::Set(tag, cut.turn[d])), hn::Set(tag, cut.extent[d]));
     const auto difference = hn::Add(hn::Sub(x, hn::Set(tag, cut.origin[d])), around);
@@ -66,12 +66,12 @@ HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int di
 }
 
 template <class Tag, class Scalar, class Add>
-HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
+HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index stride, int dimension,
                                const FaceCut<Scalar>& cut, Index k, Add add) {
   const Cut<Scalar> straight{cut.origin, cut.normal};
-  const auto key = key_at(tag, block, count, dimension, straight, k, add);
+  const auto key = key_at(tag, block, stride, dimension, straight, k, add);
   const std::ptrdiff_t across = cut.across;
-  const auto x = hn::LoadU(tag, block + across * count + k);
+  const auto x = hn::LoadU(tag, block + across * stride + k);
   const auto jump = hn::IfThenElseZero(hn::Lt(x, hn::Set(tag, cut.turn)), hn::Set(tag, cut.jump));
   return hn::Add(key, jump);
 }
@@ -84,11 +84,11 @@ HWY_INLINE hn::Vec<Tag> wrapped(Tag tag, hn::Vec<Tag> difference, Scalar extent,
 }
 
 template <class Tag, class Scalar, class Add>
-HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int dimension,
+HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index stride, int dimension,
                                const TorusCut<Scalar>& cut, Index k, Add /*add*/) {
   auto key = hn::Zero(tag);
   for (std::ptrdiff_t d = 0; d < dimension; ++d) {
-    const auto x = hn::LoadU(tag, block + d * count + k);
+    const auto x = hn::LoadU(tag, block + d * stride + k);
     const auto to = [&](const Scalar* site) HWY_ATTR {
       return wrapped(tag, hn::Sub(x, hn::Set(tag, site[d])), cut.extent[d], cut.inverse_extent[d]);
     };
@@ -102,28 +102,29 @@ HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index count, int di
 /// The highest key of a block, or the lowest. The last full vector may overlap the one before it:
 /// extremes do not mind.
 template <bool Highest, class Scalar, class AnyCut>
-HWY_INLINE Scalar extreme_of(const Scalar* block, Index count, int dimension, const AnyCut& cut) {
+HWY_INLINE Scalar extreme_of(const Scalar* block, Index stride, Index count, int dimension,
+                             const AnyCut& cut) {
   const hn::ScalableTag<Scalar> wide;
   const auto lanes = static_cast<Index>(hn::Lanes(wide));
   const auto beyond = [](auto a, auto b)
                           HWY_ATTR { return Highest ? hn::Max(a, b) : hn::Min(a, b); };
   if (count < lanes) {
     const hn::CappedTag<Scalar, 1> one;
-    auto extreme = key_at(one, block, count, dimension, cut, 0, Fused());
+    auto extreme = key_at(one, block, stride, dimension, cut, 0, Fused());
     for (Index k = 1; k < count; ++k) {
-      extreme = beyond(extreme, key_at(one, block, count, dimension, cut, k, Fused()));
+      extreme = beyond(extreme, key_at(one, block, stride, dimension, cut, k, Fused()));
     }
     return hn::GetLane(extreme);
   }
-  auto extreme0 = key_at(wide, block, count, dimension, cut, count - lanes, Fused());
+  auto extreme0 = key_at(wide, block, stride, dimension, cut, count - lanes, Fused());
   auto extreme1 = extreme0;
   Index k = 0;
   for (; k + 2 * lanes <= count; k += 2 * lanes) {
-    extreme0 = beyond(extreme0, key_at(wide, block, count, dimension, cut, k, Fused()));
-    extreme1 = beyond(extreme1, key_at(wide, block, count, dimension, cut, k + lanes, Fused()));
+    extreme0 = beyond(extreme0, key_at(wide, block, stride, dimension, cut, k, Fused()));
+    extreme1 = beyond(extreme1, key_at(wide, block, stride, dimension, cut, k + lanes, Fused()));
   }
   if (k + lanes <= count) {
-    extreme0 = beyond(extreme0, key_at(wide, block, count, dimension, cut, k, Fused()));
+    extreme0 = beyond(extreme0, key_at(wide, block, stride, dimension, cut, k, Fused()));
   }
   const auto extreme = beyond(extreme0, extreme1);
   return hn::GetLane(Highest ? hn::MaxOfLanes(wide, extreme) : hn::MinOfLanes(wide, extreme));
@@ -156,8 +157,17 @@ HWY_INLINE Extremes<Scalar> any_extremes(const Scalar* block_i, Index count_i, c
                                          const Scalar* block_j, Index count_j, const AnyCut& cut_j,
                                          int dimension) {
   return with_dimension(dimension, [&](auto d) HWY_ATTR {
-    return Extremes<Scalar>{extreme_of<true>(block_i, count_i, d, cut_i),
-                            extreme_of<false>(block_j, count_j, d, cut_j)};
+    return Extremes<Scalar>{extreme_of<true>(block_i, count_i, count_i, d, cut_i),
+                            extreme_of<false>(block_j, count_j, count_j, d, cut_j)};
+  });
+}
+
+template <class Scalar, class AnyCut>
+HWY_INLINE Scalar any_extreme(const Scalar* block, Index stride, Index count, int dimension,
+                              const AnyCut& cut, Beyond beyond) {
+  return with_dimension(dimension, [&](auto d) HWY_ATTR {
+    return beyond == Beyond::above ? extreme_of<true>(block, stride, count, d, cut)
+                                   : extreme_of<false>(block, stride, count, d, cut);
   });
 }
 
@@ -170,10 +180,10 @@ HWY_INLINE void any_keys(const Scalar* block, Index count, int dimension, const 
 /// The last full vector overlaps the one before it, as in extreme_of(); its bits are then those of
 /// the points that remain.
 template <bool Above, class Scalar, class Dimension, class AnyCut>
-HWY_INLINE Index places_in(const Scalar* block, Index count, Dimension dimension, const AnyCut& cut,
-                           Scalar threshold, Index* places) {
+HWY_INLINE Index places_in(const Scalar* block, Index stride, Index count, Dimension dimension,
+                           const AnyCut& cut, Scalar threshold, Index* places) {
   const auto found_at = [&](auto tag, Index k) HWY_ATTR {
-    const auto key = key_at(tag, block, count, dimension, cut, k, Fused());
+    const auto key = key_at(tag, block, stride, dimension, cut, k, Fused());
     const auto limit = hn::Set(tag, threshold);
     const auto mask = Above ? hn::Gt(key, limit) : hn::Lt(key, limit);
     std::uint64_t bits = 0;
@@ -201,11 +211,12 @@ HWY_INLINE Index places_in(const Scalar* block, Index count, Dimension dimension
 }
 
 template <class Scalar, class AnyCut>
-HWY_INLINE Index any_places(const Scalar* block, Index count, int dimension, const AnyCut& cut,
-                            Beyond beyond, Scalar threshold, Index* places) {
+HWY_INLINE Index any_places(const Scalar* block, Index stride, Index count, int dimension,
+                            const AnyCut& cut, Beyond beyond, Scalar threshold, Index* places) {
   return with_dimension(dimension, [&](auto d) HWY_ATTR {
-    return beyond == Beyond::above ? places_in<true>(block, count, d, cut, threshold, places)
-                                   : places_in<false>(block, count, d, cut, threshold, places);
+    return beyond == Beyond::above
+               ? places_in<true>(block, stride, count, d, cut, threshold, places)
+               : places_in<false>(block, stride, count, d, cut, threshold, places);
   });
 }
 
@@ -215,13 +226,17 @@ HWY_INLINE Index any_places(const Scalar* block, Index count, int dimension, con
                                    int dimension) {                                           \
     return any_extremes(block_i, count_i, cut_i, block_j, count_j, cut_j, dimension);         \
   }                                                                                           \
+  Scalar Name##_extreme(const Scalar* block, Index stride, Index count, int dimension,        \
+                        const AnyCut& cut, Beyond beyond) {                                   \
+    return any_extreme(block, stride, count, dimension, cut, beyond);                         \
+  }                                                                                           \
   void Name##_keys(const Scalar* block, Index count, int dimension, const AnyCut& cut,        \
                    Scalar* out) {                                                             \
     any_keys(block, count, dimension, cut, out);                                              \
   }                                                                                           \
-  Index Name##_places(const Scalar* block, Index count, int dimension, const AnyCut& cut,     \
-                      Beyond beyond, Scalar threshold, Index* places) {                       \
-    return any_places(block, count, dimension, cut, beyond, threshold, places);               \
+  Index Name##_places(const Scalar* block, Index stride, Index count, int dimension,          \
+                      const AnyCut& cut, Beyond beyond, Scalar threshold, Index* places) {    \
+    return any_places(block, stride, count, dimension, cut, beyond, threshold, places);       \
   }
 CCVT_FOR_CUTS(CCVT_FOR_CUT, float, float32)
 CCVT_FOR_CUTS(CCVT_FOR_CUT, double, float64)
@@ -236,6 +251,7 @@ namespace ccvt::kernels {
 
 #define CCVT_DISPATCH_CUT(Scalar, Name, AnyCut)                                                    \
   HWY_EXPORT(Name##_extremes);                                                                     \
+  HWY_EXPORT(Name##_extreme);                                                                      \
   HWY_EXPORT(Name##_keys);                                                                         \
   HWY_EXPORT(Name##_places);                                                                       \
   template <>                                                                                      \
@@ -246,14 +262,19 @@ namespace ccvt::kernels {
                                                  dimension);                                       \
   }                                                                                                \
   template <>                                                                                      \
+  Scalar extreme_key(const Scalar* block, Index stride, Index count, int dimension,                \
+                     const AnyCut& cut, Beyond beyond) {                                           \
+    return HWY_DYNAMIC_DISPATCH(Name##_extreme)(block, stride, count, dimension, cut, beyond);     \
+  }                                                                                                \
+  template <>                                                                                      \
   void keys(const Scalar* block, Index count, int dimension, const AnyCut& cut, Scalar* out) {     \
     HWY_DYNAMIC_DISPATCH(Name##_keys)(block, count, dimension, cut, out);                          \
   }                                                                                                \
   template <>                                                                                      \
-  Index places_beyond(const Scalar* block, Index count, int dimension, const AnyCut& cut,          \
-                      Beyond beyond, Scalar threshold, Index* places) {                            \
-    return HWY_DYNAMIC_DISPATCH(Name##_places)(block, count, dimension, cut, beyond, threshold,    \
-                                               places);                                            \
+  Index places_beyond(const Scalar* block, Index stride, Index count, int dimension,               \
+                      const AnyCut& cut, Beyond beyond, Scalar threshold, Index* places) {         \
+    return HWY_DYNAMIC_DISPATCH(Name##_places)(block, stride, count, dimension, cut, beyond,       \
+                                               threshold, places);                                 \
   }
 CCVT_FOR_CUTS(CCVT_DISPATCH_CUT, float, float32)
 CCVT_FOR_CUTS(CCVT_DISPATCH_CUT, double, float64)

@@ -62,17 +62,23 @@ Extremes<Scalar> key_extremes(const Scalar* block_i, Index count_i, const AnyCut
                               const Scalar* block_j, Index count_j, const AnyCut& cut_j,
                               int dimension);
 
+enum class Beyond { above, below };
+
+/// The highest key, or the lowest, of `count` >= 1 points of a block, of which `block` is the
+/// first, and whose streams are `stride` apart.
+template <class Scalar, class AnyCut>
+Scalar extreme_key(const Scalar* block, Index stride, Index count, int dimension, const AnyCut& cut,
+                   Beyond beyond);
+
 /// The keys of a block of points. The library asks for those of Cut and WrappedCut only, tests for
 /// all.
 template <class Scalar, class AnyCut>
 void keys(const Scalar* block, Index count, int dimension, const AnyCut& cut, Scalar* out);
 
-enum class Beyond { above, below };
-
-/// The places, ascending, of the points of a block whose keys are above, or below, a threshold;
-/// returns how many. `places` has room for all of the block.
+/// The places, ascending, of the points whose keys are above, or below, a threshold, of `count`
+/// points of a block as above; returns how many. `places` has room for all of them.
 template <class Scalar, class AnyCut>
-Index places_beyond(const Scalar* block, Index count, int dimension, const AnyCut& cut,
-                    Beyond beyond, Scalar threshold, Index* places);
+Index places_beyond(const Scalar* block, Index stride, Index count, int dimension,
+                    const AnyCut& cut, Beyond beyond, Scalar threshold, Index* places);
 
 }  // namespace ccvt::kernels

@@ -90,6 +90,20 @@ class Cells {
     for (std::size_t d = 0; d < dimension_; ++d, stream += size(site)) stream[to] = stream[from];
   }
 
+  /// Puts what is at place places[k] of a cell to place k. Both vectors are scratch memory.
+  void reorder(SiteNumber site, std::span<const Index> places, std::vector<PointNumber>& points,
+               std::vector<Scalar>& stream) {
+    const std::span<const PointNumber> own = this->points(site);
+    points.assign(own.begin(), own.end());
+    stream.resize(own.size());
+    for (std::size_t k = 0; k < places.size(); ++k) order(site)[k] = points[places[k]];
+    Scalar* to = block(site);
+    for (std::size_t d = 0; d < dimension_; ++d, to += own.size()) {
+      std::copy_n(to, own.size(), stream.begin());
+      for (std::size_t k = 0; k < places.size(); ++k) to[k] = stream[places[k]];
+    }
+  }
+
   /// Exchanges place k of cell i with place l of cell j.
   void exchange(SiteNumber i, Index k, SiteNumber j, Index l) {
     std::swap(order(i)[k], order(j)[l]);

@@ -190,6 +190,28 @@ void PairCut<Scalar>::add_keys(Side side, const Scalar* block, Index count, doub
   }
 }
 
+/// Coordinates of a box need not be those of any one point, and of a point that has left the cell
+/// some may be: the sizes of the terms are bounded anew.
+template <class Scalar>
+void PairCut<Scalar>::bound_keys(Side side, std::span<const Scalar> low,
+                                 std::span<const Scalar> high, std::vector<double>& bounds) const {
+  const std::size_t boxes = low.size() / normal_.size() - 1;
+  const std::vector<double>& origin = middle(side);
+  bounds.assign(boxes, 0.0);
+  double size = 0;
+  for (std::size_t d = 0; d < normal_.size(); ++d) {
+    const double along = normal_[d];
+    const double from = origin[d];
+    const Scalar* const end =
+        ((along > 0) == (side == Side::i) ? high : low).data() + d * (boxes + 1);
+    for (std::size_t k = 0; k < boxes; ++k) bounds[k] += (end[k] - from) * along;
+    const std::size_t all = d * (boxes + 1) + boxes;
+    size += std::max(std::abs(low[all] - from), std::abs(high[all] - from)) * std::abs(along);
+  }
+  const double slack = tolerance_ + rounding_of_size_ * size + least_rounding_;
+  for (double& bound : bounds) bound += side == Side::i ? slack : -slack;
+}
+
 template class PairCut<float>;
 template class PairCut<double>;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "geometry/metric.h"
@@ -31,6 +32,15 @@ class PairCut {
   /// Calls `visit` with the cut as the kernels see it from cell i and from cell j.
   template <class Visit>
   auto with_kernels(const Visit& visit) const;
+
+  /// Whether the cut is a plane for both cells as they stand, and points of both sides can be
+  /// bounded by boxes around them.
+  [[nodiscard]] bool straight() const { return frame_ == Frame::plain; }
+  /// Where the cut is straight: bounds on the kernels' keys of points in boxes, from above for side
+  /// i and from below for side j. `low` and `high` are the boxes' ends, a stream for each
+  /// dimension; the last box is around all others, and has no bound.
+  void bound_keys(Side side, std::span<const Scalar> low, std::span<const Scalar> high,
+                  std::vector<double>& bounds) const;
 
   /// The distance between the two sites.
   [[nodiscard]] double length() const { return length_; }

@@ -23,7 +23,8 @@ Relaxer<Scalar>::Relaxer(const Metric& metric, const Options& options, const Are
       options_(options),
       arena_(arena),
       stop_(stop),
-      workers_(arena, {PairSwapper<Scalar>(metric, options, coordinate_bound), {}, {}, 0}) {
+      workers_(arena, {PairSwapper<Scalar>(metric, options, coordinate_bound), {}, {}, 0}),
+      patches_(metric.dimension(), sites) {
   changed_.assign(sites, 0);
   touched_.assign(changed_.size(), 1);
 }
@@ -116,7 +117,7 @@ void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, SiteNum
     arena_.check();
   }
   ++worker.count.pairs;
-  const std::int64_t exchanged = worker.swap(state.cells, state.sites, i, j);
+  const std::int64_t exchanged = worker.swap(state.cells, patches_, state.sites, i, j);
   if (exchanged == 0) return;
   changed_[i] = changed_[j] = 1;
   ++worker.count.swaps;

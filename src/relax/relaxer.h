@@ -68,6 +68,7 @@ class Relaxer {
   Stop& stop_;
   PerWorker<Worker> workers_;
 
+  Patches<Scalar> patches_;
   PairLists lists_;
   std::vector<std::uint8_t> changed_;       ///< sites, in this pass
   std::vector<std::uint8_t> touched_;       ///< sites, since the last full pass began

@@ -9,6 +9,7 @@
 #include "rounding.h"
 
 namespace ccvt {
+
 template <class Scalar>
 PairSwapper<Scalar>::PairSwapper(const Metric& metric, const Options& options,
                                  double coordinate_bound)
@@ -20,15 +21,77 @@ PairSwapper<Scalar>::PairSwapper(const Metric& metric, const Options& options,
       cut_(metric, coordinate_bound),
       coordinates_(static_cast<std::size_t>(metric.dimension())) {}
 
+/// Divides a cell that is worth it, and bounds the keys of its patches.
 template <class Scalar>
-auto PairSwapper<Scalar>::key_bounds(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j) const
+void PairSwapper<Scalar>::divide(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteNumber cell,
+                                 Side side, Part& part) {
+  patches.look(cells, cell, scratch_);
+  part.divided = cut_.straight() && patches.has(cell);
+  if (!part.divided) return;
+  part.size = patches.size(cell);
+  cut_.bound_keys(side, patches.low(cell), patches.high(cell), part.bounds);
+}
+
+/// Of a cell of so many points, the patches that may have keys beyond what is known: higher ones
+/// on side i, lower ones on side j. Of one that is not divided all.
+template <class Scalar>
+void PairSwapper<Scalar>::choose(Side side, Index points, double known, Part& part) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (!part.divided) {
+    part.stretches.assign(1, {side == Side::i ? kInfinity : -kInfinity, 0, points});
+    return;
+  }
+  part.stretches.clear();
+  Index first = 0;
+  for (const double bound : part.bounds) {
+    if (is_beyond(side, bound, known)) {
+      part.stretches.push_back({bound, first, std::min(part.size, points - first)});
+    }
+    first += part.size;
+  }
+}
+
+template <class Scalar>
+auto PairSwapper<Scalar>::key_bounds(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j)
     -> KeyBounds {
+  if (part_i_.divided || part_j_.divided) return key_bounds_by_patches(cells, i, j);
+  choose(Side::i, cells.size(i), 0, part_i_);
+  choose(Side::j, cells.size(j), 0, part_j_);
   const auto extremes = [&](const auto& cut_i, const auto& cut_j) {
     return kernels::key_extremes(cells.block(i), cells.size(i), cut_i, cells.block(j),
                                  cells.size(j), cut_j, metric_.dimension());
   };
   const auto [highest, lowest] = cut_.with_kernels(extremes);
   return {highest + cut_.tolerance(), lowest - cut_.tolerance()};
+}
+
+/// The same, but that bounds of separated cells may be loose. Only patches are looked at whose
+/// points can lie beyond what is known already.
+template <class Scalar>
+auto PairSwapper<Scalar>::key_bounds_by_patches(const Cells<Scalar>& cells, SiteNumber i,
+                                                SiteNumber j) -> KeyBounds {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double apart = 3 * cut_.tolerance();  // with room for rounding: for separated() it is two
+  // The highest key of cell i, or what is known if that is higher; of cell j the lowest.
+  const auto extreme = [&](SiteNumber cell, Side side, const auto& cut, Part& part, double known) {
+    choose(side, cells.size(cell), known, part);
+    for (const auto& [bound, first, count] : part.stretches) {
+      if (!is_beyond(side, bound, known)) continue;
+      const double key = kernels::extreme_key(cells.block(cell) + first, cells.size(cell), count,
+                                              metric_.dimension(), cut, beyond(side));
+      if (is_beyond(side, key, known)) known = key;
+    }
+    return known;
+  };
+  return cut_.with_kernels([&](const auto& cut_i, const auto& cut_j) {
+    double lowest = part_j_.divided
+                        ? *std::min_element(part_j_.bounds.begin(), part_j_.bounds.end())
+                        : extreme(j, Side::j, cut_j, part_j_, kInfinity);
+    const double known = part_i_.divided ? lowest - apart : -kInfinity;
+    const double highest = extreme(i, Side::i, cut_i, part_i_, known);
+    if (part_j_.divided) lowest = extreme(j, Side::j, cut_j, part_j_, highest + apart);
+    return KeyBounds{highest + cut_.tolerance(), lowest - cut_.tolerance()};
+  });
 }
 
 /// Point distance pruning [5.2, eq. 8 and 9]: the points of `cell` that are near enough to the
@@ -68,7 +131,6 @@ Index PairSwapper<Scalar>::within_reach(const Cells<Scalar>& cells, const SiteSt
 template <class Scalar>
 void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const SiteState& sites,
                                           SiteNumber i, SiteNumber j, const KeyBounds& bounds) {
-  using Side = typename PairCut<Scalar>::Side;
   const auto keep = [&](SiteNumber cell, Side side, Index found,
                         std::vector<Candidate>& candidates) {
     candidates.clear();
@@ -106,15 +168,24 @@ void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const Site
           std::nextafter(static_cast<Scalar>(bounds.lowest_j - cut_.tolerance()), -infinity);
       const auto ceiling =
           std::nextafter(static_cast<Scalar>(bounds.highest_i + cut_.tolerance()), infinity);
-      const auto find = [&](SiteNumber cell, const auto& cut, kernels::Beyond beyond,
+      const auto find = [&](SiteNumber cell, Side side, const Part& part, const auto& cut,
                             Scalar threshold) {
         make_room(cells.points(cell).size());
-        return kernels::places_beyond(cells.block(cell), cells.size(cell), metric_.dimension(), cut,
-                                      beyond, threshold, places_.data());
+        Index found = 0;
+        for (const auto& [bound, first, count] : part.stretches) {
+          if (!is_beyond(side, bound, threshold)) continue;
+          Index* const places = places_.data() + found;
+          const Index here =
+              kernels::places_beyond(cells.block(cell) + first, cells.size(cell), count,
+                                     metric_.dimension(), cut, beyond(side), threshold, places);
+          for (Index k = 0; k < here; ++k) places[k] += first;
+          found += here;
+        }
+        return found;
       };
       cut_.with_kernels([&](const auto& cut_i, const auto& cut_j) {
-        keep(i, Side::i, find(i, cut_i, kernels::Beyond::above, floor), moves_.from_i);
-        keep(j, Side::j, find(j, cut_j, kernels::Beyond::below, ceiling), moves_.from_j);
+        keep(i, Side::i, find(i, Side::i, part_i_, cut_i, floor), moves_.from_i);
+        keep(j, Side::j, find(j, Side::j, part_j_, cut_j, ceiling), moves_.from_j);
       });
       return;
     }
@@ -122,8 +193,8 @@ void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const Site
 }
 
 template <class Scalar>
-void PairSwapper<Scalar>::exchange(Cells<Scalar>& cells, SiteState& sites, SiteNumber i,
-                                   SiteNumber j) {
+void PairSwapper<Scalar>::exchange(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteState& sites,
+                                   SiteNumber i, SiteNumber j) {
   // The sets decide the result, not the order in which a selection left them.
   const auto by_place = [](const Candidate& a, const Candidate& b) { return a.place < b.place; };
   std::sort(moves_.from_i.begin(), moves_.from_i.end(), by_place);
@@ -133,6 +204,7 @@ void PairSwapper<Scalar>::exchange(Cells<Scalar>& cells, SiteState& sites, SiteN
     double& radius = sites.radius[cell];
     const double squared = metric_.squared_distance(coordinates_.data(), sites.at(cell));
     if (squared > radius * radius) radius = upper_radius(squared, metric_.dimension());
+    patches.replace(cell, place, coordinates_.data());
   };
   for (std::size_t k = 0; k < moves_.from_i.size(); ++k) {
     cells.exchange(i, moves_.from_i[k].place, j, moves_.from_j[k].place);
@@ -145,11 +217,13 @@ void PairSwapper<Scalar>::exchange(Cells<Scalar>& cells, SiteState& sites, SiteN
 }
 
 template <class Scalar>
-Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, SiteState& sites, SiteNumber i,
-                                      SiteNumber j) {
+Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, Patches<Scalar>& patches,
+                                      SiteState& sites, SiteNumber i, SiteNumber j) {
   cut_.place(sites, i, j);
   KeyBounds bounds{};
   if (median_cut_ || pruning_ == PointPruning::extremes) {
+    divide(cells, patches, i, Side::i, part_i_);
+    divide(cells, patches, j, Side::j, part_j_);
     bounds = key_bounds(cells, i, j);
     if (bounds.separated()) return 0;
   }
@@ -162,7 +236,7 @@ Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, SiteState& sites, Si
   const double margin = 2 * cut_.rounding() + (centroid_error(i) + centroid_error(j)) / 2;
   select_exchange(method_, margin, moves_);
   if (moves_.from_i.empty()) return 0;
-  exchange(cells, sites, i, j);
+  exchange(cells, patches, sites, i, j);
   return static_cast<Index>(moves_.from_i.size());
 }
 

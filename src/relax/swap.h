@@ -8,6 +8,7 @@
 #include "geometry/metric.h"
 #include "relax/cells.h"
 #include "relax/pair_cut.h"
+#include "relax/patches.h"
 #include "relax/site_state.h"
 
 namespace ccvt {
@@ -56,8 +57,10 @@ class PairSwapper {
   PairSwapper(const Metric& metric, const Options& options, double coordinate_bound);
 
   /// Makes the pair (i, j) optimal; returns how many points of each cell changed owner. Radii
-  /// remain upper bounds. Touches nothing but the two cells and the state of the two sites.
-  Index operator()(Cells<Scalar>& cells, SiteState& sites, SiteNumber i, SiteNumber j);
+  /// remain upper bounds. Touches nothing but the two cells, their patches and the state of the two
+  /// sites.
+  Index operator()(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteState& sites, SiteNumber i,
+                   SiteNumber j);
 
   /// Whether the bounding spheres of two sites meet [5.1, eq. 7].
   [[nodiscard]] static bool spheres_meet(const Metric& metric, const SiteState& sites, SiteNumber i,
@@ -74,20 +77,49 @@ class PairSwapper {
     /// Median-cut pruning [5.2]: no key of cell i is above any key of cell j.
     [[nodiscard]] bool separated() const { return highest_i <= lowest_j; }
   };
-  KeyBounds key_bounds(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j) const;
+  using Side = typename PairCut<Scalar>::Side;
+  /// Of a cell of the pair, consecutive points that must be looked at.
+  struct Stretch {
+    double bound;  ///< on their keys, from the side of the cut
+    Index first;
+    Index count;
+  };
+  /// What is looked at of a cell: patches near the cut, or all.
+  struct Part {
+    bool divided = false;
+    std::vector<double> bounds;  ///< of each patch
+    Index size = 0;              ///< of a patch
+    std::vector<Stretch> stretches;
+  };
+  void divide(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteNumber cell, Side side,
+              Part& part);
+  /// Which keys of a side are those of points that may move.
+  [[nodiscard]] static kernels::Beyond beyond(Side side) {
+    return side == Side::i ? kernels::Beyond::above : kernels::Beyond::below;
+  }
+  [[nodiscard]] static bool is_beyond(Side side, double key, double threshold) {
+    return side == Side::i ? key > threshold : key < threshold;
+  }
+  static void choose(Side side, Index points, double known, Part& part);
+  KeyBounds key_bounds(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j);
+  KeyBounds key_bounds_by_patches(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j);
   void find_candidates(const Cells<Scalar>& cells, const SiteState& sites, SiteNumber i,
                        SiteNumber j, const KeyBounds& bounds);
   Index within_reach(const Cells<Scalar>& cells, const SiteState& sites, SiteNumber cell,
                      SiteNumber other);
   void make_room(std::size_t places) { places_.resize(std::max(places_.size(), places)); }
-  void exchange(Cells<Scalar>& cells, SiteState& sites, SiteNumber i, SiteNumber j);
+  void exchange(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteState& sites, SiteNumber i,
+                SiteNumber j);
 
   const Metric& metric_;
   SwapMethod method_;
   PointPruning pruning_;
   bool median_cut_;
   double coordinate_bound_;
-  PairCut<Scalar> cut_;              ///< of the current pair
+  PairCut<Scalar> cut_;  ///< of the current pair
+  Part part_i_;
+  Part part_j_;
+  typename Patches<Scalar>::Scratch scratch_;
   std::vector<Scalar> coordinates_;  ///< of one point
   std::vector<double> per_point_;    ///< exact keys, or squared distances, of one cell
   std::vector<Index> places_;        ///< points of one cell, found last

@@ -1,0 +1,143 @@
+#include "relax/patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "kernels/streams.h"
+
+namespace ccvt {
+namespace {
+
+/// Dividing takes about as long as looking at all of a cell so many times.
+constexpr Index kLooks = 32;
+/// Points of a patch, of the cube root of its cell's: to bound the keys of a patch takes as long as
+/// to look at a dozen points, and the patches near a border of a cell in the plane are about as
+/// many as the root of all.
+constexpr double kSizeOfRoot = 14;
+constexpr Index kSizeStep = 16;  // whole vectors
+/// Patches along each dimension that a cell must have, else most of them are near some border.
+constexpr double kLeastAlong = 4;
+/// Of its points: when so many have been replaced, a cell is divided anew.
+constexpr Index kReplacedShare = 4;
+/// Bins of a patch, along the last dimension: within a bin points are in no order.
+constexpr double kBinsOfPatch = 8;
+
+/// A grid over a cell, as its points are spread. Consecutive bins are neighbours: every other row
+/// runs backwards.
+template <class Scalar>
+class Grid {
+ public:
+  Grid(const Scalar* block, Index count, std::size_t dimension, double patches) {
+    const double along = std::pow(patches, 1.0 / static_cast<double>(dimension));
+    for (std::size_t d = 0; d < dimension; ++d, block += count) {
+      const bool last = d + 1 == dimension;
+      const auto [low, high] = kernels::range(block, count);
+      const double bins = std::max(1.0, std::floor(along * (last ? kBinsOfPatch : 1)));
+      const double width = static_cast<double>(high) - static_cast<double>(low);
+      axes_.push_back({low, static_cast<Scalar>(width > 0 ? bins / width : 0),
+                       static_cast<std::uint32_t>(bins)});
+    }
+  }
+
+  [[nodiscard]] std::size_t bin_count() const {
+    std::size_t bins = 1;
+    for (const Axis& axis : axes_) bins *= axis.bins;
+    return bins;
+  }
+  /// Of a row so far, the row that coordinate x along dimension d leads to.
+  [[nodiscard]] std::uint32_t next(std::uint32_t row, Scalar x, std::size_t d) const {
+    const Axis& axis = axes_[d];
+    const auto last = static_cast<Scalar>(axis.bins - 1);
+    const auto at = static_cast<std::uint32_t>(std::min((x - axis.low) * axis.per_width, last));
+    return row * axis.bins + (row % 2 == 0 ? at : axis.bins - 1 - at);
+  }
+
+ private:
+  struct Axis {
+    Scalar low;
+    Scalar per_width;
+    std::uint32_t bins;
+  };
+  std::vector<Axis> axes_;
+};
+
+}  // namespace
+
+template <class Scalar>
+void Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch) {
+  Cell& cell = cells_[site];
+  const Index points = cells.size(site);
+  const bool worn = cell.replaced > points / kReplacedShare;
+  if (cell.looks >= kLooks && !worn) return;
+  if (++cell.looks < kLooks) return;
+  cell.looks = 0;
+  const auto size = static_cast<Index>(kSizeOfRoot * std::cbrt(points)) / kSizeStep * kSizeStep;
+  if (size == 0 || points < size * std::pow(kLeastAlong, static_cast<double>(dimension_))) return;
+  const auto count = static_cast<std::size_t>((points + size - 1) / size);
+  cell.low.resize((count + 1) * dimension_);
+  cell.high.resize(cell.low.size());
+  cell.size = size;
+  sort(cells, site, scratch);
+  cell.looks = kLooks;
+  cell.replaced = 0;
+  const Scalar* stream = cells.block(site);
+  Scalar* low = cell.low.data();
+  Scalar* high = cell.high.data();
+  for (std::size_t d = 0; d < dimension_; ++d, stream += points) {
+    for (std::size_t k = 0; k < count; ++k) {
+      const Index first = static_cast<Index>(k) * size;
+      const auto box = kernels::range(stream + first, std::min(size, points - first));
+      low[k] = box.low;
+      high[k] = box.high;
+    }
+    low[count] = *std::min_element(low, low + count);
+    high[count] = *std::max_element(high, high + count);
+    low += count + 1;
+    high += count + 1;
+  }
+}
+
+/// Sorts the points of a cell by the bins of a grid.
+template <class Scalar>
+void Patches<Scalar>::sort(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch) const {
+  const std::size_t count = cells.points(site).size();
+  const Grid<Scalar> grid(cells.block(site), cells.size(site), dimension_,
+                          static_cast<double>(this->count(site)));
+  scratch.bin.assign(count, 0);
+  const Scalar* stream = cells.block(site);
+  for (std::size_t d = 0; d < dimension_; ++d, stream += count) {
+    for (std::size_t k = 0; k < count; ++k) {
+      scratch.bin[k] = grid.next(scratch.bin[k], stream[k], d);
+    }
+  }
+  scratch.first.assign(grid.bin_count() + 1, 0);
+  for (const std::uint32_t bin : scratch.bin) ++scratch.first[bin + 1];
+  std::partial_sum(scratch.first.begin(), scratch.first.end(), scratch.first.begin());
+  scratch.order.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    scratch.order[scratch.first[scratch.bin[k]]++] = static_cast<Index>(k);
+  }
+  cells.reorder(site, scratch.order, scratch.points, scratch.stream);
+}
+
+template <class Scalar>
+void Patches<Scalar>::replace(SiteNumber site, Index place, const Scalar* coordinates) {
+  Cell& cell = cells_[site];
+  if (cell.low.empty()) return;
+  ++cell.replaced;
+  const std::size_t patches = count(site);
+  const auto patch = static_cast<std::size_t>(place / cell.size);
+  for (std::size_t d = 0; d < dimension_; ++d) {
+    for (const std::size_t k : {d * (patches + 1) + patch, d * (patches + 1) + patches}) {
+      cell.low[k] = std::min(cell.low[k], coordinates[d]);
+      cell.high[k] = std::max(cell.high[k], coordinates[d]);
+    }
+  }
+}
+
+template class Patches<float>;
+template class Patches<double>;
+
+}  // namespace ccvt
