@@ -1,8 +1,11 @@
 #include "ccvt/solver.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <numeric>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "bounds.h"
@@ -318,6 +321,12 @@ template <class Scalar>
 void Solver<Scalar>::Implementation::deal(const Cells<Scalar>& owned,
                                           std::span<const Index> filled) {
   stop.off();
+  const auto points = static_cast<std::int64_t>(problem.point_count());
+  const std::int64_t joined = std::accumulate(filled.begin(), filled.end(), std::int64_t{0});
+  record.summary().warnings.push_back(
+      "the run ended before all points had joined: " + std::to_string(points - joined) + " of " +
+      std::to_string(points) +
+      " went to sites that had room, and sites are not at the centroids of their cells");
   dealt = deal_rest(metric, state.sites, box, problem.points(), levels.back().capacities, owned,
                     filled);
   level = levels.size() - 1;

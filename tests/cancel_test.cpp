@@ -105,6 +105,9 @@ TEST_CASE("tessellate: too many points for a start of their own are dealt out ne
   CHECK(capacity_error(result.owners, sites) < 1e-6);
   CHECK(std::count(result.owners.begin(), result.owners.end(), -1) == 0);
   CHECK(result.summary.normalized_energy < 50);  // random owners: 333
+  REQUIRE(result.summary.warnings.size() == 1);
+  CHECK(result.summary.warnings[0].find("of 16781216 went to sites that had room") !=
+        std::string::npos);
 }
 
 TEST_CASE("codebooks: seeding, levels, pricing, the last assignment") {

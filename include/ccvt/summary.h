@@ -100,8 +100,8 @@ struct CCVT_EXPORT Summary {
   /// Where the time went, of the whole run; known when it has ended.
   std::vector<PhaseRecord> phases;
   std::vector<IterationRecord> iterations_log;
-  /// What makes the result worse than it need be, a sentence each; known when the run has ended.
-  /// So far: coordinates so large that their type cannot tell neighbouring points apart.
+  /// What makes the result worse than it need be, a sentence each; known when the run has ended:
+  /// coordinates so large that their type cannot tell points apart; an end before all had joined.
   std::vector<std::string> warnings;
 
   /// False when normalized_energy is 0 for want of a volume.

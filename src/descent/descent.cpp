@@ -33,6 +33,9 @@ constexpr double kLeastGain = 1e-4;
 /// centroids, of the radius; or a point.
 constexpr double kFullness = 0.1;
 constexpr double kLargestFullness = 0.01;
+/// What a diagram must be to say anything: its energy is a lower bound, and the worse the less full
+/// the cells are.
+constexpr double kNearlyFull = 0.05;
 /// Neighbours a site beyond which all this does not pay.
 constexpr std::size_t kMostNeighbours = 64;  // in the mean
 constexpr std::size_t kMostNeighboursOfOne = 512;
@@ -127,19 +130,21 @@ bool Descent<Scalar>::find_neighbours(const LevelState<Scalar>& state) {
   return *std::max_element(neighbours.begin(), neighbours.end()) <= kMostNeighboursOfOne;
 }
 
-/// Finds the points near borders, and the diagram to descend from.
+/// Finds the points near borders, and the diagram to descend from. False when there is none with
+/// full cells.
 template <class Scalar>
-void Descent<Scalar>::start(const LevelState<Scalar>& state) {
+bool Descent<Scalar>::start(const LevelState<Scalar>& state) {
   borders_.find(state.cells, position_, radius_, weights_, near_.span(), share_);
   at_ = {std::vector<double>(position_.size(), 0.0), weights_};
   if (gradient_.empty()) {
-    fill(at_, kLargestFullness);
+    if (!fill(at_, kLargestFullness)) return false;
     look();
   }
   // As full as it will be after a step: else its energy, which is a lower bound, cannot be
   // compared.
-  fill(at_, kFullness * farthest_centroid());
+  const bool full = fill(at_, kFullness * farthest_centroid());
   look();
+  return full;
 }
 
 /// Takes the energy and its gradient from the diagram last counted.
@@ -160,18 +165,19 @@ double Descent<Scalar>::farthest_centroid() const {
 }
 
 /// Changes the weights until the cells are full, but for this share of their capacity and for
-/// single points; or as full as they become.
+/// single points; or as full as they become. Whether that is nearly full.
 template <class Scalar>
-void Descent<Scalar>::fill(PowerDiagram& diagram, double fullness) {
+bool Descent<Scalar>::fill(PowerDiagram& diagram, double fullness) {
   const std::size_t sites = capacity_.size();
   const double share = std::min(fullness, kLargestFullness);
-  const auto imbalance = [&] {
+  const auto imbalance_beyond = [&](double tolerated) {
     const double sum = sum_of(arena_, sites, kSitesPerGrain, [&](std::size_t s) {
-      const double part = borders_.surplus()[s] / std::max(1.0, share * capacity_[s]);
+      const double part = borders_.surplus()[s] / std::max(1.0, tolerated * capacity_[s]);
       return part * part;
     });
     return std::sqrt(sum / static_cast<double>(sites));
   };
+  const auto imbalance = [&] { return imbalance_beyond(share); };
   borders_.count(diagram);
   double now = imbalance();
   for (int k = 0; k < kMostCorrections && now > 1; ++k) {
@@ -189,10 +195,11 @@ void Descent<Scalar>::fill(PowerDiagram& diagram, double fullness) {
     }
     if (then > (1 - part / 4) * now) {
       correct(0);
-      return;
+      break;
     }
     now = then;
   }
+  return imbalance_beyond(kNearlyFull) <= 1;
 }
 
 /// One step of the sites, to where the energy is lower; false when there is none.
@@ -221,8 +228,8 @@ bool Descent<Scalar>::descend() {
     for (std::size_t s = 0; s < capacity_.size(); ++s) {
       next.weight[s] += part * correction[s] + squared(&direction[s * dimension], dimension);
     }
-    fill(next, fullness);
-    if (borders_.energy() > energy_ + kSufficient * 2 * part * slope) continue;
+    if (!fill(next, fullness) || borders_.energy() > energy_ + kSufficient * 2 * part * slope)
+      continue;
     std::vector<double> change(gradient_.size());
     for (std::size_t k = 0; k < change.size(); ++k) {
       change[k] = -borders_.to_centroid()[k] - gradient_[k];
@@ -255,7 +262,10 @@ PassCount Descent<Scalar>::step(LevelState<Scalar>& state) try {
     return result;
   }
   ended_ = depth_ == Depth::even;
-  start(state);
+  if (!start(state) && depth_ == Depth::full) {
+    ended_ = unsuited_ = true;
+    return result;
+  }
   int steps = 0;
   double used = 0;
   while (!ended_ && steps < kMostSteps && used <= 1) {

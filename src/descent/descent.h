@@ -42,17 +42,17 @@ class Descent {
   /// Whether little is left to be gained.
   [[nodiscard]] bool ended() const { return ended_; }
   [[nodiscard]] Depth depth() const { return depth_; }
-  /// Whether nothing was done, because cells have too many neighbours for it, or are too large for
-  /// their torus.
+  /// Whether nothing was done, because cells have too many neighbours for it, are too large for
+  /// their torus, or do not become full.
   [[nodiscard]] bool unsuited() const { return unsuited_; }
   /// An estimate in [0, 1] of how far it has come.
   [[nodiscard]] double progress() const;
 
  private:
   bool find_neighbours(const LevelState<Scalar>& state);
-  void start(const LevelState<Scalar>& state);
+  bool start(const LevelState<Scalar>& state);
   void look();
-  void fill(PowerDiagram& diagram, double fullness);
+  bool fill(PowerDiagram& diagram, double fullness);
   bool descend();
   [[nodiscard]] double farthest_centroid() const;
   void commit(LevelState<Scalar>& state, PassCount& result);

@@ -69,10 +69,9 @@ template <class Scalar>
 void Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch) {
   Cell& cell = cells_[site];
   const Index points = cells.size(site);
-  const bool worn = cell.replaced > points / kReplacedShare;
-  if (cell.looks >= kLooks && !worn) return;
   if (++cell.looks < kLooks) return;
   cell.looks = 0;
+  if (has(site) && cell.replaced <= points / kReplacedShare) return;
   const auto size = static_cast<Index>(kSizeOfRoot * std::cbrt(points)) / kSizeStep * kSizeStep;
   if (size == 0 || points < size * std::pow(kLeastAlong, static_cast<double>(dimension_))) return;
   const auto count = static_cast<std::size_t>((points + size - 1) / size);
@@ -80,7 +79,6 @@ void Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scrat
   cell.high.resize(cell.low.size());
   cell.size = size;
   sort(cells, site, scratch);
-  cell.looks = kLooks;
   cell.replaced = 0;
   const Scalar* stream = cells.block(site);
   Scalar* low = cell.low.data();
