@@ -45,7 +45,7 @@ struct IterationRecord {
   Index active_sites = 0;      ///< sites whose cell changed
   double energy = 0;           ///< after the centroid update; falls within a level, up to rounding
   double seconds = 0;          ///< since the start of the run
-  double progress = 0;         ///< of the run, an estimate in [0, 1] that does not fall
+  double progress = 0;         ///< of the run, in [0, 1]; never falls; 1 when stable or blue_noise
 };
 
 /// What part of a run took how long. Phases: initial "sites" and their order; "levels", which
