@@ -114,6 +114,35 @@ void check_keys(const Domain& domain, const Pair<Scalar>& pair, const PairCut<Sc
   checked.in_kernels.add(static_cast<double>(extremes.highest_i - highest));
 }
 
+/// By how much bounds on the kernels' keys of points, each a box, are loose: at least and at most.
+template <class Scalar, class AnyCut>
+Errors looseness(const Pair<Scalar>& pair, const PairCut<Scalar>& cut,
+                 typename PairCut<Scalar>::Side side, const AnyCut& seen) {
+  const bool above = side == PairCut<Scalar>::Side::i;
+  const auto dimension = static_cast<int>(pair.cells.dimension());
+  const Scalar* block = pair.cells.block(SiteNumber(above ? 0 : 1));
+  std::vector<Scalar> low;
+  std::vector<Scalar> high;
+  for (int d = 0; d < dimension; ++d, block += kPoints) {
+    low.insert(low.end(), block, block + kPoints);
+    high.insert(high.end(), block, block + kPoints);
+    low.push_back(*std::min_element(block, block + kPoints));
+    high.push_back(*std::max_element(block, block + kPoints));
+  }
+  std::vector<double> bounds;
+  cut.bound_keys(side, low, high, bounds);
+  REQUIRE(bounds.size() == kPoints);
+  block = pair.cells.block(SiteNumber(above ? 0 : 1));
+  Errors errors;
+  for (Index k = 0; k < kPoints; ++k) {
+    const double key = ccvt::kernels::extreme_key(block + k, kPoints, 1, dimension, seen,
+                                                  ccvt::kernels::Beyond::above);
+    const double bound = bounds[static_cast<std::size_t>(k)];
+    errors.add(above ? bound - key : key - bound);
+  }
+  return errors;
+}
+
 }  // namespace
 
 TEST_SUITE_BEGIN("swap");
@@ -152,6 +181,15 @@ TEST_CASE_TEMPLATE("keys are half the difference of the energies at both sites",
             check_keys(domain, pair, cut, Side::i, cut_i, checked);
             check_keys(domain, pair, cut, Side::j, cut_j, checked);
           });
+          if (cut.straight()) {
+            cut.with_kernels([&](const auto& cut_i, const auto& cut_j) {
+              for (const Errors& errors :
+                   {looseness(pair, cut, Side::i, cut_i), looseness(pair, cut, Side::j, cut_j)}) {
+                REQUIRE(errors.least >= 0);
+                REQUIRE(errors.greatest <= 3 * cut.tolerance());
+              }
+            });
+          }
           REQUIRE(checked.same_one_by_one);
           REQUIRE(checked.in_double.greatest - checked.in_double.least <= 2 * cut.rounding());
           REQUIRE(checked.in_kernels.greatest - checked.in_kernels.least <= 2 * cut.tolerance());

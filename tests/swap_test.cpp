@@ -323,6 +323,37 @@ TEST_CASE_TEMPLATE("cells in patches: the same points move, and no others", Scal
   }
 }
 
+// The kernels' cut is rounded as coordinates are, and bounds must be on that one.
+TEST_CASE("cells in patches far from the origin: their coordinates are coarse") {
+  for (const double offset : {1e3, 1e4, 1e5}) {
+    Box box = Box::unit(2);
+    box.lower.eigen().array() += offset;
+    box.upper.eigen().array() += offset;
+    const Metric metric(2, Domain());
+    for (Index size_i = 4000; size_i < 5000; size_i += 100) {
+      CAPTURE(offset);
+      CAPTURE(size_i);
+      const auto points = make_points<float>(Layout::random, box, 9000);
+      PairOfCells<float> whole(metric, points, size_i);
+      PairOfCells<float> divided(metric, points, size_i);
+      Patches<float> none(2, 2);
+      Patches<float> patches(2, 2);
+      PairSwapper<float> swap(metric, Options{}, offset + 1);
+      for (int round = 0; round < 20; ++round) {
+        wear(patches, divided.cells);
+        const Index moved = swap(whole.cells, none, whole.sites, site_i, site_j);
+        REQUIRE(swap(divided.cells, patches, divided.sites, site_i, site_j) == moved);
+        REQUIRE(pair_faults(Domain(), divided) == "");
+        for (const SiteNumber s : whole.cells.sites()) {
+          ccvt::update_site(metric, whole.cells, whole.sites, s);
+          ccvt::update_site(metric, divided.cells, divided.sites, s);
+        }
+      }
+      CHECK(patches.has(site_i));
+    }
+  }
+}
+
 TEST_CASE("patches lie close together, and are divided anew when they do not") {
   const auto points = make_points<float>(Layout::random, Box::unit(2), 20000);
   PairOfCells<float> pair(Metric(2, Domain()), points, 10000);

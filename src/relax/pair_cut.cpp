@@ -190,17 +190,18 @@ void PairCut<Scalar>::add_keys(Side side, const Scalar* block, Index count, doub
   }
 }
 
-/// Coordinates of a box need not be those of any one point, and of a point that has left the cell
-/// some may be: the sizes of the terms are bounded anew.
+/// The cut is where the kernels have it, rounded. Coordinates of a box need not be those of any one
+/// point, and of a point that has left the cell some may be: the sizes of the terms are bounded
+/// anew.
 template <class Scalar>
 void PairCut<Scalar>::bound_keys(Side side, std::span<const Scalar> low,
                                  std::span<const Scalar> high, std::vector<double>& bounds) const {
   const std::size_t boxes = low.size() / normal_.size() - 1;
-  const std::vector<double>& origin = middle(side);
+  const std::vector<Scalar>& origin = side == Side::i ? scalar_middle_i_ : scalar_middle_j_;
   bounds.assign(boxes, 0.0);
   double size = 0;
   for (std::size_t d = 0; d < normal_.size(); ++d) {
-    const double along = normal_[d];
+    const double along = scalar_normal_[d];
     const double from = origin[d];
     const Scalar* const end =
         ((along > 0) == (side == Side::i) ? high : low).data() + d * (boxes + 1);
