@@ -143,8 +143,9 @@ TEST_CASE("sample: distributions and scalar types") {
                                          {" --until stable", "stable"},
                                          {" --preset default", "stable"},
                                          {" --time-limit 1e-9", "time_limit"}}) {
-    CAPTURE(end);
-    CHECK(run(directory, fine + end).status == 0);
+    const std::string arguments = fine + end;
+    CAPTURE(arguments);
+    CHECK(run(directory, arguments).status == 0);
     CHECK(json_of(directory / "s.json")["termination"] == termination);
   }
   CHECK(run(directory, "sample --dim 2 --sites 16 --preset fast-ccvt -o s.npy --summary s.json")

@@ -96,11 +96,13 @@ class Cells {
     const std::span<const PointNumber> own = this->points(site);
     points.assign(own.begin(), own.end());
     stream.resize(own.size());
-    for (std::size_t k = 0; k < places.size(); ++k) order(site)[k] = points[places[k]];
+    for (std::size_t k = 0; k < places.size(); ++k)
+      order(site)[k] = points[static_cast<std::size_t>(places[k])];
     Scalar* to = block(site);
     for (std::size_t d = 0; d < dimension_; ++d, to += own.size()) {
       std::copy_n(to, own.size(), stream.begin());
-      for (std::size_t k = 0; k < places.size(); ++k) to[k] = stream[places[k]];
+      for (std::size_t k = 0; k < places.size(); ++k)
+        to[k] = stream[static_cast<std::size_t>(places[k])];
     }
   }
 
