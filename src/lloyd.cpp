@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "ccvt/capacity.h"
@@ -11,19 +12,24 @@
 #include "normalize.h"
 #include "numbers.h"
 #include "parallel/arena.h"
+#include "parallel/loops.h"
 #include "relax/cells.h"
 #include "relax/initial_sites.h"
+#include "relax/moving_cells.h"
 #include "relax/nearest_sites.h"
+#include "relax/owner_bounds.h"
 #include "relax/update.h"
-#include "rounding.h"
 #include "schedule/tiling.h"
 #include "stopwatch.h"
 
 namespace ccvt {
 namespace {
 
+/// After so many iterations cells are gathered anew, as their radii have grown.
+constexpr int kIterationsApart = 32;
 constexpr std::size_t kPointsPerGrain = 4096;
-constexpr std::size_t kSitesPerGrain = 64;
+/// Of smaller cells nearly all points are near a border: it is faster to look at all together.
+constexpr Index kFewPointsASite = 40;
 
 /// Termination. As for PairSwapper: a point changes its owner only when that gains more than the
 /// rounding of the two distances and `margin_`, the sum over cells of size * e^2, where e bounds
@@ -40,10 +46,14 @@ class Lloyd {
   void start();
   bool step();
   void assign_first();
+  void assign_all();
+  Buffer<OwnerChange> changes();
+  Buffer<OwnerChange> changes_of_all();
   Index assign();
   void gather();
+  void update();
+  void bound_margin();
   void finish(Termination termination);
-  [[nodiscard]] bool gains(PointNumber point, SiteNumber site) const;
 
   const Problem<Scalar>& problem_;
   const Options& options_;
@@ -53,8 +63,10 @@ class Lloyd {
   Box box_;
   double coordinate_bound_;
   SiteState sites_;
-  Cells<Scalar> cells_;
   std::vector<Index> owners_;
+  OwnerBounds<Scalar> bounds_;
+  MovingCells cells_;
+  int gathered_ = 0;                   ///< iterations since
   std::vector<std::uint8_t> changed_;  ///< of each site: whether its cell has changed
   double margin_ = 0;
   Summary summary_;
@@ -69,7 +81,9 @@ Lloyd<Scalar>::Lloyd(const Problem<Scalar>& problem, const Options& options)
       metric_(problem.dimension(), problem.domain()),
       box_(problem.bounding_box()),
       coordinate_bound_(std::max(box_.lower.eigen().cwiseAbs().maxCoeff(),
-                                 box_.upper.eigen().cwiseAbs().maxCoeff())) {
+                                 box_.upper.eigen().cwiseAbs().maxCoeff())),
+      bounds_(metric_, problem.points(), arena_),
+      cells_(metric_) {
   summary_.dimension = problem.dimension();
   summary_.points = problem.point_count();
   summary_.sites = problem.site_count();
@@ -105,14 +119,14 @@ void Lloyd<Scalar>::start() {
 template <class Scalar>
 void Lloyd<Scalar>::assign_first() {
   try {
-    assign();
+    assign_all();
     return;
   } catch (const Stopped&) {
     summary_.termination = Termination::cancelled;
   }
   stop_.allow(kTimeToFinish);
   try {
-    assign();
+    assign_all();
   } catch (const Stopped&) {
     for (std::size_t p = 0; p < owners_.size(); ++p) {
       owners_[p] = static_cast<Index>(p * changed_.size() / owners_.size());
@@ -121,67 +135,104 @@ void Lloyd<Scalar>::assign_first() {
   stop_.off();
 }
 
-/// Whether `point` is nearer to `site` than to its owner, beyond what rounding can fake.
+/// Gives every point to its nearest site [eq. 3].
 template <class Scalar>
-bool Lloyd<Scalar>::gains(PointNumber point, SiteNumber site) const {
-  const Scalar* x = problem_.points()[point.index()];
-  const double own = metric_.squared_distance(x, sites_.at(SiteNumber(owners_[point])));
-  const double other = metric_.squared_distance(x, sites_.at(site));
-  const double distance = std::sqrt(own);
-  const double rounding = 4 * (metric_.dimension() + 4) *
-                          (kHalfUlp * distance * (distance + metric_.largest_extent()) +
-                           std::numeric_limits<double>::denorm_min());
-  return own - other > rounding + margin_;
-}
-
-/// Gives every point to its nearest site [eq. 3]; returns how many change their owner.
-template <class Scalar>
-Index Lloyd<Scalar>::assign() {
+void Lloyd<Scalar>::assign_all() {
   const Buffer<SiteNumber> nearest =
       NearestSites<Scalar>(metric_, sites_, box_, arena_).owners(problem_.points(), arena_);
-  std::vector<std::uint8_t> moves(owners_.size());
-  arena_.for_each(owners_.size(), kPointsPerGrain, [&](std::size_t p) {
-    const SiteNumber site = nearest[p];
-    const SiteNumber owner(owners_[p]);
-    moves[p] =
-        owner == SiteNumber::none() || (site != owner && gains(PointNumber(p), site)) ? 1 : 0;
-  });
-  Index count = 0;
-  for (std::size_t p = 0; p < moves.size(); ++p) {
-    if (moves[p] == 0) continue;
-    if (owners_[p] >= 0) changed_[SiteNumber(owners_[p])] = 1;
-    changed_[nearest[p]] = 1;
-    owners_[p] = nearest[p].index();
-    ++count;
-  }
-  return count;
+  arena_.for_each(owners_.size(), kPointsPerGrain,
+                  [&](std::size_t p) { owners_[p] = nearest[p].index(); });
 }
 
-/// Groups the points by owner, and moves the sites of changed cells to their centroids [eq. 2].
+/// The points whose nearest site is another than before, beyond the margin and rounding.
+template <class Scalar>
+Buffer<OwnerChange> Lloyd<Scalar>::changes() {
+  if (problem_.point_count() / problem_.site_count() < kFewPointsASite) return changes_of_all();
+  return bounds_.changes(sites_, owners_, margin_);
+}
+template <class Scalar>
+Buffer<OwnerChange> Lloyd<Scalar>::changes_of_all() {
+  const Buffer<SiteNumber> nearest =
+      NearestSites<Scalar>(metric_, sites_, box_, arena_).owners(problem_.points(), arena_);
+  const auto gains = [&](PointNumber point) {
+    const Scalar* const x = problem_.points()[point.index()];
+    const double own = metric_.squared_distance(x, sites_.at(SiteNumber(owners_[point])));
+    const double other = metric_.squared_distance(x, sites_.at(nearest[point]));
+    return own - other > rounding_of_difference(metric_, std::sqrt(own)) + margin_;
+  };
+  return collect<OwnerChange>(
+      arena_, owners_.size(), kPointsPerGrain,
+      [&](std::size_t begin, std::size_t end, std::vector<OwnerChange>& out, int) {
+        for (std::size_t p = begin; p < end; ++p) {
+          const PointNumber point(p);
+          if (nearest[p] != SiteNumber(owners_[p]) && gains(point))
+            out.push_back({point, nearest[p]});
+        }
+      });
+}
+
+/// Gives the points whose nearest site is another than before to that [eq. 3]; returns how many.
+template <class Scalar>
+Index Lloyd<Scalar>::assign() {
+  const Buffer<OwnerChange> all = changes();
+  for (const auto& [point, to] : all) {
+    const SiteNumber from(owners_[point]);
+    changed_[from] = changed_[to] = 1;
+    owners_[point] = to.index();
+    const Scalar* const x = problem_.points()[point.index()];
+    cells_.leave(from, x);
+    cells_.join(sites_, to, x);
+  }
+  return static_cast<Index>(all.size());
+}
+
+/// Moves the sites of changed cells to their centroids [eq. 2].
+template <class Scalar>
+void Lloyd<Scalar>::update() {
+  bool worn = ++gathered_ >= kIterationsApart;
+  for (const SiteNumber s : sites_.all()) worn = worn || cells_.worn(sites_, s);
+  if (worn) return gather();
+  for (const SiteNumber s : sites_.all()) {
+    if (changed_[s] != 0) cells_.update(sites_, s);
+  }
+  bound_margin();
+}
+
+/// The same, from all points.
 template <class Scalar>
 void Lloyd<Scalar>::gather() {
   const Stop::Pause pause(stop_);
-  const std::vector<Index> sizes = cell_sizes(owners_, changed_.size());
-  cells_ = {};  // before there is another copy of the coordinates
-  cells_ = Cells<Scalar>(metric_.dimension(), sizes);
-  std::vector<Index> filled(sizes.size(), 0);
-  for (const PointNumber p : points_below(owners_.size())) {
-    const SiteNumber owner(owners_[p]);
-    cells_.put(owner, filled[owner]++, p, problem_.points()[p.index()]);
-  }
-  for_each_site(arena_, sizes.size(), kSitesPerGrain, [&](SiteNumber s) {
-    if (changed_[s] == 0) return;
+  const auto by_owner = group_by_key<PointNumber>(
+      arena_, owners_.size(), sites_.count(), [](std::size_t p) { return PointNumber(p); },
+      [&](PointNumber p) { return SiteNumber(owners_[p]); });
+  const std::vector<Index> sizes = cell_sizes(owners_, sites_.count());
+  Cells<Scalar> cells(metric_.dimension(), sizes);
+  const std::size_t sites_per_grain = 1 + kPointsPerGrain * sizes.size() / owners_.size();
+  for_each_site(arena_, sizes.size(), sites_per_grain, [&](SiteNumber s) {
     if (sizes[s] > 0) {
+      const std::span<const PointNumber> own = by_owner[s];
+      for (std::size_t k = 0; k < own.size(); ++k) {
+        cells.put(s, static_cast<Index>(k), own[k], problem_.points()[own[k].index()]);
+      }
       sites_.radius[s] = std::numeric_limits<double>::infinity();
-      update_site(metric_, cells_, sites_, s);
+      update_site(metric_, cells, sites_, s);
     } else {
       sites_.radius[s] = sites_.energy[s] = 0;
     }
   });
+  cells_.take(sites_, sizes);
+  gathered_ = 0;
+  bound_margin();
+}
+
+template <class Scalar>
+void Lloyd<Scalar>::bound_margin() {
+  constexpr double kRounded = 2;  // where the cell was gathered, and where it has followed points
   margin_ = 0;
-  for (std::size_t s = 0; s < sizes.size(); ++s) {
-    margin_ += energy_of_rounding(metric_, coordinate_bound_, sizes[s], sites_.radius[s]);
+  for (const SiteNumber s : sites_.all()) {
+    margin_ += energy_of_rounding(metric_, coordinate_bound_, cells_.count(s), sites_.radius[s]);
   }
+  margin_ *= kRounded * kRounded;
   summary_.energy = total_energy(sites_, arena_);
 }
 
@@ -216,7 +267,7 @@ bool Lloyd<Scalar>::step() {
       finish(Termination::cancelled);
       return false;
     }
-    if (record.exchanged > 0) gather();
+    if (record.exchanged > 0) update();
   }
   record.iteration = ++summary_.iterations;
   record.points = summary_.points;

@@ -278,4 +278,35 @@ TEST_CASE("the nearest of positions, also on a torus, and for many points") {
   }
 }
 
+TEST_CASE("squared distances to packs of positions, also on a torus") {
+  using ccvt::kernels::kPack;
+  for (const int dimension : {1, 2, 3, 7, 24}) {
+    const Box box = uneven_box(dimension);
+    for (const Metric& metric :
+         {Metric(dimension, Domain()), Metric(dimension, Domain::periodic(box))}) {
+      CAPTURE(dimension);
+      CAPTURE(metric.periodic());
+      const auto positions = make_points<double>(Layout::random, box, 3 * kPack, 3);
+      const auto queries = make_points<double>(Layout::random, box, 5, 4);
+      std::vector<double> packs;
+      for (Index pack = 0; pack < 3; ++pack) {
+        for (int d = 0; d < dimension; ++d) {
+          for (Index k = 0; k < kPack; ++k) packs.push_back(positions(d, pack * kPack + k));
+        }
+      }
+      for (Index q = 0; q < queries.cols(); ++q) {
+        const double* query = queries.col(q).data();
+        std::vector<double> squared(3 * kPack, -1);
+        ccvt::kernels::squared_distances(query, packs.data(), 3, dimension,
+                                         metric.periodic() ? metric.extent() : nullptr,
+                                         squared.data());
+        for (Index k = 0; k < positions.cols(); ++k) {
+          const double expected = metric.squared_distance(query, positions.col(k).data());
+          CHECK(squared[static_cast<std::size_t>(k)] == doctest::Approx(expected).epsilon(1e-14));
+        }
+      }
+    }
+  }
+}
+
 TEST_SUITE_END();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "ccvt/lloyd.h"
 #include "ccvt/metrics.h"
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
@@ -156,7 +157,8 @@ Json run_once(const Group& group, const Run& run, const Input& input, std::uint6
   if (run.largest > 0) {
     problem.set_capacities(falling_capacities(run.sites, problem.point_count(), run.largest));
   }
-  const Summary summary = tessellate(problem, options).summary;
+  const bool plain = std::string(group.table) == "lloyd";
+  const Summary summary = (plain ? lloyd(problem, options) : tessellate(problem, options)).summary;
   return {{"seconds", summary.seconds_total},
           {"iterations", summary.iterations},
           {"normalized_energy", summary.normalized_energy},
@@ -211,6 +213,14 @@ void add_threads(std::vector<Group>& groups, bool quick) {
   Run two = one;
   two.threads = 2;
   groups.push_back({"threads", "2D box", Kind::box, 2, {one, two}});
+}
+
+void add_lloyd(std::vector<Group>& groups, bool quick) {
+  for (const int dimension : {2, 16}) {
+    std::vector<Run> runs = {{64, 1024}, {16, 4096}};
+    if (!quick && dimension == 2) runs = {{16384, 64}, {16384, 16}, {1024, 1024}, {64, 16384}};
+    groups.push_back({"lloyd", std::to_string(dimension) + "D box", Kind::box, dimension, runs});
+  }
 }
 
 /// The runs of that size, and the first, which they are compared with; none without them.
@@ -338,6 +348,7 @@ void growth(const Scale& scale, const std::filesystem::path& directory) {
   add_box(groups, scale.quick);
   add_others(groups, scale.quick);
   add_threads(groups, scale.quick);
+  add_lloyd(groups, scale.quick);
   for (Group& group : groups) {
     if (!scale.only.empty()) keep_only(group, scale.only);
     if (group.runs.empty()) continue;

@@ -170,6 +170,23 @@ std::string threads_table(const Runs& runs) {
   return "The most points a site, with one thread and two in turn:\n\n" + markdown_table(rows);
 }
 
+std::string lloyd_table(const Runs& runs) {
+  std::vector<std::vector<std::string>> rows = {{"problem", "sites x points a site", "seconds",
+                                                 "iterations", "ns a point and iteration",
+                                                 "normalized energy"}};
+  for (const Json* run : runs) {
+    const double seconds = median_of(*run, "seconds");
+    const double points = run->at("sites").get<double>() * points_per_site(*run);
+    const int iterations = run->at("iterations").get<int>();
+    rows.push_back({problem_of(*run), size_of(*run), seconds_text(seconds),
+                    std::to_string(iterations), figure(1e9 * seconds / points / iterations),
+                    figure(run->at("normalized_energy").get<double>(), 4)});
+  }
+  return "Lloyd relaxation, which keeps no capacities, with one thread until stable. With more\n"
+         "points a site fewer of them are near a border, and only these are looked at.\n\n" +
+         markdown_table(rows);
+}
+
 /// From one whole number to another, of values of any sign.
 Axis whole_axis(const std::string& label, const std::vector<std::vector<double>>& values) {
   double least = INFINITY;
@@ -265,6 +282,7 @@ std::string report_growth(const Json& record, const fs::path& directory) {
   }
   if (const Runs runs = runs_of(record, "others"); !runs.empty()) text += others_table(runs);
   if (const Runs runs = runs_of(record, "threads"); !runs.empty()) text += threads_table(runs);
+  if (const Runs runs = runs_of(record, "lloyd"); !runs.empty()) text += lloyd_table(runs);
   if (const Runs runs = runs_of(record, "order"); !runs.empty()) {
     text += order(record, runs, directory);
   }

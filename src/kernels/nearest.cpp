@@ -131,6 +131,40 @@ void nearest_of_each(const double* points, Index stride, int dimension, const do
   }
 }
 
+/// Of each vector of a pack the shortest differences, one dimension after the other.
+template <class Turn>
+HWY_INLINE void packed_distances(const double* query, const double* positions, Index packs,
+                                 int dimension, double* out, Turn turn) {
+  const hn::CappedTag<double, kPack> tag;
+  const auto lanes = static_cast<Index>(hn::Lanes(tag));
+  const std::ptrdiff_t size = std::ptrdiff_t{kPack} * dimension;
+  for (Index pack = 0; pack < packs; ++pack, positions += size, out += kPack) {
+    for (Index l = 0; l < kPack; l += lanes) {
+      auto squared = hn::Zero(tag);
+      for (std::ptrdiff_t d = 0; d < dimension; ++d) {
+        const auto at = hn::LoadU(tag, positions + d * kPack + l);
+        const auto difference = turn(tag, hn::Sub(hn::Set(tag, query[d]), at), d);
+        squared = hn::Add(squared, hn::Mul(difference, difference));
+      }
+      hn::StoreU(squared, tag, out + l);
+    }
+  }
+}
+
+void packed(const double* query, const double* positions, Index packs, int dimension,
+            const double* extent, double* out) {
+  if (extent == nullptr) {
+    return packed_distances(query, positions, packs, dimension, out,
+                            [](auto, auto difference, std::ptrdiff_t)
+                                HWY_ATTR { return difference; });
+  }
+  packed_distances(query, positions, packs, dimension, out,
+                   [extent](auto tag, auto difference, std::ptrdiff_t d) HWY_ATTR {
+                     const auto size = hn::Abs(difference);
+                     return hn::Min(size, hn::Abs(hn::Sub(hn::Set(tag, extent[d]), size)));
+                   });
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace ccvt::kernels
 HWY_AFTER_NAMESPACE();
@@ -148,6 +182,12 @@ HWY_EXPORT(nearest_of_each);
 void nearest_positions(const double* points, Index stride, int dimension, const double* positions,
                        Index count, std::int32_t* nearest) {
   HWY_DYNAMIC_DISPATCH(nearest_of_each)(points, stride, dimension, positions, count, nearest);
+}
+
+HWY_EXPORT(packed);
+void squared_distances(const double* query, const double* positions, Index packs, int dimension,
+                       const double* extent, double* out) {
+  HWY_DYNAMIC_DISPATCH(packed)(query, positions, packs, dimension, extent, out);
 }
 
 }  // namespace ccvt::kernels

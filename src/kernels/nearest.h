@@ -20,4 +20,12 @@ constexpr Index kNearestPoints = 16;
 void nearest_positions(const double* points, Index stride, int dimension, const double* positions,
                        Index count, std::int32_t* nearest);
 
+/// Positions in a pack: coordinate d of its k-th is at [d * kPack + k].
+constexpr Index kPack = 8;
+
+/// The squared distances from `query` to the positions of `packs` consecutive packs; on a torus
+/// when `extent` is given.
+void squared_distances(const double* query, const double* positions, Index packs, int dimension,
+                       const double* extent, double* out);
+
 }  // namespace ccvt::kernels
