@@ -185,7 +185,7 @@ TEST_CASE("bad input is refused by name") {
   };
   CHECK(refused(21, {}).find("21") != std::string::npos);
   CHECK(refused(0, {}).find("0") != std::string::npos);
-  CHECK(refused(2, {.restarts = 0}).find("restarts is 0") != std::string::npos);
+  CHECK(refused(2, {.restarts = -1}).find("restarts is -1") != std::string::npos);
   CHECK(refused(2, {.tolerance = 1}).find("tolerance is 1") != std::string::npos);
   CHECK(refused(2, {.capacities = {1, 2}}) != "");
   const Codebook codebook(Eigen::MatrixXd::Identity(3, 3));

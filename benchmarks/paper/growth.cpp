@@ -218,7 +218,7 @@ void add_threads(std::vector<Group>& groups, bool quick) {
 void add_lloyd(std::vector<Group>& groups, bool quick) {
   for (const int dimension : {2, 16}) {
     std::vector<Run> runs = {{64, 1024}, {16, 4096}};
-    if (!quick && dimension == 2) runs = {{16384, 64}, {16384, 16}, {1024, 1024}, {64, 16384}};
+    if (!quick && dimension == 2) runs = {{65536, 16}, {16384, 64}, {1024, 1024}, {64, 16384}};
     groups.push_back({"lloyd", std::to_string(dimension) + "D box", Kind::box, dimension, runs});
   }
 }

@@ -41,8 +41,9 @@ CCVT_EXPORT const char* to_string(CodebookMethod method);
 struct CCVT_EXPORT CodebookOptions {
   CodebookMethod method = CodebookMethod::exact;
   Seeding seeding = Seeding::kmeans_plus_plus;
-  /// Seedings tried on a sample of the vectors; the best one is used. At least 1.
-  int restarts = 4;
+  /// Seedings tried on a sample of the vectors; the best one is used. 0: as many as pay, which is
+  /// 4, or 1 for many codewords in many dimensions, where chance hardly tells them apart.
+  int restarts = 0;
   /// Stops after this many iterations. At least 0.
   int max_iterations = 10'000;
   /// Stops when an iteration lowers the distortion by less than this share of it. In [0, 1); 0: run

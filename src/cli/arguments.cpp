@@ -252,8 +252,8 @@ CLI::App* add_quantize(CLI::App& app, QuantizeArguments& arguments) {
               io::list_of(io::kPointFiles) + " [kmeans++]")
       ->type_name("HOW");
   add_number<int>(*command, "--restarts", arguments.restarts,
-                  "Seedings tried on a sample; the best is used [4]", "R",
-                  {.least = 1, .most = 1'000'000});
+                  "Seedings tried on a sample; the best is used; 0: as many as pay, 1 or 4 [0]",
+                  "R", {.least = 0, .most = 1'000'000});
   add_file(*command, "--capacities", arguments.capacities,
            "How many vectors each codeword gets, summing to their number [equal]", io::kTableFiles);
   add_file(*command, "-o,--output", arguments.output, "Where the codewords go", io::kTableFiles)

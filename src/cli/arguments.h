@@ -97,7 +97,7 @@ struct QuantizeArguments : CommonArguments {
   Index codewords = 0;
   CodebookMethod method = CodebookMethod::exact;
   std::string seeding = "kmeans++";  ///< or "random", or a file of codewords
-  int restarts = 4;
+  int restarts = 0;
   std::filesystem::path capacities;  ///< empty: equal
   std::filesystem::path codes_out;
   std::filesystem::path weights_out;

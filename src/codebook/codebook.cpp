@@ -82,7 +82,7 @@ const char* to_string(CodebookMethod method) {
 }
 
 void CodebookOptions::validate() const {
-  require(restarts >= 1, "restarts", std::to_string(restarts), "it must be 1 or more");
+  require(restarts >= 0, "restarts", std::to_string(restarts), "it must be 0 or more");
   require(max_iterations >= 0, "max_iterations", std::to_string(max_iterations),
           "it must be 0 or more");
   require(tolerance >= 0 && tolerance < 1, "tolerance", text(tolerance), "it must be in [0, 1)");

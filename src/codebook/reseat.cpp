@@ -8,11 +8,13 @@
 #include "exact/pricing.h"
 #include "geometry/squares.h"
 #include "numbers.h"
+#include "schedule/tiling.h"
 
 namespace ccvt {
 namespace {
 
 constexpr int kSplitIterations = 4;
+constexpr std::size_t kPointsPerGrain = 256;
 
 struct Split {
   double gain = 0;
@@ -93,8 +95,7 @@ bool reseat_sites(PointsView<float> points, const std::vector<Index>& owners,
   const std::vector<Index> sizes = cell_sizes(owners, n);
   const std::vector<double> size(sizes.begin(), sizes.end());
   const auto at = [&](SiteNumber s) { return sites.data() + s * dimension; };
-  for (const SiteNumber i : sites_below(n)) {
-    arena.check();
+  for_each_site(arena, n, 1 + kPointsPerGrain * n / owners.size(), [&](SiteNumber i) {
     splits[i] = split(points, groups.of(i));
     for (const SiteNumber j : sites_below(n)) {
       if (j == i) continue;
@@ -104,7 +105,7 @@ bool reseat_sites(PointsView<float> points, const std::vector<Index>& owners,
                                     squared_difference(at(i), at(j), points.dimension);
       if (cost < mergers[i].cost) mergers[i] = {cost, i, j};
     }
-  }
+  });
   std::sort(mergers.begin(), mergers.end(), [](const Merger& a, const Merger& b) {
     return a.cost != b.cost ? a.cost < b.cost : a.i < b.i;
   });

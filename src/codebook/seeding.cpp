@@ -10,6 +10,7 @@
 #include "codebook/reseat.h"
 #include "exact/pricing.h"
 #include "geometry/as_matrix.h"
+#include "geometry/squares.h"
 #include "kernels/products.h"
 #include "random.h"
 #include "streams.h"
@@ -19,7 +20,15 @@ namespace {
 
 /// The sample has this many points a site, and no fewer than kLeastSample.
 constexpr std::int64_t kSamplePerSite = 64;
+constexpr std::int64_t kSmallSamplePerSite = 16;  ///< where sites are drawn in rounds
 constexpr std::int64_t kLeastSample = 8192;
+/// With more sites than this, chance hardly tells one seeding from another, and a smaller sample
+/// will do.
+constexpr Index kFewSites = 128;
+/// Greed pays, and is affordable, up to so many.
+constexpr int kGreedyDimensions = 8;
+constexpr Index kGreedySites = 2048;
+constexpr std::size_t kPointsPerGrain = 1024;
 /// Lloyd iterations on the sample end when one gains less than this share.
 constexpr double kRough = 1e-3;
 constexpr int kRoughIterations = 12;
@@ -117,7 +126,7 @@ std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64
   double* const last = sum.data() + count - 1;
   Random random(seed, stream);
   // Several draws pay where distances are cheap.
-  const int draws = dimension <= 8 ? 2 + static_cast<int>(std::log(sites)) : 1;
+  const int draws = dimension <= kGreedyDimensions ? 2 + static_cast<int>(std::log(sites)) : 1;
   for (Index s = 0; s < sites; ++s) {
     arena.check();
     Index chosen = random.index_below(count);
@@ -146,6 +155,43 @@ std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64
   return result;
 }
 
+std::vector<double> plus_plus_in_rounds(PointsView<float> points, Index sites, std::uint64_t seed,
+                                        std::uint64_t stream, const Arena& arena) {
+  const Metric metric(points.dimension, Domain());
+  const auto width = static_cast<std::size_t>(points.dimension);
+  std::vector<double> squared(static_cast<std::size_t>(points.count),
+                              std::numeric_limits<double>::infinity());
+  std::vector<double> sum(squared.size());
+  Random random(seed, stream);
+  std::vector<double> result;
+  std::vector<Index> drawn = {random.index_below(points.count)};
+  for (Index left = sites;;) {
+    std::vector<double> added;
+    for (const Index p : drawn) added.insert(added.end(), points[p], points[p] + width);
+    result.insert(result.end(), added.begin(), added.end());
+    left -= static_cast<Index>(drawn.size());
+    if (left == 0) return result;
+    const std::vector<Index> nearest = nearest_owners(metric, points, added, arena);
+    arena.for_each(squared.size(), kPointsPerGrain, [&](std::size_t p) {
+      const double* const site = added.data() + static_cast<std::size_t>(nearest[p]) * width;
+      const float* const x = points[static_cast<Index>(p)];
+      squared[p] = std::min(squared[p], squared_difference(x, site, points.dimension));
+    });
+    std::inclusive_scan(squared.begin(), squared.end(), sum.begin());
+    const auto batch = std::min<std::size_t>(result.size() / width, static_cast<std::size_t>(left));
+    drawn.clear();
+    for (std::size_t k = 0; k < batch; ++k) {
+      const double at = random.uniform() * sum.back();
+      const auto found = std::upper_bound(sum.begin(), sum.end() - 1, at) - sum.begin();
+      // Where all points are at sites, any will do.
+      drawn.push_back(sum.back() > 0 ? static_cast<Index>(found)
+                                     : random.index_below(points.count));
+    }
+    std::sort(drawn.begin(), drawn.end());
+    drawn.erase(std::unique(drawn.begin(), drawn.end()), drawn.end());
+  }
+}
+
 template <class Scalar>
 double sampled_energy(PointsView<Scalar> points, const std::vector<double>& sites,
                       std::uint64_t seed, const Arena& arena) {
@@ -167,7 +213,11 @@ double sampled_energy(PointsView<Scalar> points, const std::vector<double>& site
 template <class Scalar>
 std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int restarts,
                                std::uint64_t seed, const Arena& arena) {
-  const std::int64_t wanted = std::max(kLeastSample, kSamplePerSite * sites);
+  const bool in_rounds =
+      sites > kFewSites && (points.dimension > kGreedyDimensions || sites > kGreedySites);
+  const std::int64_t each = in_rounds ? kSmallSamplePerSite : kSamplePerSite;
+  const std::int64_t wanted = std::max(kLeastSample, each * sites);
+  if (restarts == 0) restarts = in_rounds ? 1 : kRestarts;
   const Index count = sample_size(wanted, points.count);
   const Sample sample = draw_sample(points, count, seed);
   const PointsView<float> view = view_points(sample.points);
@@ -179,13 +229,13 @@ std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int resta
     std::uint64_t stream = streams::codebook_restarts;
     for (int r = 0; r < restarts; ++r, ++stream) {
       seeds = {};
-      seeds.sites = plus_plus(view, sites, seed, stream, arena);
+      seeds.sites = in_rounds ? plus_plus_in_rounds(view, sites, seed, stream, arena)
+                              : plus_plus(view, sites, seed, stream, arena);
       seeds.owners = nearest_owners(metric, view, seeds.sites, arena);
       relax(metric, view, arena, seeds);
       for (int k = 0; k < kReseatings; ++k) {
         Seeds changed = seeds;
         if (!reseat_sites(view, seeds.owners, changed.sites, arena)) break;
-        changed.owners = nearest_owners(metric, view, changed.sites, arena);
         relax(metric, view, arena, changed);
         if (changed.energy >= seeds.energy * (1 - kRough)) break;
         seeds = std::move(changed);

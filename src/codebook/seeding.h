@@ -8,10 +8,13 @@
 
 namespace ccvt {
 
+constexpr int kRestarts = 4;
+
 /// Good first codewords for Euclidean `points`: of `restarts` seedings, each improved on a sample
-/// by Lloyd iterations and by merging and splitting cells, the one of least energy. One after the
-/// other, `dimension` values each. When the arena throws Stopped meanwhile, the best there are so
-/// far, or distinct points; then the stop of the arena is still on.
+/// by Lloyd iterations and by merging and splitting cells, the one of least energy; 0 restarts: as
+/// many as pay. One after the other, `dimension` values each. When the arena throws Stopped
+/// meanwhile, the best there are so far, or distinct points; then the stop of the arena is still
+/// on.
 template <class Scalar>
 std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int restarts,
                                std::uint64_t seed, const Arena& arena);
@@ -26,6 +29,12 @@ double sampled_energy(PointsView<Scalar> points, const std::vector<double>& site
 /// that leaves the least energy is taken.
 std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64_t seed,
                               std::uint64_t stream, const Arena& arena = Arena(1));
+
+/// The same without the greed, in rounds: each draws as many sites as there are already, and then
+/// looks at the distances to all of them at once [as k-means||: Bahmani et al. 2012].
+/// O(m n D), in blocked products.
+std::vector<double> plus_plus_in_rounds(PointsView<float> points, Index sites, std::uint64_t seed,
+                                        std::uint64_t stream, const Arena& arena = Arena(1));
 
 /// `count` distinct numbers below `total`, ascending.
 std::vector<Index> draw_distinct(Index count, Index total, std::uint64_t seed,

@@ -101,12 +101,13 @@ void Trainer<Scalar>::seed() {
   }
   double least = std::numeric_limits<double>::infinity();
   std::uint64_t stream = streams::codebook_seeding;
-  for (int r = 0; r < options_.restarts; ++r, stream += 256) {
+  const int restarts = options_.restarts > 0 ? options_.restarts : kRestarts;
+  for (int r = 0; r < restarts; ++r, stream += 256) {
     std::vector<double> sites;
     for (const Index p : draw_distinct(n, vectors_.count, options_.seed, stream)) {
       sites.insert(sites.end(), vectors_[p], vectors_[p] + vectors_.dimension);
     }
-    if (options_.restarts == 1) {
+    if (restarts == 1) {
       sites_ = std::move(sites);
       return;
     }

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "geometry/squares.h"
+#include "kernels/nearest.h"
 #include "kernels/products.h"
 #include "parallel/loops.h"
 
@@ -50,15 +50,18 @@ std::vector<Part> parts_of(const Grouping& groups, std::span<const std::uint8_t>
   return parts;
 }
 
-}  // namespace
-
-Grouping::Grouping(std::span<const Index> owners, std::size_t sites)
-    : order(owners.size()), offset(sites + 1, 0) {
-  for (const Index owner : owners) ++offset[SiteNumber(owner) + 1];
-  std::partial_sum(offset.begin(), offset.end(), offset.begin());
-  std::vector<std::size_t> next(offset.begin(), offset.end() - 1);
-  for (const PointNumber p : points_below(owners.size())) order[next[SiteNumber(owners[p])]++] = p;
+/// Positions in packs; zeros fill up the last.
+std::vector<double> packs_of(const WeightedSites& sites) {
+  constexpr std::size_t kPack = kernels::kPack;
+  std::vector<double> packs((sites.count() + kPack - 1) / kPack * kPack * sites.dimension, 0.0);
+  for (const SiteNumber s : sites_below(sites.count())) {
+    double* const pack = packs.data() + s / kPack * kPack * sites.dimension;
+    for (std::size_t d = 0; d < sites.dimension; ++d) pack[d * kPack + s % kPack] = sites.at(s)[d];
+  }
+  return packs;
 }
+
+}  // namespace
 
 /// What is asked of a pricing.
 template <class Scalar>
@@ -68,6 +71,7 @@ struct Pricer<Scalar>::Task {
   std::size_t most_offers = 0;
   std::span<const std::uint8_t> inside;  ///< not empty: only sites outside are looked at
   std::vector<Index>* owners = nullptr;  ///< null: they stay
+  std::vector<double> packs{};           ///< the sites' positions, for the kernels
 
   [[nodiscard]] double weight(SiteNumber site) const { return sites.weight[site]; }
   [[nodiscard]] bool excluded(SiteNumber site) const {
@@ -89,6 +93,7 @@ struct Pricer<Scalar>::Cell {
 template <class Scalar>
 struct Pricer<Scalar>::Scratch {
   std::vector<double> squared;   ///< of the distance between the cell's site and each site
+  std::vector<double> least;     ///< of each site, what it costs the cell's points at least
   std::vector<SiteNumber> near;  ///< the sites that can be cheapest, or within the slack
   std::vector<double> constant;  ///< of each: L^2 + w_i - w_j
   std::vector<double> x;         ///< the cell's points relative to its site, one after the other
@@ -129,7 +134,7 @@ template <class Scalar>
 Prices Pricer<Scalar>::price(const WeightedSites& sites, double slack, std::size_t most_offers,
                              std::vector<Index>& owners) const {
   const Grouping groups(owners, sites.count());
-  const Task task{sites, slack, most_offers, {}, &owners};
+  const Task task{sites, slack, most_offers, {}, &owners, packs_of(sites)};
   const std::vector<Cell> cells = price_cells(task, groups);
   Prices prices;
   std::size_t offers = 0;
@@ -160,7 +165,7 @@ std::vector<Offer> Pricer<Scalar>::offers_outside(const WeightedSites& sites, do
                                                   std::span<const std::uint8_t> inside,
                                                   const std::vector<Index>& owners) const {
   const Grouping groups(owners, sites.count());
-  const Task task{sites, slack, 1, inside, nullptr};
+  const Task task{sites, slack, 1, inside, nullptr, packs_of(sites)};
   std::vector<Offer> offers;
   for (const Cell& cell : price_cells(task, groups)) {
     offers.insert(offers.end(), cell.offers.begin(), cell.offers.end());
@@ -174,34 +179,35 @@ template <class Scalar>
 void Pricer<Scalar>::select_sites(const Task& task, SiteNumber site, double radius,
                                   Scratch& scratch) const {
   const WeightedSites& sites = task.sites;
-  const double* own = sites.at(site);
   const int dimension = points_.dimension;
-  scratch.squared.resize(sites.count());
-  // What the farthest point pays at most for its cheapest site, and then what others cost at least;
-  // a little more and less than that, for the rounding of these terms.
+  scratch.squared.resize(task.packs.size() / sites.dimension);
+  scratch.least.resize(sites.count());
+  kernels::squared_distances(sites.at(site), task.packs.data(),
+                             static_cast<Index>(scratch.squared.size()) / kernels::kPack, dimension,
+                             metric_.periodic() ? metric_.extent() : nullptr,
+                             scratch.squared.data());
+  // What the farthest point pays at most for its cheapest site, and what others cost at least; a
+  // little more and less than that, for the rounding of these terms.
+  const double relative = 1e-14 * (1 + dimension / 64.0);
+  const double underflow = dimension * std::numeric_limits<double>::min();
+  const double own_weight = task.weight(site);
   double ceiling = kNever;
-  const auto bounds = [&](SiteNumber j) {
+  for (const SiteNumber j : sites_below(sites.count())) {
     const double squared = scratch.squared[j];
-    const double constant = squared + task.weight(site) - task.weight(j);
+    const double constant = squared + own_weight - task.weight(j);
     const double reach = 2 * radius * std::sqrt(squared);
     const double rounding =
-        1e-14 * (1 + dimension / 64.0) *
-            (squared + reach + std::abs(task.weight(site)) + std::abs(task.weight(j))) +
-        dimension * std::numeric_limits<double>::min();
-    return std::pair(constant - reach - rounding, constant + reach + rounding);
-  };
-  for (const SiteNumber j : sites_below(sites.count())) {
-    scratch.squared[j] = metric_.periodic() ? metric_.squared_distance(sites.at(j), own)
-                                            : squared_difference(sites.at(j), own, dimension);
-    if (!task.excluded(j)) ceiling = std::min(ceiling, bounds(j).second);
+        relative * (squared + reach + std::abs(own_weight) + std::abs(task.weight(j))) + underflow;
+    scratch.least[j] = constant - reach - rounding;
+    if (!task.excluded(j)) ceiling = std::min(ceiling, constant + reach + rounding);
   }
   ceiling += task.slack;
   scratch.near.clear();
   scratch.constant.clear();
   for (const SiteNumber j : sites_below(sites.count())) {
-    if (task.excluded(j) || bounds(j).first > ceiling) continue;
+    if (scratch.least[j] > ceiling || task.excluded(j)) continue;
     scratch.near.push_back(j);
-    scratch.constant.push_back(scratch.squared[j] + task.weight(site) - task.weight(j));
+    scratch.constant.push_back(scratch.squared[j] + own_weight - task.weight(j));
   }
 }
 
