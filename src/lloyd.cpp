@@ -28,8 +28,6 @@ namespace {
 /// After so many iterations cells are gathered anew, as their radii have grown.
 constexpr int kIterationsApart = 32;
 constexpr std::size_t kPointsPerGrain = 4096;
-/// Of smaller cells nearly all points are near a border: it is faster to look at all together.
-constexpr Index kFewPointsASite = 40;
 
 /// Termination. As for PairSwapper: a point changes its owner only when that gains more than the
 /// rounding of the two distances and `margin_`, the sum over cells of size * e^2, where e bounds
@@ -147,8 +145,9 @@ void Lloyd<Scalar>::assign_all() {
 /// The points whose nearest site is another than before, beyond the margin and rounding.
 template <class Scalar>
 Buffer<OwnerChange> Lloyd<Scalar>::changes() {
-  if (problem_.point_count() / problem_.site_count() < kFewPointsASite) return changes_of_all();
-  return bounds_.changes(sites_, owners_, margin_);
+  const bool pays = OwnerBounds<Scalar>::pays(problem_.point_count(), problem_.site_count(),
+                                              problem_.dimension());
+  return pays ? bounds_.changes(sites_, owners_, margin_) : changes_of_all();
 }
 template <class Scalar>
 Buffer<OwnerChange> Lloyd<Scalar>::changes_of_all() {

@@ -17,8 +17,12 @@ constexpr std::size_t kPointsPerGrain = 4096;
 constexpr std::size_t kSitesPerGrain = 64;
 constexpr std::size_t kPacksPerGrain = 256;
 /// Beyond so many dimensions, or with so few sites, distances of sites tell little.
-constexpr int kMostListDimensions = 8;
+constexpr int kMostListDimensions = 6;
 constexpr std::size_t kFewSites = 16;
+/// Of smaller cells nearly all points are near a border: a grid or tree tells all of them faster.
+constexpr Index kFewPointsASite = 40;
+/// And so does a tree where all sites are listed, and are more than these for each dimension.
+constexpr Index kMostSitesListed = 64;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Distances are rounded, in double and then in float: of their size.
 constexpr double kRounding = 0x1p-20;
@@ -35,6 +39,12 @@ float rounded_down(double x) {
 float rounded_up(double x) { return -rounded_down(-x); }
 
 }  // namespace
+
+template <class Scalar>
+bool OwnerBounds<Scalar>::pays(Index points, Index sites, int dimension) {
+  return points / sites >= kFewPointsASite &&
+         (dimension <= kMostListDimensions || sites / dimension <= kMostSitesListed);
+}
 
 /// Where nearly all sites can be nearest to some point of every other.
 template <class Scalar>

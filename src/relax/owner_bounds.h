@@ -34,6 +34,9 @@ class OwnerBounds {
   OwnerBounds(const Metric& metric, const PointsView<Scalar>& points, const Arena& arena)
       : metric_(metric), points_(points), arena_(arena) {}
 
+  /// Whether that is faster than to look at all points by a grid or tree of the sites.
+  [[nodiscard]] static bool pays(Index points, Index sites, int dimension);
+
   /// The points for which another site is nearer than the owner by more than `margin` and what
   /// rounding can fake, in squared distance, and the nearest of these. `sites.radius` bounds the
   /// distance of a site's points. From now on such a point is taken to be owned by that site; all
