@@ -90,7 +90,7 @@ TEST_CASE("sites drawn by distance find clouds that random ones miss") {
   }
   double by_distance = 0;
   double by_chance = 0;
-  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     by_distance += energy(points, plus_plus_in_rounds(view_points(points), 150, seed, 1));
     std::vector<double> sites;
     for (const Index p : ccvt::draw_distinct(150, 6000, seed, 2)) {
