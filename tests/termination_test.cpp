@@ -257,12 +257,13 @@ TEST_CASE("the time limit ends a run with capacities exact, on whatever level it
   CHECK(first.summary.termination == Termination::time_limit);
   CHECK(first.summary.iterations == 0);
   CHECK(ccvt::capacity_error(first.owners, 60) == 0);
-  // Time passes on the level where the callback sleeps.
+  // Time passes on the level where the callback sleeps; before that there is enough of it.
+  const double limit = 0.2 + 3 * unlimited.summary.seconds_total;
   for (int level = 0; level < unlimited.summary.levels; ++level) {
     CAPTURE(level);
-    Options options{.time_limit = 0.4};
+    Options options{.time_limit = limit};
     options.on_iteration = [&](const ccvt::IterationRecord& record) {
-      if (record.level == level) std::this_thread::sleep_for(std::chrono::milliseconds(410));
+      if (record.level == level) std::this_thread::sleep_for(std::chrono::duration<double>(limit));
       return true;
     };
     const auto result = ccvt::tessellate(problem, options);
