@@ -3,15 +3,21 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "ccvt/codebook.h"
 #include "ccvt/io.h"
 #include "paper/experiments.h"
 #include "paper/report_parts.h"
 #include "support/files.h"
+#include "support/generate.h"
+#include "support/inverted_lists.h"
 #include "support/plot.h"
 #include "support/statistics.h"
 
@@ -191,6 +197,96 @@ TEST_CASE("reports of nothing, and of other files, are refused") {
   CHECK_THROWS_AS(report(directory.path()), InvalidInput);
   write_text(directory.path() / "scaling.json", "{");
   CHECK_THROWS_AS(report(directory.path()), InvalidInput);
+}
+
+TEST_CASE("searches of lists find what a look at each list finds") {
+  const auto vectors = test::make_points<float>(test::Layout::clusters, test::uneven_box(5), 900);
+  const auto queries = test::make_points<float>(test::Layout::random, test::uneven_box(5), 40, 9);
+  const auto training = train_codebook(vectors, 12, {.seed = 3});
+  const auto neighbours = true_neighbours(vectors, queries, 2);
+  REQUIRE(neighbours.size() == 40);
+  for (const Coding coding : {Coding::nearest, Coding::weighted}) {
+    const auto probes =
+        probe_lists(training.codebook, training.codes, queries, neighbours, coding);
+    REQUIRE(probes.size() == 5);  // 1, 2, 4, 8, 12 lists
+    for (const Probe& probe : probes) {
+      CAPTURE(probe.lists);
+      double first = 0;
+      double ten = 0;
+      std::vector<double> scanned;
+      for (Index q = 0; q < 40; ++q) {
+        const Eigen::VectorXd query = queries.col(q).cast<double>();
+        std::vector<std::pair<double, Index>> lists;
+        for (Index s = 0; s < 12; ++s) {
+          lists.emplace_back((training.codebook.codewords().col(s) - query).squaredNorm() -
+                                 (coding == Coding::weighted ? training.codebook.weights()[s] : 0),
+                             s);
+        }
+        std::sort(lists.begin(), lists.end());
+        std::vector<std::pair<double, Index>> nearest;
+        for (Index p = 0; p < 900; ++p) {
+          nearest.emplace_back((vectors.col(p).cast<double>() - query).squaredNorm(), p);
+        }
+        std::sort(nearest.begin(), nearest.end());
+        scanned.push_back(0);
+        for (Index k = 0; k < probe.lists; ++k) {
+          for (std::size_t p = 0; p < 900; ++p) {
+            scanned.back() += training.codes[p] == lists[static_cast<std::size_t>(k)].second;
+          }
+          for (std::size_t near = 0; near < 10; ++near) {
+            const auto p = static_cast<std::size_t>(nearest[near].second);
+            if (training.codes[p] != lists[static_cast<std::size_t>(k)].second) continue;
+            first += near == 0 ? 1 : 0;
+            ten += 0.1;
+          }
+        }
+      }
+      CHECK(probe.recall_1 == doctest::Approx(first / 40));
+      CHECK(probe.recall_10 == doctest::Approx(ten / 40));
+      CHECK(probe.scanned_mean ==
+            doctest::Approx(std::accumulate(scanned.begin(), scanned.end(), 0.0) / 40));
+      CHECK(probe.scanned_99 == *std::max_element(scanned.begin(), scanned.end()));
+    }
+    CHECK(probes.back().recall_10 == 1);
+    CHECK(probes.back().scanned_mean == 900);
+  }
+}
+
+TEST_CASE("searches of lists become tables and plots") {
+  const test::TemporaryDirectory directory;
+  Record record("search", Scale{}, directory.path());
+  record.json["parameters"] = {{"data", "some 900 x 5"}, {"codewords", 4}, {"queries", 40}};
+  const auto probes = [](double recall, double scanned) {
+    return Json::array({{{"lists", 1},
+                         {"recall_1", recall},
+                         {"recall_10", recall},
+                         {"scanned_mean", scanned},
+                         {"scanned_99", 2 * scanned}},
+                        {{"lists", 4},
+                         {"recall_1", 1},
+                         {"recall_10", 1},
+                         {"scanned_mean", 900},
+                         {"scanned_99", 900}}});
+  };
+  const Json run = {{"seconds", 2.5},   {"distortion", 0.5}, {"shortest", 225},
+                    {"longest", 226},   {"imbalance", 1},    {"by_distance", probes(0.6, 100)}};
+  record.json["runs"] = {run, run};
+  record.json["runs"][0]["codebook"] = "balanced";
+  record.json["runs"][0]["by_weight"] = probes(0.8, 300);
+  record.json["runs"][1]["codebook"] = "Lloyd";
+  record.save();
+  const std::string text = report(directory.path());
+  for (const char* part :
+       {"some 900 x 5, 4 lists, 40 queries", "| balanced | 2.50 | 0.50000 | 225 | 226 |",
+        "| 80 % | balanced, by distance | 500.0 | 550.0 |",
+        "| 80 % | balanced, by weight | 300.0 | 600.0 |", "| 80 % | Lloyd | 500.0 |",
+        "| Lloyd | 1 | 0.6000 | 0.6000 | 100.0 | 200.0 |", "(search_mean.svg)",
+        "(search_99.svg)"}) {
+    CAPTURE(part);
+    CHECK(text.find(part) != std::string::npos);
+  }
+  CHECK(test::get(directory.path() / "search_99.svg").find("balanced, by weight") !=
+        std::string::npos);
 }
 
 TEST_SUITE_END();

@@ -14,6 +14,13 @@
 /// and the runs; report() makes tables and plots of these.
 namespace ccvt::bench {
 
+/// Vectors of one's own for the experiment on search; none: generated ones.
+struct SearchFiles {
+  std::filesystem::path vectors;
+  std::filesystem::path queries;
+  Index codewords = 256;
+};
+
 struct Scale {
   bool quick = false;    ///< small problems, one repetition: to see that all of it works
   bool is_long = false;  ///< no run is too long
@@ -21,6 +28,7 @@ struct Scale {
   int threads = 0;     ///< most threads to use; 0: one per processor
   double budget = 30;  ///< seconds; rows of Table 1 that would take longer are estimated
   std::string only;    ///< of table1, growth, parallel: one size, such as "1024x256"; empty: all
+  SearchFiles search;
 };
 
 /// Table 1: every row on the same points, on the torus, white noise.
@@ -35,6 +43,9 @@ void scaling(const Scale& scale, const std::filesystem::path& directory);
 void growth(const Scale& scale, const std::filesystem::path& directory);
 /// Two threads over one, beside the machine's ceiling, and what more workers would give.
 void parallel(const Scale& scale, const std::filesystem::path& directory);
+
+/// Recall of inverted lists against vectors scanned, by codebook.
+void search(const Scale& scale, const std::filesystem::path& directory);
 
 /// Turns the files that there are in `directory` into report.md, *.svg and *.png beside them, and
 /// returns the tables. Throws IoError when there are none, InvalidInput for broken ones.

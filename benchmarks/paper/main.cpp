@@ -28,6 +28,7 @@ constexpr Experiment kExperiments[] = {
     {"scaling", "Time against sites, points per site, threads, dimensions", ccvt::bench::scaling},
     {"growth", "Time and order with many points per site", ccvt::bench::growth},
     {"parallel", "Threads: phase by phase, and predicted for more of them", ccvt::bench::parallel},
+    {"search", "Inverted lists: recall against vectors scanned", ccvt::bench::search},
 };
 
 struct Arguments {
@@ -57,6 +58,20 @@ void add_arguments(CLI::App& command, Arguments& arguments) {
       ->type_name("S");
 }
 
+void add_search_files(CLI::App& command, ccvt::bench::SearchFiles& files) {
+  auto* const vectors =
+      command.add_option("--vectors", files.vectors, "To search: .npy, .fvecs, .bvecs; else clouds")
+          ->type_name("FILE");
+  auto* const queries = command.add_option("--queries", files.queries, "To search for")
+                            ->needs(vectors)
+                            ->type_name("FILE");
+  vectors->needs(queries);
+  command.add_option("--codewords", files.codewords, "Lists, of these vectors [256]")
+      ->needs(vectors)
+      ->check(CLI::PositiveNumber)
+      ->type_name("K");
+}
+
 void make_directory(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);
@@ -78,6 +93,7 @@ int run(int argc, char** argv) {
     CLI::App* const command = app.add_subcommand(experiment.name, experiment.description);
     add_arguments(*command, arguments);
     const std::string name = experiment.name;
+    if (name == "search") add_search_files(*command, arguments.scale.search);
     if (name != "table1" && name != "growth" && name != "parallel") continue;
     command->add_option("--only", arguments.scale.only, "One size, such as 1024x256")
         ->type_name("SIZE");

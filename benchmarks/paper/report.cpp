@@ -175,7 +175,8 @@ std::string report(const fs::path& directory) {
   using Part = std::string (*)(const Json&, const fs::path&);
   const std::pair<const char*, Part> parts[] = {
       {"table1", report_table1},   {"clusters", report_clusters}, {"quality", report_quality},
-      {"scaling", report_scaling}, {"growth", report_growth},     {"parallel", report_parallel}};
+      {"scaling", report_scaling}, {"growth", report_growth},     {"parallel", report_parallel},
+      {"search", report_search}};
   std::string text;
   std::string last_machine;
   for (const auto& [name, part] : parts) {

@@ -16,6 +16,7 @@ std::string report_quality(const Json& record, const std::filesystem::path& dire
 std::string report_scaling(const Json& record, const std::filesystem::path& directory);
 std::string report_growth(const Json& record, const std::filesystem::path& directory);
 std::string report_parallel(const Json& record, const std::filesystem::path& directory);
+std::string report_search(const Json& record, const std::filesystem::path& directory);
 
 /// Says so where the record is of a quick run.
 std::string quick_note(const Json& record);
