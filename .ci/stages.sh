@@ -57,6 +57,11 @@ border() {
     -isystem /usr/include/eigen3
 }
 
+# Codebooks as inverted files of FAISS.
+faiss_lists() {
+  /usr/bin/python3 tests/faiss/ivf.py build/release/bin/ccvt
+}
+
 # A user's program under all kinds of flags, with the libraries that the tests installed.
 consumers() {
   local work=build/release/tests/install
@@ -66,7 +71,7 @@ consumers() {
 
 developer_packages() {
   cmake/install-packages.sh \
-    chromium clang clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev python3
+    chromium clang clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev python3 python3-faiss
 }
 
 format() {

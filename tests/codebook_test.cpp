@@ -76,6 +76,30 @@ TEST_CASE("exact training keeps sizes, ends at centroids and certifies itself") 
   }
 }
 
+TEST_CASE("a gap ends training sooner, is kept, and leaves sizes exact") {
+  const auto points = make_points<double>(Layout::random, uneven_box(3), 4000);
+  const Training exact = train_codebook(points, 40, {});
+  const Training near = train_codebook(points, 40, {.gap = 1e-3});
+  CHECK(near.summary.usage.smallest == 100);
+  CHECK(near.summary.usage.largest == 100);
+  CHECK(near.summary.termination == Termination::stable);
+  CHECK(near.summary.iterations < exact.summary.iterations);
+  CHECK(near.summary.distortion < 1.05 * exact.summary.distortion);
+  // By brute force: what vectors could save under the weights, each alone.
+  double saved = 0;
+  for (Eigen::Index p = 0; p < points.cols(); ++p) {
+    const Eigen::VectorXd reduced =
+        (near.codebook.codewords().colwise() - points.col(p)).colwise().squaredNorm().transpose() -
+        near.codebook.weights();
+    saved += reduced[near.codes[static_cast<std::size_t>(p)]] - reduced.minCoeff();
+  }
+  CHECK(saved > 0);
+  CHECK(near.summary.gap <= 1e-3);
+  CHECK(near.summary.gap == doctest::Approx(saved / near.summary.energy).epsilon(1e-9));
+  const Training again = train_codebook(points, 40, {.threads = 3, .gap = 1e-3});
+  CHECK(again.codes == near.codes);
+}
+
 TEST_CASE("all methods find separated clouds from any seed") {
   const auto points = clouds(3000, 15, 2);
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
@@ -187,6 +211,7 @@ TEST_CASE("bad input is refused by name") {
   CHECK(refused(0, {}).find("0") != std::string::npos);
   CHECK(refused(2, {.restarts = -1}).find("restarts is -1") != std::string::npos);
   CHECK(refused(2, {.tolerance = 1}).find("tolerance is 1") != std::string::npos);
+  CHECK(refused(2, {.gap = -0.1}).find("gap is -0.1") != std::string::npos);
   CHECK(refused(2, {.capacities = {1, 2}}) != "");
   const Codebook codebook(Eigen::MatrixXd::Identity(3, 3));
   CHECK(refusal([&] {

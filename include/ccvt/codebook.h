@@ -55,6 +55,12 @@ struct CCVT_EXPORT CodebookOptions {
   /// Vectors of each codeword, summing to their number. Empty: equal. To allow a codeword at most c
   /// vectors, give it c, or less.
   std::vector<Index> capacities = {};
+  /// `exact` ends an assignment when it is proved to cost at most this share more than the cheapest
+  /// that keeps the capacities, and training when that holds for the centroids of its cells. In
+  /// [0, 1); 0: the cheapest one, but for rounding. Capacities are exact whatever it is, and
+  /// CodebookSummary::gap tells how near the codes came. With 1e-4 training ends in a half to a
+  /// tenth of the time where cells are large, at 0.05 to 0.3 % more distortion.
+  double gap = 0;
   /// Called after each iteration, from the thread that trains; false cancels.
   std::function<bool(const IterationRecord&)> on_iteration = {};
   /// Asked several times a second, from the thread that trains; true ends training with the

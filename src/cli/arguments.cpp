@@ -254,6 +254,9 @@ CLI::App* add_quantize(CLI::App& app, QuantizeArguments& arguments) {
   add_number<int>(*command, "--restarts", arguments.restarts,
                   "Seedings tried on a sample; the best is used; 0: as many as pay, 1 or 4 [0]",
                   "R", {.least = 0, .most = 1'000'000});
+  add_number<double>(*command, "--gap", arguments.gap,
+                     "Assignments that cost at most this share more than the cheapest will do [0]",
+                     "G", {.least = 0, .most = 1, .open_above = true});
   add_file(*command, "--capacities", arguments.capacities,
            "How many vectors each codeword gets, summing to their number [equal]", io::kTableFiles);
   add_file(*command, "-o,--output", arguments.output, "Where the codewords go", io::kTableFiles)

@@ -35,6 +35,7 @@ CodebookOptions make_codebook_options(const QuantizeArguments& arguments, Progre
   options.threads = arguments.threads;
   if (arguments.max_iterations) options.max_iterations = *arguments.max_iterations;
   options.tolerance = arguments.energy_tolerance;
+  options.gap = arguments.gap;
   options.on_iteration = [&progress, sites = arguments.codewords](const IterationRecord& record) {
     progress.show(record, sites);
     return true;
@@ -148,6 +149,9 @@ int run_quantize(const QuantizeArguments& arguments) {
   }
   if (!arguments.weights_out.empty() && arguments.method != CodebookMethod::exact) {
     throw InvalidInput("--weights-out: only --method exact finds weights");
+  }
+  if (arguments.gap > 0 && arguments.method != CodebookMethod::exact) {
+    throw InvalidInput("--gap: only --method exact proves one");
   }
   if (!arguments.capacities.empty() && arguments.method == CodebookMethod::lloyd) {
     throw InvalidInput("--capacities: --method lloyd does not keep any");

@@ -86,6 +86,7 @@ void CodebookOptions::validate() const {
   require(max_iterations >= 0, "max_iterations", std::to_string(max_iterations),
           "it must be 0 or more");
   require(tolerance >= 0 && tolerance < 1, "tolerance", text(tolerance), "it must be in [0, 1)");
+  require(gap >= 0 && gap < 1, "gap", text(gap), "it must be in [0, 1)");
   require(threads >= 0 && threads <= 4096, "threads", std::to_string(threads),
           "it must be from 0 (one per processor) to 4096");
 }

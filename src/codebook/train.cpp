@@ -179,13 +179,14 @@ void Trainer<Scalar>::pairwise() {
   move_to_centroids(metric_, vectors_, Grouping(owners_, weights_.size()), arena_, sites_);
 }
 
-/// Exact assignments and centroids in turn. On the finest level until the assignment is optimal
-/// for the centroids of its own cells.
+/// Exact assignments and centroids in turn. On the finest level until the assignment is optimal, or
+/// within the gap of that, for the centroids of its own cells.
 template <class Scalar>
 void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities,
                                   bool finest) {
   const Index n = problem_.site_count();
-  ExactAssignment<Scalar> assignment(metric_, vectors, n, std::move(capacities), arena_);
+  ExactAssignment<Scalar> assignment(metric_, vectors, n, std::move(capacities), arena_,
+                                     options_.gap);
   using Round = typename ExactAssignment<Scalar>::Round;
   owners_ = nearest_owners(metric_, vectors, sites_, arena_);
   const double tolerance = finest ? options_.tolerance : kLevelTolerance * n / vectors.count;
@@ -264,7 +265,7 @@ void Trainer<Scalar>::exact() {
 template <class Scalar>
 void Trainer<Scalar>::prove() {
   ExactAssignment<Scalar> assignment(metric_, vectors_, problem_.site_count(), options_.capacities,
-                                     arena_);
+                                     arena_, options_.gap);
   const Certificate certificate = assignment.solve(sites_, weights_, owners_);
   summary_.gap = certificate.energy > 0 ? std::min(1.0, certificate.gap / certificate.energy) : 0;
 }

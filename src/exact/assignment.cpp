@@ -18,6 +18,8 @@ constexpr double kManyOffers = 2.0;
 /// A surplus that is left over widens the slack as long as there are fewer offers than this, or no
 /// point moved.
 constexpr double kMostOffers = 8.0;
+/// What owners lack that do not meet the capacities.
+constexpr double kUnmet = std::numeric_limits<double>::infinity();
 /// Offers that are added at once when a surplus is stuck.
 constexpr std::int64_t kWidened = 8;
 
@@ -26,13 +28,14 @@ constexpr std::int64_t kWidened = 8;
 template <class Scalar>
 ExactAssignment<Scalar>::ExactAssignment(const Metric& metric, PointsView<Scalar> points,
                                          Index sites, std::vector<Index> capacities,
-                                         const Arena& arena)
+                                         const Arena& arena, double gap)
     : metric_(metric),
       points_(points),
       capacities_(std::move(capacities)),
       floating_(capacities_.empty()),
       arena_(arena),
-      pricer_(metric, points, arena) {
+      pricer_(metric, points, arena),
+      gap_(gap) {
   if (floating_) capacities_ = equal_capacities(points.count, sites);
   fewer_ = points.count / sites;
   larger_ = points.count % sites;
@@ -64,7 +67,7 @@ void ExactAssignment<Scalar>::float_capacities(const std::vector<double>& weight
 }
 
 /// By how much the sum of size * weight over the cells exceeds the least that capacities allow;
-/// infinite when they are not met. Capacities are those of float_capacities().
+/// kUnmet when they are not met. Capacities are those of float_capacities().
 template <class Scalar>
 double ExactAssignment<Scalar>::capacity_gap(const std::vector<double>& weights,
                                              const std::vector<Index>& owners) const {
@@ -73,7 +76,7 @@ double ExactAssignment<Scalar>::capacity_gap(const std::vector<double>& weights,
   for (std::size_t s = 0; s < sizes.size(); ++s) {
     const Index excess = sizes[s] - capacities_[s];
     const bool met = excess == 0 || (floating_ && (sizes[s] == fewer_ || sizes[s] == fewer_ + 1));
-    if (!met) return std::numeric_limits<double>::infinity();
+    if (!met) return kUnmet;
     gap += excess * weights[s];
   }
   return gap;
@@ -93,12 +96,15 @@ template <class Scalar>
 auto ExactAssignment<Scalar>::improve(std::span<const double> sites, std::vector<double>& weights,
                                       std::vector<Index>& owners) -> Round {
   if (slack_ < 0) {
-    const Prices first = pricer_.price(weighted(sites, weights), 0, 0, owners);
+    std::vector<Index> cheapest = owners;
+    const Prices first = pricer_.price(weighted(sites, weights), 0, 0, cheapest);
     slack_ = 0.1 / std::sqrt(points_.dimension) * first.cheapest_energy / points_.count;
     // All points at sites: any slack will do that is not nothing beside the distances.
     const double negligible = 1e-12 * first.energy / points_.count;
     if (!(slack_ > negligible)) slack_ = 1e-3 * first.energy / points_.count;
     if (slack_ == 0) slack_ = 1;
+    // Owners that do not meet the capacities only group points; the cheapest do so better.
+    if (capacity_gap(weights, owners) == kUnmet) owners = std::move(cheapest);
   }
   std::vector<Index> given = owners;
   const Prices prices = pricer_.price(weighted(sites, weights), slack_, weights.size(), owners);
@@ -108,7 +114,7 @@ auto ExactAssignment<Scalar>::improve(std::span<const double> sites, std::vector
   certificate_.worst = prices.worst;
   float_capacities(weights);
   certificate_.gap += capacity_gap(weights, given);
-  if (certificate_.gap <= rounding(prices.energy, weights)) {
+  if (certificate_.gap <= std::max(gap_ * prices.energy, rounding(prices.energy, weights))) {
     owners = std::move(given);
     return Round::optimal;
   }

@@ -37,12 +37,14 @@ template <class Scalar>
 class ExactAssignment {
  public:
   /// `metric`, `arena` and the points must outlive the object. No capacities: as equal as can be,
-  /// with those that are larger by one where it costs least.
+  /// with those that are larger by one where it costs least. `gap`: owners will do that are proved
+  /// to cost at most so much more than the cheapest, as a share of what they cost.
   ExactAssignment(const Metric& metric, PointsView<Scalar> points, Index sites,
-                  std::vector<Index> capacities, const Arena& arena);
+                  std::vector<Index> capacities, const Arena& arena, double gap = 0);
 
   enum class Round {
-    optimal,     ///< the owners given meet the capacities at the least cost: they stay
+    optimal,     ///< the owners given meet the capacities at the least cost, or within the gap of
+                 ///< it: they stay
     met,         ///< capacities are met, at the least cost or nearly so
     incomplete,  ///< some sites still have too many points
   };
@@ -51,7 +53,7 @@ class ExactAssignment {
   /// One round, from any owners (used to group points, best near the truth) and weights.
   Round improve(std::span<const double> sites, std::vector<double>& weights,
                 std::vector<Index>& owners);
-  /// Rounds until the owners are proved optimal, but for rounding.
+  /// Rounds until the owners are proved optimal, but for rounding, or within the gap.
   Certificate solve(std::span<const double> sites, std::vector<double>& weights,
                     std::vector<Index>& owners);
 
@@ -77,6 +79,7 @@ class ExactAssignment {
   const Arena& arena_;
   Pricer<Scalar> pricer_;
   double largest_coordinate_ = 0;
+  double gap_;
   double slack_ = -1;  ///< negative: not chosen yet
   Certificate certificate_;
 };

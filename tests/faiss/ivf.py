@@ -69,6 +69,8 @@ def check(condition, message):
 
 
 def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__.strip())
     vectors = clouds()
     with tempfile.TemporaryDirectory() as name:
         codewords, codes, weights = train(Path(sys.argv[1]).resolve(), Path(name), vectors)
