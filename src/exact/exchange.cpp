@@ -24,6 +24,7 @@ ExchangeGraph::ExchangeGraph(std::vector<Index>& capacities, bool floating,
       cells_(capacities.size()),
       first_option_(owners.size(), kNoOption),
       own_key_(owners.size(), 0.0),
+      loading_slots_(capacities.size(), kNoOption),
       count_(cell_sizes(owners, capacities.size())),
       start_(weights),
       distance_(capacities.size() + 1, kNone),
@@ -56,11 +57,37 @@ std::size_t ExchangeGraph::slot_of(Cell& cell, SiteNumber to) {
   return slot;
 }
 
+/// The same for many offers of one site after the other, without a search for each.
+std::size_t ExchangeGraph::loading_slot(SiteNumber site, SiteNumber to) {
+  if (site != loading_site_) {
+    if (loading_site_ != SiteNumber::none()) {
+      for (const SiteNumber j : cells_[loading_site_].to) loading_slots_[j] = kNoOption;
+    }
+    for (std::size_t slot = 0; slot < cells_[site].to.size(); ++slot) {
+      loading_slots_[cells_[site].to[slot]] = slot;
+    }
+    loading_site_ = site;
+  }
+  if (loading_slots_[to] == kNoOption) loading_slots_[to] = slot_of(cells_[site], to);
+  return loading_slots_[to];
+}
+
+/// Ends loading: all heaps at once, in linear time.
+void ExchangeGraph::load() {
+  if (!loading_) return;
+  loading_ = false;
+  for (Cell& c : cells_) {
+    for (std::vector<Entry>& heap : c.heap) {
+      std::make_heap(heap.begin(), heap.end(), std::greater<>());
+    }
+  }
+}
+
 void ExchangeGraph::insert(SiteNumber site, SiteNumber to, const Entry& entry) {
   Cell& c = cells_[site];
-  const std::size_t slot = slot_of(c, to);
+  const std::size_t slot = loading_ ? loading_slot(site, to) : slot_of(c, to);
   c.heap[slot].push_back(entry);
-  std::push_heap(c.heap[slot].begin(), c.heap[slot].end(), std::greater<>());
+  if (!loading_) std::push_heap(c.heap[slot].begin(), c.heap[slot].end(), std::greater<>());
   ++c.entries;
   if (entry < Entry{c.least[slot], c.least_point[slot]} || c.least_point[slot] == kNoPoint) {
     c.least[slot] = entry.key;
@@ -224,6 +251,7 @@ void ExchangeGraph::move_along_path(SiteNumber source, SiteNumber target) {
 }
 
 ExchangeGraph::Outcome ExchangeGraph::settle(double budget, const Arena& arena) {
+  load();
   Outcome outcome = Outcome::settled;
   for (const SiteNumber s : sites_below(cells_.size())) {
     while (surplus(s) > 0) {

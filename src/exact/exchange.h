@@ -83,6 +83,8 @@ class ExchangeGraph {
 
   [[nodiscard]] SiteNumber owner_of(PointNumber point) const { return SiteNumber(owners_[point]); }
   static std::size_t slot_of(Cell& cell, SiteNumber to);
+  std::size_t loading_slot(SiteNumber site, SiteNumber to);
+  void load();
   void insert(SiteNumber site, SiteNumber to, const Entry& entry);
   void refresh(SiteNumber site, std::size_t slot);
   void sweep(SiteNumber site);
@@ -105,6 +107,10 @@ class ExchangeGraph {
   std::vector<Option> options_;
   std::vector<std::size_t> first_option_;  ///< of each point, or kNoOption
   std::vector<double> own_key_;  ///< of each point: what its owner costs more than its first
+  /// Until settle() is first called, heaps have no order: see load().
+  bool loading_ = true;
+  SiteNumber loading_site_ = SiteNumber::none();  ///< the site of the last offer
+  std::vector<std::size_t> loading_slots_;        ///< of that site's edges, by where they lead
   std::vector<Index> count_;
   std::vector<double> start_;  ///< the weights that budgets count from
   std::int64_t augmentations_ = 0;
