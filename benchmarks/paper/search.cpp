@@ -36,9 +36,9 @@ Codes faiss_codebook(const Points<float>& vectors, Index codewords, int threads)
   faiss::Clustering clustering(static_cast<int>(vectors.rows()), codewords, parameters);
   faiss::IndexFlatL2 index(vectors.rows());
   clustering.train(vectors.cols(), vectors.data(), index);
-  Codebook codebook(Eigen::Map<const Eigen::MatrixXf>(clustering.centroids.data(), vectors.rows(),
-                                                      codewords)
-                        .cast<double>());
+  Codebook codebook(
+      Eigen::Map<const Eigen::MatrixXf>(clustering.centroids.data(), vectors.rows(), codewords)
+          .cast<double>());
   std::vector<Index> codes = codebook.encode(vectors, Coding::nearest, threads);
   return {std::move(codebook), std::move(codes)};
 }
@@ -88,7 +88,9 @@ Data clouds(const Scale& scale) {
     return points;
   };
   Data data{"clouds " + std::to_string(count) + " x 96", draw(count), draw(queries),
-            scale.quick ? 32 : scale.is_long ? 1024 : 256};
+            scale.quick     ? 32
+            : scale.is_long ? 1024
+                            : 256};
   return data;
 }
 
@@ -100,8 +102,13 @@ Data from_files(const SearchFiles& files) {
                        " dimensions, but " + files.vectors.string() + " has " +
                        std::to_string(data.vectors.rows()));
   }
-  data.name += " " + std::to_string(data.vectors.cols()) + " x " +
-               std::to_string(data.vectors.rows());
+  if (data.codewords > data.vectors.cols()) {
+    throw InvalidInput("--codewords is " + std::to_string(data.codewords) + ", but " +
+                       files.vectors.string() + " has only " + std::to_string(data.vectors.cols()) +
+                       " vectors");
+  }
+  data.name +=
+      " " + std::to_string(data.vectors.cols()) + " x " + std::to_string(data.vectors.rows());
   return data;
 }
 
@@ -157,9 +164,8 @@ void search(const Scale& scale, const std::filesystem::path& directory) {
     record.save();
   };
   for (const auto method : {CodebookMethod::exact, CodebookMethod::lloyd}) {
-    measure(method == CodebookMethod::exact ? "balanced" : "Lloyd", [&] {
-      return our_codebook(data.vectors, data.codewords, scale.threads, method);
-    });
+    measure(method == CodebookMethod::exact ? "balanced" : "Lloyd",
+            [&] { return our_codebook(data.vectors, data.codewords, scale.threads, method); });
   }
 #ifdef CCVT_BENCHMARK_FAISS
   measure("FAISS", [&] { return faiss_codebook(data.vectors, data.codewords, scale.threads); });
