@@ -60,7 +60,11 @@ void add_arguments(CLI::App& command, Arguments& arguments) {
 
 void add_search_files(CLI::App& command, ccvt::bench::SearchFiles& files) {
   auto* const vectors =
-      command.add_option("--vectors", files.vectors, "To search: .npy, .fvecs, .bvecs; else clouds")
+      command
+          .add_option("--vectors", files.vectors, "To search: .npy, .fvecs, .bvecs; else clouds")
+          ->excludes(command.get_option("--quick"))
+          ->excludes(command.get_option("--long"))
+          ->check(CLI::ExistingFile)
           ->type_name("FILE");
   auto* const queries = command.add_option("--queries", files.queries, "To search for")
                             ->needs(vectors)

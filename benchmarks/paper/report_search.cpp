@@ -51,8 +51,8 @@ double scanned_at(const Json& probes, double recall, const char* key) {
 }
 
 std::string codebooks_table(const Json& record) {
-  std::vector<std::vector<std::string>> rows = {{"codebook", "training, s", "distortion",
-                                                 "shortest list", "longest list", "imbalance"}};
+  std::vector<std::vector<std::string>> rows = {
+      {"codebook", "training, s", "distortion", "shortest list", "longest list", "imbalance"}};
   for (const Json& run : record.at("runs")) {
     rows.push_back({run.at("codebook").get<std::string>(),
                     seconds_text(run.at("seconds").get<double>()),
@@ -112,9 +112,8 @@ std::string plot_of(const std::vector<Search>& searches, const char* key,
 std::string report_search(const Json& record, const fs::path& directory) {
   const Json& parameters = record.at("parameters");
   const std::vector<Search> searches = searches_of(record);
-  return "## Inverted lists\n\n" + quick_note(record) +
-         parameters.at("data").get<std::string>() + ", " +
-         std::to_string(parameters.at("codewords").get<Index>()) + " lists, " +
+  return "## Inverted lists\n\n" + quick_note(record) + parameters.at("data").get<std::string>() +
+         ", " + std::to_string(parameters.at("codewords").get<Index>()) + " lists, " +
          std::to_string(parameters.at("queries").get<Index>()) +
          " queries that are not among the vectors. A query looks at\n"
          "the lists whose codewords are nearest to it; balanced ones also by what a vector costs\n"
@@ -122,7 +121,10 @@ std::string report_search(const Json& record, const fs::path& directory) {
          "nearest vectors, found by looking at all, that are in the lists looked at. Imbalance is\n"
          "what looking at one list costs on average, relative to equal lists, where queries are\n"
          "like the vectors.\n\n" +
-         codebooks_table(record) + costs_table(searches) +
+         codebooks_table(record) +
+         "What it takes to find a share, between the numbers of lists measured as straight lines "
+         "have it:\n\n" +
+         costs_table(searches) +
          picture(directory, "search_mean",
                  plot_of(searches, "scanned_mean", "vectors scanned, mean"),
                  "Recall against vectors scanned, on average") +

@@ -43,12 +43,23 @@ std::vector<Index> nearest_of(const Points<float>& vectors, const Points<float>&
 
 std::vector<std::vector<Index>> true_neighbours(const Points<float>& vectors,
                                                 const Points<float>& queries, int threads) {
-  const Eigen::VectorXf norms = vectors.colwise().squaredNorm();
+  // Relative to the mean, in units in which squares do not overflow: products in float then lose no
+  // more than the candidates make up for.
+  const Eigen::VectorXd mean = vectors.cast<double>().rowwise().mean();
+  const double largest = std::max((vectors.cast<double>().colwise() - mean).cwiseAbs().maxCoeff(),
+                                  (queries.cast<double>().colwise() - mean).cwiseAbs().maxCoeff());
+  const double scale = largest > 0 ? 1 / largest : 1;
+  const auto centred = [&](const Points<float>& points) -> Points<float> {
+    return ((points.cast<double>().colwise() - mean) * scale).cast<float>();
+  };
+  const Points<float> near = centred(vectors);
+  const Points<float> near_queries = centred(queries);
+  const Eigen::VectorXf norms = near.colwise().squaredNorm();
   std::vector<std::vector<Index>> neighbours(static_cast<std::size_t>(queries.cols()));
   const Arena arena(threads);
   for (Eigen::Index first = 0; first < queries.cols(); first += kBlockQueries) {
     const Eigen::Index count = std::min(kBlockQueries, queries.cols() - first);
-    Eigen::MatrixXf rough = -2 * vectors.transpose() * queries.middleCols(first, count);
+    Eigen::MatrixXf rough = -2 * near.transpose() * near_queries.middleCols(first, count);
     rough.colwise() += norms;
     arena.for_each(static_cast<std::size_t>(count), kQueriesPerGrain, [&](std::size_t k) {
       const auto column = static_cast<Eigen::Index>(k);

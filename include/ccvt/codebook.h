@@ -58,8 +58,7 @@ struct CCVT_EXPORT CodebookOptions {
   /// `exact` ends an assignment when it is proved to cost at most this share more than the cheapest
   /// that keeps the capacities, and training when that holds for the centroids of its cells. In
   /// [0, 1); 0: the cheapest one, but for rounding. Capacities are exact whatever it is, and
-  /// CodebookSummary::gap tells how near the codes came. With 1e-4 training ends in a half to a
-  /// tenth of the time where cells are large, at 0.05 to 0.3 % more distortion.
+  /// CodebookSummary::gap tells how near the codes came.
   double gap = 0;
   /// Called after each iteration, from the thread that trains; false cancels.
   std::function<bool(const IterationRecord&)> on_iteration = {};
@@ -90,7 +89,7 @@ CCVT_EXPORT CodeUsage code_usage(std::span<const Index> codes, Index codewords);
 /// What happened in a training.
 struct CCVT_EXPORT CodebookSummary {
   CodebookMethod method = CodebookMethod::exact;
-  /// `stable`: another iteration would change nothing.
+  /// `stable`: another iteration would change nothing, or save no more than the gap allowed.
   Termination termination = Termination::running;
   int dimension = 0;
   Index vectors = 0;

@@ -50,17 +50,15 @@ def lift(vectors, last):
 
 
 def by_weights(vectors, codewords, weights):
-    """FAISS fills the lists: |(p, 0) - (s, sqrt(W - w))|^2 = |p - s|^2 - w + W."""
-    quantizer = faiss.IndexFlatL2(DIMENSION + 1)
-    quantizer.add(lift(codewords, numpy.sqrt(weights.max() - weights)))
-    index = faiss.IndexIVFFlat(quantizer, DIMENSION + 1, LISTS)
-    index.is_trained = True
-    index.add(lift(vectors, numpy.zeros(len(vectors))))
-    return index, quantizer
+    """The lists that FAISS finds: |(p, 0) - (s, sqrt(W - w))|^2 = |p - s|^2 - w + W."""
+    lifted = faiss.IndexFlatL2(DIMENSION + 1)
+    lifted.add(lift(codewords, numpy.sqrt(weights.max() - weights)))
+    return lifted.search(lift(vectors, numpy.zeros(len(vectors))), 1)[1].ravel()
 
 
-def lengths(index):
-    return numpy.array([index.invlists.list_size(k) for k in range(LISTS)])
+def ids(index, k):
+    pointer = index.invlists.get_ids(k)
+    return numpy.sort(faiss.rev_swig_ptr(pointer, index.invlists.list_size(k)))
 
 
 def check(condition, message):
@@ -78,21 +76,21 @@ def main():
     check(capacities.max() - capacities.min() <= 1, f"lists of {capacities}")
 
     index, keep = by_codes(vectors, codewords, codes)
-    check((lengths(index) == capacities).all(), "by codes: lists are not as long as capacities")
-    index.nprobe = LISTS  # all: the search must find what a search without lists finds
-    queries = clouds()[:100] + numpy.float32(0.01)
+    for k in range(LISTS):
+        check((ids(index, k) == numpy.flatnonzero(codes == k)).all(), f"by codes: list {k} differs")
+    queries = vectors[::20] + numpy.float32(0.01)
     exact = faiss.IndexFlatL2(DIMENSION)
     exact.add(vectors)
-    check((index.search(queries, 1)[1] == exact.search(queries, 1)[1]).mean() > 0.98,
-          "by codes: other neighbours than without lists")
+    index.nprobe = 8
+    recall = (index.search(queries, 1)[1] == exact.search(queries, 1)[1]).mean()
+    check(recall > 0.9, f"by codes: 8 of {LISTS} lists find {recall} of the nearest")
 
-    index, keep = by_weights(vectors, codewords, weights.ravel())
-    # At the optimum about a vector a list costs as much in another one, and FAISS computes in float.
-    moved = numpy.abs(lengths(index) - capacities).sum() // 2
-    check(moved <= 2 * LISTS, f"by weights: {moved} vectors are in other lists")
+    # At the optimum about one vector a list costs as much in another one.
+    other = (by_weights(vectors, codewords, weights.ravel()) != codes).sum()
+    check(other <= 2 * LISTS, f"by weights: {other} vectors in other lists")
     print(f"by codes: lists of {capacities.min()} to {capacities.max()} vectors, as trained; "
-          f"by weights: {lengths(index).min()} to {lengths(index).max()}, "
-          f"{moved} of {COUNT} on the other side of a tie")
+          f"8 of them find {recall:.3f} of the nearest; "
+          f"by weights: {other} of {COUNT} vectors in another list")
 
 
 if __name__ == "__main__":
