@@ -16,6 +16,7 @@
 #include "ccvt/sampling.h"
 #include "ccvt/version.h"
 #include "random.h"
+#include "support/normal.h"
 
 #ifdef CCVT_BENCHMARK_FAISS
 #include <faiss/Clustering.h>
@@ -119,19 +120,15 @@ void compare(const char* name, const Points<float>& points, Index codewords) {
 /// `count` vectors of `components` Gaussian clouds with random centres and weights.
 Points<float> mixture(Index count, int dimension, int components) {
   ccvt::Random random(7, 3);
-  const auto normal = [&] {
-    const double radius = std::sqrt(-2 * std::log(1 - random.uniform()));
-    return radius * std::cos(2 * std::acos(-1.0) * random.uniform());
-  };
   Points<float> centres(dimension, components);
   for (Eigen::Index k = 0; k < centres.size(); ++k)
-    centres.data()[k] = static_cast<float>(normal());
+    centres.data()[k] = static_cast<float>(ccvt::bench::normal(random));
   Points<float> points(dimension, count);
   for (Index p = 0; p < count; ++p) {
     const double u = random.uniform();
     const auto component = static_cast<Eigen::Index>(u * u * components);  // uneven clouds
     for (int d = 0; d < dimension; ++d) {
-      points(d, p) = centres(d, component) + static_cast<float>(0.5 * normal());
+      points(d, p) = centres(d, component) + static_cast<float>(0.5 * ccvt::bench::normal(random));
     }
   }
   return points;

@@ -14,6 +14,7 @@
 #include "random.h"
 #include "stopwatch.h"
 #include "support/flann_pass.h"
+#include "support/normal.h"
 #include "support/statistics.h"
 
 namespace ccvt::bench {
@@ -64,18 +65,14 @@ constexpr Wanted kWanted[] = {{"64x16384", "seconds", 0.5},
 Points<float> gaussian_clouds(Index count, std::uint64_t seed) {
   constexpr Index kClouds = 16;
   Random random(seed);
-  const auto normal = [&] {
-    const double radius = std::sqrt(-2 * std::log(1 - random.uniform()));
-    return radius * std::cos(2 * std::acos(-1.0) * random.uniform());
-  };
   Points<float> points(2, count);
   for (Index cloud = 0; cloud < kClouds; ++cloud) {
     const double x = random.uniform();
     const double y = random.uniform();
     const double deviation = 0.1 * std::pow(0.75, cloud);
     for (Index p = cloud; p < count; p += kClouds) {
-      points(0, p) = static_cast<float>(x + deviation * normal());
-      points(1, p) = static_cast<float>(y + deviation * normal());
+      points(0, p) = static_cast<float>(x + deviation * normal(random));
+      points(1, p) = static_cast<float>(y + deviation * normal(random));
     }
   }
   return points;

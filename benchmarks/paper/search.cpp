@@ -3,8 +3,9 @@
 // its neighbours are but that it does not look at costs it recall.
 
 #include <Eigen/Core>
-#include <algorithm>
-#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "ccvt/codebook.h"
 #include "ccvt/io.h"
@@ -12,6 +13,7 @@
 #include "random.h"
 #include "stopwatch.h"
 #include "support/inverted_lists.h"
+#include "support/normal.h"
 
 #ifdef CCVT_BENCHMARK_FAISS
 #include <faiss/Clustering.h>
@@ -69,12 +71,8 @@ Data clouds(const Scale& scale) {
   const Index count = scale.quick ? 4096 : scale.is_long ? 1'000'000 : 131'072;
   const Index queries = scale.quick ? 200 : 2000;
   Random random(7);
-  const auto normal = [&] {
-    const double radius = std::sqrt(-2 * std::log(1 - random.uniform()));
-    return radius * std::cos(2 * std::acos(-1.0) * random.uniform());
-  };
   Points<float> centres(kDimension, kClouds);
-  for (float& x : centres.reshaped()) x = static_cast<float>(0.35 * normal());
+  for (float& x : centres.reshaped()) x = static_cast<float>(0.35 * normal(random));
   const auto draw = [&](Index wanted) {
     Points<float> points(kDimension, wanted);
     for (Index p = 0; p < wanted; ++p) {
@@ -82,16 +80,15 @@ Data clouds(const Scale& scale) {
       const auto cloud = static_cast<Index>(u * u * kClouds);
       const double spread = 0.3 + 0.4 * cloud / kClouds;
       for (int d = 0; d < kDimension; ++d) {
-        points(d, p) = centres(d, cloud) + static_cast<float>(spread * normal());
+        points(d, p) = centres(d, cloud) + static_cast<float>(spread * normal(random));
       }
     }
     return points;
   };
-  Data data{"clouds " + std::to_string(count) + " x 96", draw(count), draw(queries),
-            scale.quick     ? 32
-            : scale.is_long ? 1024
-                            : 256};
-  return data;
+  return {"clouds " + std::to_string(count) + " x 96", draw(count), draw(queries),
+          scale.quick     ? 32
+          : scale.is_long ? 1024
+                          : 256};
 }
 
 Data from_files(const SearchFiles& files) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "cell_sizes.h"
+#include "geometry/squares.h"
 #include "parallel/arena.h"
 
 namespace ccvt::bench {
@@ -14,11 +16,6 @@ namespace {
 constexpr std::size_t kRough = 4 * kNeighbours;
 constexpr Eigen::Index kBlockQueries = 64;
 constexpr std::size_t kQueriesPerGrain = 1;
-
-double squared_distance(const Points<float>& a, Eigen::Index i, const Points<float>& b,
-                        Eigen::Index j) {
-  return (a.col(i).cast<double>() - b.col(j).cast<double>()).squaredNorm();
-}
 
 std::vector<Index> nearest_of(const Points<float>& vectors, const Points<float>& queries,
                               Eigen::Index query, const Eigen::VectorXf& rough) {
@@ -35,7 +32,10 @@ std::vector<Index> nearest_of(const Points<float>& vectors, const Points<float>&
     order.resize(kept);
   };
   least(kRough, [&](Index p) { return rough[p]; });
-  least(kNeighbours, [&](Index p) { return squared_distance(queries, query, vectors, p); });
+  least(kNeighbours, [&](Index p) {
+    return squared_difference(queries.col(query).data(), vectors.col(p).data(),
+                              static_cast<int>(vectors.rows()));
+  });
   return order;
 }
 
@@ -74,8 +74,7 @@ std::vector<Probe> probe_lists(const Codebook& codebook, std::span<const Index> 
                                const Points<float>& queries,
                                const std::vector<std::vector<Index>>& neighbours, Coding coding) {
   const auto n = static_cast<std::size_t>(codebook.size());
-  std::vector<Index> length(n, 0);
-  for (const Index code : codes) ++length[static_cast<std::size_t>(code)];
+  const std::vector<Index> length = cell_sizes(codes, n);
   std::vector<Probe> probes;
   for (std::size_t lists = 1;; lists = std::min(2 * lists, n)) {
     probes.push_back({static_cast<Index>(lists), 0, 0, 0, 0});
