@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "ccvt/capacity.h"
+#include "exact/move_costs.h"
+#include "exact/pricing.h"
 #include "random.h"
 #include "support/flow.h"
 #include "support/generate.h"
@@ -187,6 +189,80 @@ TEST_CASE("far clouds whose sizes do not fit the capacities") {
     const Solved solved = solve(Domain(), points, sites, equal_capacities(3000, n));
     CHECK(sizes(solved.owners, static_cast<std::size_t>(n)) == equal_capacities(3000, n));
     CHECK(violation(Domain(), points, sites, solved) < 1e-12);
+  }
+}
+
+TEST_CASE("one round is enough, also where sites start without points or with all of them") {
+  for (const int dimension : {2, 9}) {
+    CAPTURE(dimension);
+    const auto points = make_points<float>(Layout::random, uneven_box(dimension), 1200);
+    auto sites = some_sites(points, 60, 4);
+    // Two of three sites far from all points, one after the other.
+    const double extent = uneven_box(dimension).extent().maxCoeff();
+    const auto width = static_cast<std::size_t>(dimension);
+    for (std::size_t k = 0; k < sites.size(); ++k) {
+      if (k / width % 3 != 0) sites[k] += extent * static_cast<double>(1 + k / width);
+    }
+    const Solved solved = solve(Domain(), points, sites, equal_capacities(1200, 60));
+    CHECK(solved.certificate.rounds == 2);  // the second one proves the first
+    CHECK(violation(Domain(), points, sites, solved) < 1e-12);
+  }
+}
+
+TEST_CASE("more sites than have their edges at hand") {
+  const Index n = 1200;  // of 1199 edges 218 are, at first
+  const auto points = make_points<float>(Layout::clusters, uneven_box(4), 2400);
+  const auto sites = some_sites(points, n, 6);
+  std::vector<Index> capacities = uneven(2400, n);
+  // Two of three want no point.
+  for (std::size_t s = 0; s + 2 < capacities.size(); s += 3) {
+    capacities[s] += capacities[s + 1] + capacities[s + 2];
+    capacities[s + 1] = capacities[s + 2] = 0;
+  }
+  const Solved solved = solve(Domain(), points, sites, capacities);
+  CHECK(sizes(solved.owners, static_cast<std::size_t>(n)) == capacities);
+  CHECK(solved.certificate.rounds == 2);
+  CHECK(violation(Domain(), points, sites, solved) < 1e-12);
+}
+
+TEST_CASE_TEMPLATE("bounds of what moving costs hold, and are close", Scalar, float, double) {
+  for (const int dimension : {1, 2, 7, 64}) {
+    for (const bool periodic : {false, true}) {
+      CAPTURE(dimension);
+      CAPTURE(periodic);
+      const Box box = uneven_box(dimension);
+      const auto points = make_points<Scalar>(Layout::random, box, 400);
+      const auto sites = some_sites(points, 50, 2);
+      const Metric metric(dimension, periodic ? Domain::periodic(box) : Domain());
+      const SquaredDistances<Scalar> costs(metric, view_points(points), sites);
+      const std::vector<Index> owners = Pricer<Scalar>(metric, view_points(points), Arena(1))
+                                            .cheapest({sites, std::vector<double>(50, 0.0)});
+      const Grouping cells(owners, 50);
+      MoveCosts::Scratch scratch;
+      double slack = 0;
+      double largest = 0;
+      for (const SiteNumber i : sites_below(50)) {
+        if (cells.of(i).empty()) continue;
+        const std::span<const double> found = costs.bounds(i, cells.of(i), scratch);
+        const std::vector<double> bounds(found.begin(), found.end());
+        for (const SiteNumber j : sites_below(50)) {
+          double least = std::numeric_limits<double>::infinity();
+          std::vector<double> here;
+          std::vector<double> there;
+          costs.squared(cells.of(i), i, here);
+          costs.squared(cells.of(i), j, there);
+          for (std::size_t k = 0; k < here.size(); ++k) {
+            least = std::min(least, there[k] - here[k]);
+            CHECK(costs.squared_to_all(cells.of(i)[k], scratch)[j] ==
+                  doctest::Approx(there[k]).epsilon(1e-12));
+          }
+          CHECK(bounds[j] <= least);
+          slack = std::max(slack, least - bounds[j]);
+          largest = std::max(largest, std::abs(least));
+        }
+      }
+      if (!periodic) CHECK(slack < 1e-3 * largest);
+    }
   }
 }
 

@@ -76,6 +76,21 @@ TEST_CASE("exact training keeps sizes, ends at centroids and certifies itself") 
   }
 }
 
+TEST_CASE("capacities of one beside those of many, where training starts on samples") {
+  const auto points = make_points<double>(Layout::random, uneven_box(2), 20'000);
+  std::vector<Index> capacities(10, 1);
+  capacities[4] = 19'991;
+  const CodebookOptions options{.capacities = capacities};
+  const Training training = train_codebook(points, 10, options);
+  const Training again =
+      train_codebook_from(points, Columns<double>(training.codebook.codewords()), options);
+  for (const auto& codes : {training.codes, again.codes}) {
+    std::vector<Index> sizes(10, 0);
+    for (const Index code : codes) ++sizes[static_cast<std::size_t>(code)];
+    CHECK(sizes == capacities);
+  }
+}
+
 TEST_CASE("a gap ends training sooner, is kept, and leaves sizes exact") {
   const auto points = make_points<double>(Layout::random, uneven_box(3), 4000);
   const Training exact = train_codebook(points, 40, {});

@@ -9,7 +9,9 @@
 #include <set>
 #include <vector>
 
+#include "ccvt/capacity.h"
 #include "ccvt/codebook.h"
+#include "codebook/share.h"
 #include "parallel/arena.h"
 #include "support/generate.h"
 
@@ -99,6 +101,68 @@ TEST_CASE("sites drawn by distance find clouds that random ones miss") {
     by_chance += energy(points, sites);
   }
   CHECK(by_distance < 0.5 * by_chance);
+}
+
+TEST_CASE("shared sites are as many in each cloud as its points fill, to within one") {
+  // 8 clouds with 1 to 8 parts of 36, far apart; 72 sites, of which seeding by distance gives the
+  // small clouds too many.
+  constexpr Index kSites = 72;
+  Points<float> points = make_points<float>(Layout::random, Box::unit(5), 3600);
+  std::vector<Index> cloud_of;
+  for (Index cloud = 0; cloud < 8; ++cloud)
+    cloud_of.resize(cloud_of.size() + 100 * static_cast<std::size_t>(cloud + 1), cloud);
+  for (Index p = 0; p < points.cols(); ++p) {
+    points(0, p) += 9.0F * static_cast<float>(cloud_of[static_cast<std::size_t>(p)]);
+  }
+  const auto count_sites = [](const std::vector<double>& sites) {
+    std::array<Index, 8> count{};
+    for (std::size_t k = 0; k < sites.size(); k += 5) {
+      ++count[static_cast<std::size_t>(std::clamp(sites[k] / 9 + 0.4, 0.0, 7.0))];
+    }
+    return count;
+  };
+  // Every cloud has nine.
+  std::vector<double> seeds;
+  for (Index cloud = 0, first = 0; cloud < 8; first += 100 * ++cloud) {
+    for (Index k = 0; k < 9; ++k) {
+      const auto x = points.col(first + k);
+      seeds.insert(seeds.end(), x.begin(), x.end());
+    }
+  }
+  for (const bool uneven : {false, true}) {
+    CAPTURE(uneven);
+    std::vector<Index> capacities(kSites, 50);
+    for (std::size_t k = 0; uneven && k < capacities.size(); ++k)
+      capacities[k] += k % 2 == 0 ? 40 : -40;
+    const auto shared = ccvt::share_sites(view_points(points), seeds, capacities, 3, Arena(1));
+    CHECK(shared.size() == std::size_t{kSites} * 5);
+    const auto count = count_sites(shared);
+    for (std::size_t cloud = 0; cloud < 8; ++cloud) {
+      CHECK(std::abs(count[cloud] - 2 * (static_cast<Index>(cloud) + 1)) <= 1);
+    }
+    CHECK(shared == ccvt::share_sites(view_points(points), seeds, capacities, 3, Arena(3)));
+    const std::set<Place> distinct = [&] {
+      const auto all = places(shared, 5);
+      return std::set<Place>(all.begin(), all.end());
+    }();
+    CHECK(distinct.size() == kSites);
+  }
+}
+
+TEST_CASE("sites are shared where points, cells or places are few") {
+  const auto line = make_points<float>(Layout::two_places, Box::unit(2), 40);
+  for (const Index sites : {1, 2, 5, 40}) {
+    CAPTURE(sites);
+    std::vector<double> seeds;
+    for (Index k = 0; k < sites; ++k)
+      seeds.insert(seeds.end(), line.col(k).begin(), line.col(k).end());
+    const auto shared =
+        ccvt::share_sites(view_points(line), seeds, ccvt::equal_capacities(40, sites), 3, Arena(1));
+    CHECK(shared.size() == static_cast<std::size_t>(2 * sites));
+    const auto all = places(shared, 2);
+    const auto wanted = places(line.leftCols(sites));
+    CHECK(std::set<Place>(all.begin(), all.end()) == std::set<Place>(wanted.begin(), wanted.end()));
+  }
 }
 
 TEST_CASE("many codewords in many dimensions: same bits for any number of threads") {

@@ -21,7 +21,8 @@ enum class CodebookMethod {
   /// is the cheapest one there is for its codewords, and proved to be so.
   exact,
   /// tessellate(): exact capacities, but only exchanges between two cells are looked at. Blue
-  /// noise, and 7 to 11 % more distortion than `exact` on uniform 2D data.
+  /// noise in few dimensions; 5 % more distortion than `exact` on uniform 2D data, 1 % on clouds in
+  /// 64-D, in a third of its time or so.
   pairwise,
   /// Plain Lloyd k-means: every vector goes to its nearest codeword; capacities do not matter.
   lloyd,
@@ -30,7 +31,8 @@ enum class CodebookMethod {
 /// Where training starts.
 enum class Seeding {
   /// Greedy k-means++ [Arthur, Vassilvitskii 2007] on a sample, then merging and splitting of cells
-  /// where that lowers the distortion of the sample.
+  /// where that lowers the distortion of the sample. `exact` and `pairwise` then split cells that
+  /// hold several capacities and drop sparse ones, so that a cloud has as many seeds as it fills.
   kmeans_plus_plus,
   /// Distinct vectors drawn at random.
   random,
@@ -44,7 +46,8 @@ struct CCVT_EXPORT CodebookOptions {
   /// Seedings tried on a sample of the vectors; the best one is used. 0: as many as pay, which is
   /// 4, or 1 for many codewords in many dimensions, where chance hardly tells them apart.
   int restarts = 0;
-  /// Stops after this many iterations. At least 0.
+  /// Stops after this many iterations, those included on samples and, before the first exact
+  /// assignment, of exchanges between pairs. At least 0.
   int max_iterations = 10'000;
   /// Stops when an iteration lowers the distortion by less than this share of it. In [0, 1); 0: run
   /// until no vector changes its codeword.
@@ -55,10 +58,10 @@ struct CCVT_EXPORT CodebookOptions {
   /// Vectors of each codeword, summing to their number. Empty: equal. To allow a codeword at most c
   /// vectors, give it c, or less.
   std::vector<Index> capacities = {};
-  /// `exact` ends an assignment when it is proved to cost at most this share more than the cheapest
-  /// that keeps the capacities, and training when that holds for the centroids of its cells. In
-  /// [0, 1); 0: the cheapest one, but for rounding. Capacities are exact whatever it is, and
-  /// CodebookSummary::gap tells how near the codes came.
+  /// `exact` ends when an assignment is proved to cost, for the centroids of its cells, at most
+  /// this share more than the cheapest one that keeps the capacities. In [0, 1); 0: no more than
+  /// that but for rounding. Capacities are exact whatever it is, and CodebookSummary::gap tells how
+  /// near the codes came.
   double gap = 0;
   /// Called after each iteration, from the thread that trains; false cancels.
   std::function<bool(const IterationRecord&)> on_iteration = {};

@@ -87,7 +87,7 @@ void relax(const Metric& metric, PointsView<float> points, const Arena& arena, S
   const Pricer<float> pricer(metric, points, arena);
   for (int i = 0; i < kRoughIterations; ++i) {
     const double before = seeds.energy;
-    const Prices prices = pricer.price({seeds.sites, weights}, 0, 0, seeds.owners);
+    const Prices prices = pricer.price({seeds.sites, weights}, seeds.owners);
     seeds.energy = prices.cheapest_energy;
     if (prices.moved == 0 || (i > 0 && before - seeds.energy < kRough * before)) break;
     move_to_centroids(metric, points, Grouping(seeds.owners, weights.size()), arena, seeds.sites);
@@ -205,9 +205,7 @@ double sampled_energy(PointsView<Scalar> points, const std::vector<double>& site
   }
   const Metric metric(points.dimension, Domain());
   std::vector<Index> owners = nearest_owners(metric, view_points(sample), sites, arena);
-  return Pricer<Scalar>(metric, view_points(sample), arena)
-      .price({sites, weights}, 0, 0, owners)
-      .energy;
+  return Pricer<Scalar>(metric, view_points(sample), arena).price({sites, weights}, owners).energy;
 }
 
 template <class Scalar>

@@ -3,16 +3,16 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <numeric>
-#include <optional>
 #include <string>
 #include <utility>
 
+#include "ccvt/capacity.h"
 #include "ccvt/codebook.h"
 #include "ccvt/problem.h"
-#include "ccvt/solver.h"
 #include "codebook/centroids.h"
+#include "codebook/pairwise.h"
 #include "codebook/seeding.h"
+#include "codebook/share.h"
 #include "exact/assignment.h"
 #include "numbers.h"
 #include "precision.h"
@@ -33,10 +33,9 @@ constexpr std::int64_t kLeastLevel = 8192;
 /// does each level save the next. With 1e-3 for all, 16 codewords of 2^20 vectors take two and a
 /// half times as long.
 constexpr double kLevelTolerance = 0.032;
-/// Rounds that an iteration may take to meet the capacities, besides the first. One that does not
-/// meet them is no less useful, but where clouds of vectors are far apart, too many such iterations
-/// send codewords astray: with one round a mixture in 64-D takes three times as long as with eight.
-constexpr int kMoreRounds = 8;
+/// Exchanges between pairs before the first exact assignment end when an iteration gains less than
+/// this share.
+constexpr double kStartTolerance = 1e-3;
 /// A gain below this share is rounding.
 constexpr double kRounding = 1e-13;
 
@@ -73,8 +72,11 @@ class Trainer {
   void settle_for_less();
   void lloyd();
   void pairwise();
+  void exchange_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities, double tolerance);
+  void start_exact(PointsView<Scalar> vectors, std::vector<Index> capacities);
   void exact();
   void exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities, bool finest);
+  bool go_on(IterationRecord record);
   bool go_on(Index vectors, double energy, std::int64_t moved);
   bool ended() const { return summary_.termination != Termination::running; }
 
@@ -89,6 +91,7 @@ class Trainer {
   std::vector<double> weights_;
   std::vector<Index> owners_;
   std::vector<Index> met_;  ///< the last owners of all vectors that met the capacities
+  bool given_ = false;      ///< the codewords to start from
   CodebookSummary summary_;
 };
 
@@ -119,15 +122,10 @@ void Trainer<Scalar>::seed() {
   }
 }
 
-/// Records an iteration; false when training ends with it.
+/// Reports an iteration; false when training ends with it.
 template <class Scalar>
-bool Trainer<Scalar>::go_on(Index vectors, double energy, std::int64_t moved) {
-  IterationRecord record;
+bool Trainer<Scalar>::go_on(IterationRecord record) {
   record.iteration = ++summary_.iterations;
-  record.points = vectors;
-  record.exchanged = moved;
-  record.energy = energy;
-  record.active_sites = problem_.site_count();
   record.seconds = seconds_since(start_);
   if ((options_.on_iteration && !options_.on_iteration(record)) || stop_.requested()) {
     summary_.termination = Termination::cancelled;
@@ -145,7 +143,7 @@ void Trainer<Scalar>::lloyd() {
   double before = std::numeric_limits<double>::infinity();
   while (!ended()) {
     move_to_centroids(metric_, vectors_, Grouping(owners_, weights_.size()), arena_, sites_);
-    const Prices prices = pricer.price({sites_, weights_}, 0, 0, owners_);
+    const Prices prices = pricer.price({sites_, weights_}, owners_);
     const double energy = prices.cheapest_energy;
     const bool running = go_on(vectors_.count, energy, prices.moved);
     if (prices.moved == 0 || energy >= before * (1 - kRounding)) {
@@ -158,25 +156,57 @@ void Trainer<Scalar>::lloyd() {
 }
 
 template <class Scalar>
-void Trainer<Scalar>::pairwise() {
-  Points<Scalar> initial(vectors_.dimension, problem_.site_count());
-  std::transform(sites_.begin(), sites_.end(), initial.data(),
-                 [](double x) { return static_cast<Scalar>(x); });
-  problem_.set_initial_sites(initial);
+bool Trainer<Scalar>::go_on(Index vectors, double energy, std::int64_t moved) {
+  IterationRecord record;
+  record.points = vectors;
+  record.exchanged = moved;
+  record.energy = energy;
+  record.active_sites = problem_.site_count();
+  return go_on(record);
+}
+
+/// Exchanges between pairs of cells and centroids in turn, from the sites; before that, seeds go
+/// where capacities want them.
+template <class Scalar>
+void Trainer<Scalar>::exchange_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities,
+                                     double tolerance) {
+  if (!given_ && options_.seeding == Seeding::kmeans_plus_plus) {
+    sites_ = share_sites(vectors, sites_, capacities, options_.seed, arena_);
+  }
   Options options;
   options.threads = options_.threads;
   options.seed = options_.seed;
   options.max_iterations = options_.max_iterations;
-  options.energy_tolerance = options_.tolerance;
-  options.on_iteration = options_.on_iteration;
+  options.energy_tolerance = tolerance;
+  options.on_iteration = [&](IterationRecord record) {
+    if (options_.method == CodebookMethod::exact) record.progress = 0;  // only the start of it
+    return go_on(record);
+  };
   options.cancelled = options_.cancelled;
-  stop_.off();                 // tessellate() asks, and what comes after is short
   options.multilevel = false;  // the seeds are better than what a coarse level would make of them
-  auto result = tessellate(problem_, options);
-  owners_ = std::move(result.owners);
-  summary_.termination = result.summary.termination;
-  summary_.iterations = result.summary.iterations;
-  move_to_centroids(metric_, vectors_, Grouping(owners_, weights_.size()), arena_, sites_);
+  PairwiseCells cells = pairwise_cells(vectors, sites_, std::move(capacities), options, arena_);
+  if (!ended()) summary_.termination = cells.termination;
+  owners_ = std::move(cells.owners);
+  const Stop::Pause pause(stop_);  // what comes is short
+  move_to_centroids(metric_, vectors, Grouping(owners_, weights_.size()), arena_, sites_);
+}
+
+template <class Scalar>
+void Trainer<Scalar>::pairwise() {
+  exchange_pairs(vectors_, problem_.capacities(), options_.tolerance);
+  stop_.off();
+}
+
+/// What exact assignments start from where no codewords are given.
+template <class Scalar>
+void Trainer<Scalar>::start_exact(PointsView<Scalar> vectors, std::vector<Index> capacities) {
+  if (capacities.empty()) capacities = equal_capacities(vectors.count, problem_.site_count());
+  exchange_pairs(vectors, std::move(capacities), kStartTolerance);
+  if (vectors.count == vectors_.count) met_ = owners_;
+  if (summary_.termination == Termination::cancelled) throw Stopped();
+  if (summary_.termination != Termination::iteration_limit) {
+    summary_.termination = Termination::running;
+  }
 }
 
 /// Exact assignments and centroids in turn. On the finest level until the assignment is optimal, or
@@ -191,48 +221,28 @@ void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index>
   owners_ = nearest_owners(metric_, vectors, sites_, arena_);
   const double tolerance = finest ? options_.tolerance : kLevelTolerance * n / vectors.count;
   double before = std::numeric_limits<double>::infinity();
-  bool comparable = false;  // the owners before met the capacities
-  bool centred = false;     // the sites are their centroids
+  bool assigned = false;  // the owners meet the capacities, and the sites are their centroids
   while (!ended()) {
     const std::vector<Index> given = owners_;
-    Round round = assignment.improve(sites_, weights_, owners_);
-    const bool optimal = round == Round::optimal;
+    const bool optimal = assignment.improve(sites_, weights_, owners_) == Round::optimal;
     // What the owners given, those of the iteration before, cost at their own centroids.
     const double energy = assignment.last().energy;
-    for (int k = 0; round == Round::incomplete && k < kMoreRounds; ++k) {
-      round = assignment.improve(sites_, weights_, owners_);
-    }
-    if ((optimal && centred) || (comparable && before - energy < kRounding * before)) {
+    if (assigned && (optimal || before - energy < kRounding * before)) {
       if (finest) summary_.termination = Termination::stable;
       break;
     }
-    if (comparable && before - energy < tolerance * before) {
+    if (assigned && before - energy < tolerance * before) {
       if (finest) summary_.termination = Termination::energy_tolerance;
       break;
     }
-    if (comparable) before = energy;
-    comparable = round != Round::incomplete;
-    centred = true;
-    if (finest && comparable) met_ = owners_;
+    if (assigned) before = energy;
+    assigned = true;
+    if (finest) met_ = owners_;
     std::int64_t moved = 0;
     for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
     if (!go_on(vectors.count, energy, moved)) break;
     move_to_centroids(metric_, vectors, Grouping(owners_, weights_.size()), arena_, sites_);
   }
-}
-
-/// As many of `count` points for each site as its share, to within one.
-std::vector<Index> share_capacities(std::span<const Index> capacities, Index total, Index count) {
-  std::vector<Index> shares(capacities.size());
-  std::int64_t before = 0;
-  Index given = 0;
-  for (std::size_t s = 0; s < capacities.size(); ++s) {
-    before += capacities[s];
-    const auto until = static_cast<Index>(before * count / total);
-    shares[s] = until - given;
-    given = until;
-  }
-  return shares;
 }
 
 template <class Scalar>
@@ -253,8 +263,11 @@ void Trainer<Scalar>::exact() {
     for (const Index p : draw_distinct(count, m, options_.seed, streams::codebook_levels)) {
       std::copy_n(vectors_[p], vectors_.dimension, sample.col(k++).data());
     }
-    exact_level(view_points(sample), share_capacities(capacities, m, count), false);
+    const std::vector<Index> shares = share_capacities(capacities, m, count);
+    if (!given_ && count == counts.front()) start_exact(view_points(sample), shares);
+    exact_level(view_points(sample), shares, false);
   }
+  if (!given_ && counts.empty() && !ended()) start_exact(vectors_, capacities);
   if (summary_.termination == Termination::cancelled) throw Stopped();
   exact_level(vectors_, capacities, true);
   if (summary_.termination == Termination::cancelled) throw Stopped();
@@ -323,7 +336,8 @@ Training Trainer<Scalar>::run(const Columns<double>* codewords) {
   const Index n = problem_.site_count();
   weights_.assign(problem_.capacities().size(), 0.0);
   try {
-    if (codewords != nullptr) {
+    given_ = codewords != nullptr;
+    if (given_) {
       sites_.assign(codewords->data(), codewords->data() + codewords->size());
     } else {
       seed();

@@ -26,13 +26,12 @@ struct Certificate {
 };
 
 /// The assignment of points to fixed sites that keeps the capacities at the least sum of squared
-/// distances: a transportation problem with n sinks, solved by rounds of pricing all points and
-/// settling the surplus along shortest paths in the site graph.
+/// distances: a transportation problem with n sinks, solved by pricing all points and settling the
+/// surplus along shortest paths in the site graph.
 ///
-/// Each round gives every point its cheapest site under the weights at hand, then moves points
-/// until capacities are met; what it knows of the points is their offers, those sites that cost
-/// little more than the cheapest. The next pricing looks at all sites: if it finds nothing cheaper,
-/// weights and owners prove each other optimal. Else the offers were too few and are widened.
+/// A round gives every point its cheapest site under the weights at hand, then moves points until
+/// capacities are met. The next pricing looks at all sites again: if it finds nothing cheaper,
+/// weights and owners prove each other optimal.
 template <class Scalar>
 class ExactAssignment {
  public:
@@ -43,32 +42,28 @@ class ExactAssignment {
                   std::vector<Index> capacities, const Arena& arena, double gap = 0);
 
   enum class Round {
-    optimal,     ///< the owners given meet the capacities at the least cost, or within the gap of
-                 ///< it: they stay
-    met,         ///< capacities are met, at the least cost or nearly so
-    incomplete,  ///< some sites still have too many points
+    optimal,  ///< the owners given meet the capacities at the least cost, or within the gap of it:
+              ///< they stay
+    met,      ///< capacities are met, at the least cost but for rounding
   };
   /// Stopped, thrown by the arena, leaves owners that need not meet the capacities.
   ///
-  /// One round, from any owners (used to group points, best near the truth) and weights.
+  /// One round, from any owners (used to group points, best near the truth) and weights. The nearer
+  /// the weights are to the best ones, the fewer points have to go along paths.
   Round improve(std::span<const double> sites, std::vector<double>& weights,
                 std::vector<Index>& owners);
   /// Rounds until the owners are proved optimal, but for rounding, or within the gap.
   Certificate solve(std::span<const double> sites, std::vector<double>& weights,
                     std::vector<Index>& owners);
 
-  /// Of the last round: what the owners given to it cost; in the very first, the cheapest ones.
+  /// Of the last round: what the owners given to it cost.
   [[nodiscard]] const Certificate& last() const { return certificate_; }
 
  private:
-  [[nodiscard]] WeightedSites weighted(std::span<const double> sites,
-                                       const std::vector<double>& weights) const;
   void float_capacities(const std::vector<double>& weights);
   [[nodiscard]] double capacity_gap(const std::vector<double>& weights,
                                     const std::vector<Index>& owners) const;
   [[nodiscard]] double rounding(double energy, const std::vector<double>& weights) const;
-  void widen(const WeightedSites& sites, const std::vector<Index>& owners,
-             ExchangeGraph& graph) const;
 
   const Metric& metric_;
   PointsView<Scalar> points_;
@@ -80,7 +75,6 @@ class ExactAssignment {
   Pricer<Scalar> pricer_;
   double largest_coordinate_ = 0;
   double gap_;
-  double slack_ = -1;  ///< negative: not chosen yet
   Certificate certificate_;
 };
 

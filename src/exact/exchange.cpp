@@ -1,35 +1,56 @@
 #include "exact/exchange.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
-#include <limits>
+#include <numeric>
 
-#include "cell_sizes.h"
+#include "exact/grouping.h"
+#include "parallel/loops.h"
 
 namespace ccvt {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::infinity();
-/// The slot of an edge of the hub, which has none.
-constexpr std::size_t kNoSlot = 0;
+/// All edges of all sites take slots as long as there are no more than this.
+constexpr std::size_t kSlots = std::size_t{1} << 18;
+constexpr std::size_t kLeastSlots = 64;
+/// Searches for so many surplus points look at most sites: their edges are bounded in parallel.
+constexpr std::int64_t kSitesPerSurplus = 32;
+/// Slots that are looked at or passed over together.
+constexpr std::size_t kPage = 32;
+/// Of an edge that is weighed so many moves are kept, or this share of the root of the members.
+constexpr double kMoves = 8;
+constexpr double kMovesPerRoot = 0.5;
+
+std::size_t slots_of_each(std::size_t sites) { return std::max(kLeastSlots, kSlots / sites); }
+
+std::size_t moves_kept(std::size_t members) {
+  const auto size = static_cast<double>(members);
+  return static_cast<std::size_t>(std::max(kMoves, kMovesPerRoot * std::sqrt(size)));
+}
 
 }  // namespace
 
 ExchangeGraph::ExchangeGraph(std::vector<Index>& capacities, bool floating,
-                             std::vector<Index>& owners, std::vector<double>& weights)
+                             std::vector<Index>& owners, std::vector<double>& weights,
+                             const MoveCosts& costs)
     : capacities_(capacities),
       floating_(floating),
       owners_(owners),
       weights_(weights),
+      costs_(costs),
       cells_(capacities.size()),
-      first_option_(owners.size(), kNoOption),
-      own_key_(owners.size(), 0.0),
-      loading_slots_(capacities.size(), kNoOption),
-      count_(cell_sizes(owners, capacities.size())),
-      start_(weights),
+      own_cost_(owners.size()),
+      in_slot_(capacities.size(), 0),
       distance_(capacities.size() + 1, kNone),
-      parent_(capacities.size() + 1),
+      limit_(capacities.size() + 1, kNone),
+      way_(capacities.size() + 1),
       state_(capacities.size() + 1, 0) {
+  const Grouping groups(owners, cells_.size());
+  for (const SiteNumber s : sites_below(cells_.size())) {
+    const auto members = groups.of(s);
+    cells_[s].members.assign(members.begin(), members.end());
+  }
   if (!floating) return;
   least_capacity_ = *std::min_element(capacities.begin(), capacities.end());
   hub_weight_ = kNone;
@@ -45,229 +66,275 @@ ExchangeGraph::ExchangeGraph(std::vector<Index>& capacities, bool floating,
   floating_ = highest > -kNone;
 }
 
-std::size_t ExchangeGraph::slot_of(Cell& cell, SiteNumber to) {
-  std::size_t slot = 0;
-  while (slot < cell.to.size() && cell.to[slot] != to) ++slot;
-  if (slot == cell.to.size()) {
-    cell.to.push_back(to);
-    cell.least.push_back(kNone);
-    cell.least_point.push_back(kNoPoint);
-    cell.heap.emplace_back();
-  }
-  return slot;
-}
-
-/// The same for many offers of one site after the other, without a search for each.
-std::size_t ExchangeGraph::loading_slot(SiteNumber site, SiteNumber to) {
-  if (site != loading_site_) {
-    if (loading_site_ != SiteNumber::none()) {
-      for (const SiteNumber j : cells_[loading_site_].to) loading_slots_[j] = kNoOption;
-    }
-    for (std::size_t slot = 0; slot < cells_[site].to.size(); ++slot) {
-      loading_slots_[cells_[site].to[slot]] = slot;
-    }
-    loading_site_ = site;
-  }
-  if (loading_slots_[to] == kNoOption) loading_slots_[to] = slot_of(cells_[site], to);
-  return loading_slots_[to];
-}
-
-/// Ends loading: all heaps at once, in linear time.
-void ExchangeGraph::load() {
-  if (!loading_) return;
-  loading_ = false;
-  for (Cell& c : cells_) {
-    for (std::vector<Entry>& heap : c.heap) {
-      std::make_heap(heap.begin(), heap.end(), std::greater<>());
+/// Gives slots to the `edges` of a site that cost least, as far as bounds tell. A site without
+/// points has none yet.
+void ExchangeGraph::bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch) {
+  Cell& cell = cells_[site];
+  if (cell.members.empty()) return;
+  if (!cell.bounded) {
+    costs_.squared(cell.members, site, scratch.own);
+    for (std::size_t k = 0; k < cell.members.size(); ++k) {
+      own_cost_[cell.members[k]] = scratch.own[k];
     }
   }
-}
-
-void ExchangeGraph::insert(SiteNumber site, SiteNumber to, const Entry& entry) {
-  Cell& c = cells_[site];
-  const std::size_t slot = loading_ ? loading_slot(site, to) : slot_of(c, to);
-  c.heap[slot].push_back(entry);
-  if (!loading_) std::push_heap(c.heap[slot].begin(), c.heap[slot].end(), std::greater<>());
-  ++c.entries;
-  if (entry < Entry{c.least[slot], c.least_point[slot]} || c.least_point[slot] == kNoPoint) {
-    c.least[slot] = entry.key;
-    c.least_point[slot] = entry.point;
-  }
-}
-
-/// Drops what is stale in front of a heap.
-void ExchangeGraph::refresh(SiteNumber site, std::size_t slot) {
-  Cell& c = cells_[site];
-  std::vector<Entry>& heap = c.heap[slot];
-  while (!heap.empty() && owner_of(heap.front().point) != site) {
-    std::pop_heap(heap.begin(), heap.end(), std::greater<>());
-    heap.pop_back();
-    --c.entries;
-    if (c.stale > 0) --c.stale;  // of a point that came back twice, one entry is counted
-  }
-  c.least[slot] = heap.empty() ? kNone : heap.front().key;
-  c.least_point[slot] = heap.empty() ? kNoPoint : heap.front().point;
-}
-
-/// Drops all that is stale in a cell, and all but one entry of points that have come back to it.
-void ExchangeGraph::sweep(SiteNumber site) {
-  Cell& c = cells_[site];
-  c.entries = 0;
-  c.stale = 0;
-  for (std::vector<Entry>& heap : c.heap) {
-    std::erase_if(heap, [&](const Entry& entry) { return owner_of(entry.point) != site; });
-    std::sort(heap.begin(), heap.end());
-    heap.erase(std::unique(heap.begin(), heap.end()), heap.end());
-    c.entries += heap.size();
-  }
-}
-
-void ExchangeGraph::add(const Offer& offer) {
-  std::size_t& first = first_option_[offer.point];
-  if (first == kNoOption) {
-    first = options_.size();
-    options_.push_back({offer.owner, kNoOption, 0});
-  }
-  Option& owner = options_[first];
-  const Option option{offer.to, owner.next, own_key_[offer.point] + offer.key};
-  owner.next = options_.size();
-  options_.push_back(option);
-  insert(offer.owner, offer.to, {offer.key, offer.point});
-}
-
-void ExchangeGraph::move(PointNumber point, SiteNumber from, SiteNumber to) {
-  owners_[point] = to.index();
-  --count_[from];
-  ++count_[to];
-  double& own_key = own_key_[point];
-  const auto for_options = [&](auto visit) {
-    for (std::size_t o = first_option_[point]; o != kNoOption;) {
-      const Option& option = options_[o];
-      o = option.next;
-      visit(option);
-    }
+  cell.bounded = true;
+  const std::span<const double> bounds = costs_.bounds(site, cell.members, scratch.costs);
+  const auto less = [&](SiteNumber a, SiteNumber b) {
+    const double x = bounds[a] - weights_[a];
+    const double y = bounds[b] - weights_[b];
+    return x != y ? x < y : a < b;
   };
-  for_options([&](const Option& option) {
-    if (option.to == to) own_key = option.key;
-  });
-  Cell& source = cells_[from];
-  for_options([&](const Option& option) {
-    if (option.to != from) {
-      ++source.stale;
-      const std::size_t slot = slot_of(source, option.to);
-      if (source.least_point[slot] == point) refresh(from, slot);
-    }
-    if (option.to != to) insert(to, option.to, {option.key - own_key, point});
-  });
-  if (source.stale > source.entries / 2) sweep(from);
+  std::vector<SiteNumber>& others = scratch.sites;
+  others.resize(cells_.size());
+  std::iota(others.begin(), others.end(), SiteNumber(0));
+  std::swap(others[site], others.back());
+  others.pop_back();
+  cell.rest = kNone;
+  if (edges < others.size()) {
+    const auto first = others.begin() + static_cast<std::ptrdiff_t>(edges);
+    std::nth_element(others.begin(), first, others.end(), less);
+    cell.rest = bounds[*first] - weights_[*first];
+    others.resize(edges);
+  }
+  std::sort(others.begin(), others.end(), less);
+  cell.to = others;
+  cell.bound.resize(others.size());
+  cell.page.resize((others.size() + kPage - 1) / kPage);
+  for (std::size_t slot = 0; slot < others.size(); ++slot) {
+    cell.bound[slot] = bounds[others[slot]];
+    if (slot % kPage == 0) cell.page[slot / kPage] = cell.bound[slot] - weights_[others[slot]];
+  }
+  cell.weighed.assign(others.size(), kNotWeighed);
+  cell.moves.clear();
 }
 
-/// Reaches `to` along an edge of `from`, if that is the shortest way so far.
-void ExchangeGraph::relax(SiteNumber from, std::size_t slot, SiteNumber to, double distance) {
-  if (!(distance < distance_[to])) return;
+void ExchangeGraph::bound_all_edges(const Arena& arena) {
+  PerWorker<Scratch> scratch(arena);
+  arena.for_ranges(cells_.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
+    for (const SiteNumber s : sites_between(begin, end)) {
+      arena.check();
+      bound_edges(s, slots_of_each(cells_.size()), scratch[worker]);
+    }
+  });
+}
+
+/// The cheapest moves along an edge.
+ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
+  Cell& cell = cells_[site];
+  if (cell.weighed[slot] == kNotWeighed) {
+    cell.weighed[slot] = static_cast<std::int32_t>(cell.moves.size());
+    cell.moves.emplace_back();
+  }
+  Moves& moves = cell.moves[static_cast<std::size_t>(cell.weighed[slot])];
+  if (!moves.cheapest.empty() || (moves.beyond == kNone && cell.bound[slot] == kNone)) return moves;
+  costs_.squared(cell.members, cell.to[slot], squared_);
+  const std::size_t kept = moves_kept(cell.members.size());
+  std::vector<Move>& cheapest = moves.cheapest;
+  moves.beyond = kNone;
+  for (std::size_t k = 0; k < cell.members.size(); ++k) {
+    const PointNumber p = cell.members[k];
+    const Move move{squared_[k] - own_cost_[p], p};
+    if (cheapest.size() == kept) {
+      moves.beyond = std::min(moves.beyond, std::max(move, cheapest.back()).cost);
+      if (!(move < cheapest.back())) continue;
+      cheapest.pop_back();
+    }
+    cheapest.insert(std::upper_bound(cheapest.begin(), cheapest.end(), move), move);
+  }
+  cell.bound[slot] = cheapest.empty() ? kNone : cheapest.front().cost;
+  return moves;
+}
+
+void ExchangeGraph::push(const Step& step) {
+  heap_.push_back(step);
+  std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
+}
+
+/// Reaches `to`, if that is the shortest way so far.
+void ExchangeGraph::relax(const Way& way, SiteNumber to, double distance) {
+  if (state_[to] == 2 || !(distance < distance_[to])) return;
   if (state_[to] == 0) {
     state_[to] = 1;
     seen_.push_back(to);
   }
   distance_[to] = distance;
-  parent_[to] = {from, slot};
-  heap_.emplace_back(distance, to);
-  std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
+  if (to != hub()) limit_[to] = distance + weights_[to];
+  way_[to] = way;
+  if (to != hub() && surplus(to) < 0) nearest_ = std::min(nearest_, distance);
+  push({distance, false, to});
 }
 
-ExchangeGraph::Search ExchangeGraph::find_path(SiteNumber source, double budget, double& length) {
+/// The shortest way from `source` to a site with too few points without any other on it: no path
+/// longer than that need be looked at.
+void ExchangeGraph::reach_directly(SiteNumber source) {
+  const Cell& cell = cells_[source];
+  const double base = weights_[source];
+  for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
+    const SiteNumber j = cell.to[slot];
+    if (surplus(j) >= 0 || base + cell.bound[slot] - weights_[j] >= nearest_) continue;
+    const Moves& moves = weigh(source, slot);
+    if (moves.cheapest.empty()) continue;
+    const Move& move = moves.cheapest.front();
+    relax({source, move.point}, j, std::max(0.0, base + move.cost - weights_[j]));
+  }
+}
+
+/// Never below `least`, whatever rounding has done to a reduced cost.
+void ExchangeGraph::relax_edges(SiteNumber from, double least) {
+  if (from == hub()) {
+    const double base = distance_[from] + hub_weight_;
+    for (const SiteNumber a : sites_below(cells_.size())) {
+      if (has_more(a)) relax({from, kNoPoint}, a, std::max(least, base - weights_[a]));
+    }
+    return;
+  }
+  Cell& cell = cells_[from];
+  const double base = distance_[from] + weights_[from];
+  for (std::size_t page = 0; page < cell.page.size(); ++page) {
+    if (base + cell.page[page] >= nearest_) continue;
+    const std::size_t end = std::min((page + 1) * kPage, cell.to.size());
+    for (std::size_t slot = page * kPage; slot < end; ++slot) {
+      const SiteNumber j = cell.to[slot];
+      const double bound = base + cell.bound[slot];
+      if (bound >= limit_[j] || bound - weights_[j] >= nearest_) continue;
+      const Moves& moves = weigh(from, slot);
+      if (moves.cheapest.empty()) continue;
+      const Move& move = moves.cheapest.front();
+      relax({from, move.point}, j, std::max(least, base + move.cost - weights_[j]));
+    }
+  }
+  if (floating_ && !has_more(from)) {
+    relax({from, kNoPoint}, hub(), std::max(least, base - hub_weight_));
+  }
+}
+
+/// Shortest paths from `source` up to the first site with too few points, settled_.back(); how far
+/// that is.
+double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
   for (const SiteNumber s : seen_) {
     state_[s] = 0;
-    distance_[s] = kNone;
+    distance_[s] = limit_[s] = kNone;
   }
   seen_.assign(1, source);
   settled_.clear();
   heap_.clear();
+  nearest_ = kNone;
   distance_[source] = 0;
-  heap_.emplace_back(0.0, source);
-  // With a path of length l, the weight of a settled site falls by l less its distance.
-  double longest = kNone;
-  while (!heap_.empty()) {
+  push({0, false, source});
+  for (;;) {
     std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
-    const auto [distance, i] = heap_.back();
+    const Step step = heap_.back();
     heap_.pop_back();
-    if (state_[i] == 2) continue;
-    if (distance > longest) {
-      length = longest;
-      return Search::exhausted;
-    }
-    state_[i] = 2;
-    settled_.push_back(i);
-    // Never below `distance`, whatever rounding has done to a reduced cost.
-    if (i == hub()) {
-      const double base = distance + hub_weight_;
-      for (const SiteNumber a : sites_below(cells_.size())) {
-        if (has_more(a)) relax(i, kNoSlot, a, std::max(distance, base - weights_[a]));
+    const SiteNumber i = step.site;
+    if (step.rest) {
+      arena.check();
+      bound_edges(i, 2 * cells_[i].to.size(), scratch_);
+    } else {
+      if (state_[i] == 2) continue;
+      state_[i] = 2;
+      limit_[i] = -kNone;
+      settled_.push_back(i);
+      if (i != hub()) {
+        if (surplus(i) < 0) return step.distance;
+        if (!cells_[i].bounded) {
+          arena.check();
+          bound_edges(i, slots_of_each(cells_.size()), scratch_);
+        }
+        if (i == source) reach_directly(i);
       }
-      continue;
     }
-    if (surplus(i) < 0) {
-      length = distance;
-      return Search::found;
-    }
-    longest = std::min(longest, std::max(distance, budget + distance + weights_[i] - start_[i]));
-    const Cell& c = cells_[i];
-    const double base = distance + weights_[i];
-    for (std::size_t slot = 0; slot < c.to.size(); ++slot) {
-      const SiteNumber j = c.to[slot];
-      relax(i, slot, j, std::max(distance, base + c.least[slot] - weights_[j]));
-    }
-    if (floating_ && !has_more(i)) relax(i, kNoSlot, hub(), std::max(distance, base - hub_weight_));
+    relax_edges(i, step.distance);
+    if (i == hub() || cells_[i].members.empty() || cells_[i].rest == kNone) continue;
+    const double rest = distance_[i] + weights_[i] + cells_[i].rest;
+    if (rest < nearest_) push({std::max(step.distance, rest), true, i});
   }
-  return Search::closed;
 }
 
+/// With a path of that length, the weight of a settled site falls by the length less its distance.
 void ExchangeGraph::lower_weights(double length) {
   for (const SiteNumber s : settled_) {
     (s == hub() ? hub_weight_ : weights_[s]) += std::min(0.0, distance_[s] - length);
   }
 }
 
-void ExchangeGraph::lower_reached(double amount) {
-  for (const SiteNumber s : settled_) {
-    (s == hub() ? hub_weight_ : weights_[s]) -= amount;
-    if (s != hub()) start_[s] -= amount;
-  }
-}
-
 void ExchangeGraph::move_along_path(SiteNumber source, SiteNumber target) {
   for (SiteNumber j = target; j != source;) {
-    const auto [i, slot] = parent_[j];
+    const auto [i, point] = way_[j];
     if (j == hub()) {
       ++capacities_[i];
     } else if (i == hub()) {
       --capacities_[j];
     } else {
-      move(cells_[i].least_point[slot], i, j);
+      move(point, i, j);
     }
     j = i;
   }
   ++augmentations_;
 }
 
-ExchangeGraph::Outcome ExchangeGraph::settle(double budget, const Arena& arena) {
-  load();
-  Outcome outcome = Outcome::settled;
+void ExchangeGraph::move(PointNumber point, SiteNumber from, SiteNumber to) {
+  owners_[point] = to.index();
+  remove(point, from);
+  insert(point, to);
+}
+
+void ExchangeGraph::remove(PointNumber point, SiteNumber site) {
+  Cell& cell = cells_[site];
+  *std::find(cell.members.begin(), cell.members.end(), point) = cell.members.back();
+  cell.members.pop_back();
+  for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
+    if (cell.weighed[slot] == kNotWeighed) continue;
+    Moves& moves = cell.moves[static_cast<std::size_t>(cell.weighed[slot])];
+    std::erase_if(moves.cheapest, [point](const Move& m) { return m.point == point; });
+    cell.bound[slot] = moves.cheapest.empty() ? moves.beyond : moves.cheapest.front().cost;
+  }
+}
+
+void ExchangeGraph::insert(PointNumber point, SiteNumber site) {
+  Cell& cell = cells_[site];
+  cell.members.push_back(point);
+  if (!cell.bounded) return;
+  const std::span<const double> squared = costs_.squared_to_all(point, scratch_.costs);
+  own_cost_[point] = squared[site];
+  const std::size_t kept = moves_kept(cell.members.size());
+  for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
+    const Move move{squared[cell.to[slot]] - squared[site], point};
+    if (move.cost < cell.bound[slot]) {
+      cell.bound[slot] = move.cost;
+      double& page = cell.page[slot / kPage];
+      page = std::min(page, move.cost - weights_[cell.to[slot]]);
+    }
+    if (cell.weighed[slot] == kNotWeighed) continue;
+    Moves& moves = cell.moves[static_cast<std::size_t>(cell.weighed[slot])];
+    if (move.cost >= moves.beyond) continue;
+    moves.cheapest.insert(std::upper_bound(moves.cheapest.begin(), moves.cheapest.end(), move),
+                          move);
+    if (moves.cheapest.size() > 2 * kept) {
+      moves.beyond = moves.cheapest[kept].cost;
+      moves.cheapest.resize(kept);
+    }
+  }
+  if (cell.rest == kNone) return;
+  for (const SiteNumber j : cell.to) in_slot_[j] = 1;
+  in_slot_[site] = 1;
+  for (const SiteNumber j : sites_below(cells_.size())) {
+    if (in_slot_[j] == 0) cell.rest = std::min(cell.rest, squared[j] - squared[site] - weights_[j]);
+  }
+  for (const SiteNumber j : cell.to) in_slot_[j] = 0;
+  in_slot_[site] = 0;
+}
+
+void ExchangeGraph::settle(const Arena& arena) {
+  std::int64_t surpluses = 0;
+  for (const SiteNumber s : sites_below(cells_.size())) surpluses += std::max(0, surplus(s));
+  if (surpluses * kSitesPerSurplus >= std::ssize(cells_)) bound_all_edges(arena);
   for (const SiteNumber s : sites_below(cells_.size())) {
     while (surplus(s) > 0) {
       arena.check();
-      double length = 0;
-      const Search search = find_path(s, budget, length);
-      if (search == Search::closed) return Outcome::closed;
-      lower_weights(length);
-      if (search == Search::exhausted) {
-        outcome = Outcome::exhausted;
-        break;
-      }
+      lower_weights(find_path(s, arena));
       move_along_path(s, settled_.back());
     }
   }
-  return outcome;
 }
 
 }  // namespace ccvt

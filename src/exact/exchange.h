@@ -1,101 +1,116 @@
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "ccvt/types.h"
-#include "exact/pricing.h"
+#include "exact/move_costs.h"
 #include "numbers.h"
+#include "parallel/arena.h"
 
 namespace ccvt {
 
 /// The site graph of an assignment: an edge from site i to site j weighs what it costs at least to
-/// move a point from i to j, without weights, over the points of i that have an offer of j. A point
-/// with offers brings them along when it moves.
+/// move a point from i to j, without weights.
 ///
 /// Moves points along shortest paths from sites with too many to sites with too few [successive
 /// shortest paths: Jewell 1958, Busacker, Gowen 1960; with potentials: Edmonds, Karp 1972]. The
 /// potentials are the sites' weights: all reduced costs stay at least zero, so that the assignment
-/// is optimal among the offers when capacities are met.
+/// is optimal when capacities are met.
+///
+/// Of all n^2 edges only those are weighed that a search may take: of the others a lower bound is
+/// known, and it is by bounds that a search looks for them.
 ///
 /// Capacities may float: all are then floor(m / n) or one more, and which sites have one more is
 /// part of the problem. A hub stands for handing that on: site b with less reaches the hub, and the
 /// hub every site a with more, at the reduced cost w_b - w_a in all.
 class ExchangeGraph {
  public:
-  /// `owners`, `weights` and floating `capacities` are kept up to date while points move. Floating
-  /// ones must be largest where weights are least.
+  /// `owners`, every point's cheapest site, `weights` and floating `capacities` are kept up to date
+  /// while points move. Floating ones must be largest where weights are least.
   ExchangeGraph(std::vector<Index>& capacities, bool floating, std::vector<Index>& owners,
-                std::vector<double>& weights);
+                std::vector<double>& weights, const MoveCosts& costs);
 
-  void add(const Offer& offer);
   /// Points that a site owns beyond its capacity; negative where it lacks some.
-  [[nodiscard]] Index surplus(SiteNumber site) const { return count_[site] - capacities_[site]; }
-
-  enum class Outcome {
-    settled,    ///< no site has too many points
-    exhausted,  ///< some have, but no weight may fall further
-    closed,     ///< no path leaves the sites that reached() lists: they need more offers
-  };
-  /// Moves points along shortest paths, as long as no weight falls by more than `budget` since the
-  /// start. With all offers of at most that slack at hand, no other offer matters.
-  Outcome settle(double budget, const Arena& arena = Arena(1));
-  [[nodiscard]] std::span<const SiteNumber> reached() const { return settled_; }
-  /// What reached() calls the hub, which is no site.
-  [[nodiscard]] SiteNumber hub() const { return SiteNumber(cells_.size()); }
-  /// Lets the weights of the sites that reached() lists fall by `amount` at no charge.
-  void lower_reached(double amount);
+  [[nodiscard]] Index surplus(SiteNumber site) const {
+    return static_cast<Index>(cells_[site].members.size()) - capacities_[site];
+  }
+  /// Moves points along shortest paths until no site has too many. Each costs O(n log n), and O(n
+  /// D) for each point that moves, at worst. The edges of a site are bounded in O(n D) a point,
+  /// once.
+  void settle(const Arena& arena = Arena(1));
   /// How many points went their way so far.
   [[nodiscard]] std::int64_t augmentations() const { return augmentations_; }
 
  private:
-  static constexpr std::size_t kNoOption = std::numeric_limits<std::size_t>::max();
-  static constexpr PointNumber kNoPoint{-1};
-  /// An offer of a point, in a list of its own; the first offer is of the owner it came with.
-  struct Option {
-    SiteNumber to;
-    std::size_t next;  ///< option of the point, or kNoOption
-    double key;        ///< what `to` costs more than that first owner
-  };
-  /// What moving a point along an edge costs; stale when the point has moved on.
-  struct Entry {
-    double key;
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+  static constexpr std::int32_t kNotWeighed = -1;
+  /// What moving a point along an edge costs.
+  struct Move {
+    double cost;
     PointNumber point;
-    bool operator==(const Entry& other) const { return key == other.key && point == other.point; }
-    bool operator<(const Entry& other) const {
-      return key != other.key ? key < other.key : point < other.point;
-    }
-    bool operator>(const Entry& other) const { return other < *this; }
+    auto operator<=>(const Move&) const = default;
+  };
+  /// The cheapest moves along an edge, in ascending order; the others cost `beyond` at least.
+  struct Moves {
+    std::vector<Move> cheapest;
+    double beyond = kNone;
   };
   struct Cell {
+    std::vector<PointNumber> members;
+    bool bounded = false;  ///< what follows is there
     // Edges, one in each slot.
     std::vector<SiteNumber> to;
-    std::vector<double> least;  ///< infinite: no point has an offer left
-    std::vector<PointNumber> least_point;
-    std::vector<std::vector<Entry>> heap;  ///< the least in front
-    std::size_t entries = 0;
-    std::size_t stale = 0;
+    std::vector<double> bound;          ///< what moving a point there costs at least
+    std::vector<std::int32_t> weighed;  ///< of `moves`, or kNotWeighed
+    std::vector<Moves> moves;
+    /// Of so many slots at a time, the least bound less the site's weight, or less than that.
+    std::vector<double> page;
+    /// What moving a point to any other site costs at least, less that site's weight.
+    double rest = kNone;
+  };
+  /// What a search looks at next: a site, or the edges of a site that are in no slot.
+  struct Step {
+    double distance;
+    bool rest;
+    SiteNumber site;
+    bool operator>(const Step& other) const {
+      return std::tuple(distance, rest, site) > std::tuple(other.distance, other.rest, other.site);
+    }
   };
 
-  [[nodiscard]] SiteNumber owner_of(PointNumber point) const { return SiteNumber(owners_[point]); }
-  static std::size_t slot_of(Cell& cell, SiteNumber to);
-  std::size_t loading_slot(SiteNumber site, SiteNumber to);
-  void load();
-  void insert(SiteNumber site, SiteNumber to, const Entry& entry);
-  void refresh(SiteNumber site, std::size_t slot);
-  void sweep(SiteNumber site);
-  void move(PointNumber point, SiteNumber from, SiteNumber to);
-  enum class Search { found, exhausted, closed };
-  /// Shortest paths from `source`, up to the first site with too few points: settled_.back().
-  Search find_path(SiteNumber source, double budget, double& length);
-  void relax(SiteNumber from, std::size_t slot, SiteNumber to, double distance);
-  void lower_weights(double length);
+  /// How a search came to a site: from another, by moving a point. None moves to or from the hub.
+  struct Way {
+    SiteNumber from;
+    PointNumber point;
+  };
+  static constexpr PointNumber kNoPoint{-1};
+
+  [[nodiscard]] SiteNumber hub() const { return SiteNumber(cells_.size()); }
   [[nodiscard]] bool has_more(SiteNumber site) const { return capacities_[site] > least_capacity_; }
+  struct Scratch {
+    MoveCosts::Scratch costs;
+    std::vector<SiteNumber> sites;
+    std::vector<double> own;
+  };
+  void bound_all_edges(const Arena& arena);
+  void bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
+  Moves& weigh(SiteNumber site, std::size_t slot);
+  double find_path(SiteNumber source, const Arena& arena);
+  void reach_directly(SiteNumber source);
+  void relax_edges(SiteNumber from, double least);
+  void relax(const Way& way, SiteNumber to, double distance);
+  void push(const Step& step);
+  void lower_weights(double length);
   void move_along_path(SiteNumber source, SiteNumber target);
+  void move(PointNumber point, SiteNumber from, SiteNumber to);
+  void remove(PointNumber point, SiteNumber site);
+  void insert(PointNumber point, SiteNumber site);
 
   std::vector<Index>& capacities_;
   bool floating_;
@@ -103,25 +118,24 @@ class ExchangeGraph {
   double hub_weight_ = 0;
   std::vector<Index>& owners_;
   std::vector<double>& weights_;
+  const MoveCosts& costs_;
   std::vector<Cell> cells_;
-  std::vector<Option> options_;
-  std::vector<std::size_t> first_option_;  ///< of each point, or kNoOption
-  std::vector<double> own_key_;  ///< of each point: what its owner costs more than its first
-  /// Until settle() is first called, heaps have no order: see load().
-  bool loading_ = true;
-  SiteNumber loading_site_ = SiteNumber::none();  ///< the site of the last offer
-  std::vector<std::size_t> loading_slots_;        ///< of that site's edges, by where they lead
-  std::vector<Index> count_;
-  std::vector<double> start_;  ///< the weights that budgets count from
+  std::vector<double> own_cost_;  ///< of each point
+  Scratch scratch_;
+  std::vector<double> squared_;
+  std::vector<std::uint8_t> in_slot_;
   std::int64_t augmentations_ = 0;
 
+  double nearest_ = kNone;  ///< distance of the nearest site with too few points that was reached
   std::vector<double> distance_;
-  /// The site before on the path, and the slot of the edge; none along edges of the hub.
-  std::vector<std::pair<SiteNumber, std::size_t>> parent_;
+  /// Distance plus weight: what a way there has to stay below to be shorter. None is, of what is
+  /// settled.
+  std::vector<double> limit_;
+  std::vector<Way> way_;
   std::vector<std::uint8_t> state_;  ///< 0: not seen, 1: seen, 2: settled
   std::vector<SiteNumber> seen_;
   std::vector<SiteNumber> settled_;
-  std::vector<std::pair<double, SiteNumber>> heap_;
+  std::vector<Step> heap_;
 };
 
 }  // namespace ccvt

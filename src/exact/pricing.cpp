@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "exact/packs.h"
 #include "geometry/squares.h"
 #include "kernels/nearest.h"
 #include "kernels/products.h"
@@ -37,10 +38,9 @@ struct Part {
 };
 
 /// The cells, in parts.
-std::vector<Part> parts_of(const Grouping& groups, std::span<const std::uint8_t> wanted) {
+std::vector<Part> parts_of(const Grouping& groups) {
   std::vector<Part> parts;
   for (const SiteNumber s : sites_below(groups.count())) {
-    if (!wanted.empty() && wanted[s] == 0) continue;
     for (auto rest = groups.of(s); !rest.empty();) {
       const std::size_t size = std::min(rest.size(), kPartPoints);
       parts.push_back({s, rest.first(size)});
@@ -50,33 +50,16 @@ std::vector<Part> parts_of(const Grouping& groups, std::span<const std::uint8_t>
   return parts;
 }
 
-/// Positions in packs; zeros fill up the last.
-std::vector<double> packs_of(const WeightedSites& sites) {
-  constexpr std::size_t kPack = kernels::kPack;
-  std::vector<double> packs((sites.count() + kPack - 1) / kPack * kPack * sites.dimension, 0.0);
-  for (const SiteNumber s : sites_below(sites.count())) {
-    double* const pack = packs.data() + s / kPack * kPack * sites.dimension;
-    for (std::size_t d = 0; d < sites.dimension; ++d) pack[d * kPack + s % kPack] = sites.at(s)[d];
-  }
-  return packs;
-}
-
 }  // namespace
 
 /// What is asked of a pricing.
 template <class Scalar>
 struct Pricer<Scalar>::Task {
   WeightedSites sites;
-  double slack = 0;
-  std::size_t most_offers = 0;
-  std::span<const std::uint8_t> inside;  ///< not empty: only sites outside are looked at
-  std::vector<Index>* owners = nullptr;  ///< null: they stay
-  std::vector<double> packs{};           ///< the sites' positions, for the kernels
+  std::vector<Index>& owners;
+  std::vector<double> packs;  ///< the sites' positions, for the kernels
 
   [[nodiscard]] double weight(SiteNumber site) const { return sites.weight[site]; }
-  [[nodiscard]] bool excluded(SiteNumber site) const {
-    return !inside.empty() && inside[site] != 0;
-  }
 };
 
 /// What pricing one cell finds; cells are merged in their order.
@@ -87,14 +70,13 @@ struct Pricer<Scalar>::Cell {
   double energy = 0;
   double saved = 0;
   std::int64_t moved = 0;
-  std::vector<Offer> offers;
 };
 
 template <class Scalar>
 struct Pricer<Scalar>::Scratch {
   std::vector<double> squared;   ///< of the distance between the cell's site and each site
   std::vector<double> least;     ///< of each site, what it costs the cell's points at least
-  std::vector<SiteNumber> near;  ///< the sites that can be cheapest, or within the slack
+  std::vector<SiteNumber> near;  ///< the sites that can be cheapest
   std::vector<double> constant;  ///< of each: L^2 + w_i - w_j
   std::vector<double> x;         ///< the cell's points relative to its site, one after the other
   double scale = 1;              ///< brings the cell into the range of float
@@ -107,7 +89,6 @@ struct Pricer<Scalar>::Scratch {
   std::vector<float> limit;
   std::vector<Index> place;
   std::vector<std::vector<SiteNumber>> found;  ///< for each point of the block, those of `near`
-  std::vector<Choice> choices;
 };
 
 template <class Scalar>
@@ -118,7 +99,7 @@ Pricer<Scalar>::Pricer(const Metric& metric, PointsView<Scalar> points, const Ar
 template <class Scalar>
 auto Pricer<Scalar>::price_cells(const Task& task, const Grouping& groups) const
     -> std::vector<Cell> {
-  const auto parts = parts_of(groups, task.inside);
+  const auto parts = parts_of(groups);
   std::vector<Cell> cells(parts.size());
   PerWorker<Scratch> scratch(arena_);
   arena_.for_ranges(parts.size(), 4, [&](std::size_t begin, std::size_t end, int worker) {
@@ -131,15 +112,11 @@ auto Pricer<Scalar>::price_cells(const Task& task, const Grouping& groups) const
 }
 
 template <class Scalar>
-Prices Pricer<Scalar>::price(const WeightedSites& sites, double slack, std::size_t most_offers,
-                             std::vector<Index>& owners) const {
+Prices Pricer<Scalar>::price(const WeightedSites& sites, std::vector<Index>& owners) const {
   const Grouping groups(owners, sites.count());
-  const Task task{sites, slack, most_offers, {}, &owners, packs_of(sites)};
+  const Task task{sites, owners, packs_of(sites.position, sites.dimension)};
   const std::vector<Cell> cells = price_cells(task, groups);
   Prices prices;
-  std::size_t offers = 0;
-  for (const Cell& cell : cells) offers += cell.offers.size();
-  prices.offers.reserve(offers);
   double saved = 0;
   for (const Cell& cell : cells) {
     prices.gap += cell.gap;
@@ -147,7 +124,6 @@ Prices Pricer<Scalar>::price(const WeightedSites& sites, double slack, std::size
     prices.energy += cell.energy;
     saved += cell.saved;
     prices.moved += cell.moved;
-    prices.offers.insert(prices.offers.end(), cell.offers.begin(), cell.offers.end());
   }
   prices.cheapest_energy = prices.energy - saved;
   return prices;
@@ -156,25 +132,11 @@ Prices Pricer<Scalar>::price(const WeightedSites& sites, double slack, std::size
 template <class Scalar>
 std::vector<Index> Pricer<Scalar>::cheapest(const WeightedSites& sites) const {
   std::vector<Index> owners(static_cast<std::size_t>(points_.count), 0);
-  price(sites, 0, 0, owners);
+  price(sites, owners);
   return owners;
 }
 
-template <class Scalar>
-std::vector<Offer> Pricer<Scalar>::offers_outside(const WeightedSites& sites, double slack,
-                                                  std::span<const std::uint8_t> inside,
-                                                  const std::vector<Index>& owners) const {
-  const Grouping groups(owners, sites.count());
-  const Task task{sites, slack, 1, inside, nullptr, packs_of(sites)};
-  std::vector<Offer> offers;
-  for (const Cell& cell : price_cells(task, groups)) {
-    offers.insert(offers.end(), cell.offers.begin(), cell.offers.end());
-  }
-  return offers;
-}
-
-/// Fills `near` and `constant` with the sites that some point within `radius` of `site` may prefer,
-/// or have within the slack.
+/// Fills `near` and `constant` with the sites that some point within `radius` of `site` may prefer.
 template <class Scalar>
 void Pricer<Scalar>::select_sites(const Task& task, SiteNumber site, double radius,
                                   Scratch& scratch) const {
@@ -199,13 +161,12 @@ void Pricer<Scalar>::select_sites(const Task& task, SiteNumber site, double radi
     const double rounding =
         relative * (squared + reach + std::abs(own_weight) + std::abs(task.weight(j))) + underflow;
     scratch.least[j] = constant - reach - rounding;
-    if (!task.excluded(j)) ceiling = std::min(ceiling, constant + reach + rounding);
+    ceiling = std::min(ceiling, constant + reach + rounding);
   }
-  ceiling += task.slack;
   scratch.near.clear();
   scratch.constant.clear();
   for (const SiteNumber j : sites_below(sites.count())) {
-    if (scratch.least[j] > ceiling || task.excluded(j)) continue;
+    if (scratch.least[j] > ceiling) continue;
     scratch.near.push_back(j);
     scratch.constant.push_back(scratch.squared[j] + own_weight - task.weight(j));
   }
@@ -234,7 +195,7 @@ void Pricer<Scalar>::price_cell(const Task& task, std::span<const PointNumber> m
   select_sites(task, site, radius, scratch);
   if (scratch.near.size() == 1 && scratch.near[0] == site) return;
   if (metric_.periodic()) {
-    for (const PointNumber p : members) decide(task, p, site, scratch.near, scratch, result);
+    for (const PointNumber p : members) decide(task, p, site, scratch.near, result);
     return;
   }
   prepare_product(task, site, radius, scratch);
@@ -317,7 +278,7 @@ void Pricer<Scalar>::price_block(const Task& task, std::span<const PointNumber> 
   scratch.place.resize(scratch.cost.size());
   scratch.found.resize(kBlockPoints);
   for (auto& list : scratch.found) list.clear();
-  const double allowance = task.slack * scratch.scale * scratch.scale + 2 * scratch.margin;
+  const double allowance = 2 * scratch.margin;
   for (Index begin = 0; begin < near; begin += kChunkSites) {
     const Index rows = std::min(kChunkSites, padded - begin);
     kernels::site_costs(scratch.block.data(), stride, points_.dimension,
@@ -340,15 +301,14 @@ void Pricer<Scalar>::price_block(const Task& task, std::span<const PointNumber> 
   for (std::size_t k = 0; k < members.size(); ++k) {
     const std::vector<SiteNumber>& found = scratch.found[k];
     if (found.size() == 1 && found[0] == site) continue;
-    decide(task, members[k], site, found, scratch, result);
+    decide(task, members[k], site, found, result);
   }
 }
 
 /// Evaluates the sites found for a point in double.
 template <class Scalar>
 void Pricer<Scalar>::decide(const Task& task, PointNumber point, SiteNumber site,
-                            std::span<const SiteNumber> found, Scratch& scratch,
-                            Cell& result) const {
+                            std::span<const SiteNumber> found, Cell& result) const {
   const Scalar* x = points_[point.index()];
   const auto choice_of = [&](SiteNumber j) {
     const double cost = metric_.periodic()
@@ -356,42 +316,26 @@ void Pricer<Scalar>::decide(const Task& task, PointNumber point, SiteNumber site
                             : squared_difference(x, task.sites.at(j), points_.dimension);
     return Choice{j, cost, cost - task.weight(j)};
   };
-  std::vector<Choice>& choices = scratch.choices;
-  choices.clear();
-  const Choice own = choice_of(site);
-  for (const SiteNumber j : found) choices.push_back(j == site ? own : choice_of(j));
   // Ties go round robin, so that points in one place spread over the sites in one place.
   const auto turn = [&](SiteNumber j) {
     const std::size_t n = task.sites.count();
     return (j + n - point % n) % n;
   };
-  const auto less = [&](const Choice& a, const Choice& b) {
-    return a.reduced != b.reduced ? a.reduced < b.reduced : turn(a.site) < turn(b.site);
-  };
-  const Choice cheapest = *std::min_element(choices.begin(), choices.end(), less);
-  Choice owner = own;
-  const double limit = cheapest.reduced + task.slack;
-  if (task.owners != nullptr) {
-    if (cheapest.reduced < own.reduced) {
-      owner = cheapest;
-      result.gap += own.reduced - owner.reduced;
-      result.worst = std::max(result.worst, own.reduced - owner.reduced);
-      result.saved += own.cost - owner.cost;
-      ++result.moved;
-      (*task.owners)[point] = owner.site.index();
+  const Choice own = choice_of(site);
+  Choice cheapest{site, own.cost, kNever};
+  for (const SiteNumber j : found) {
+    const Choice choice = j == site ? own : choice_of(j);
+    if (choice.reduced < cheapest.reduced ||
+        (choice.reduced == cheapest.reduced && turn(j) < turn(cheapest.site))) {
+      cheapest = choice;
     }
   }
-  if (task.most_offers == 0) return;
-  std::erase_if(choices,
-                [&](const Choice& c) { return c.reduced > limit || c.site == owner.site; });
-  if (choices.size() > task.most_offers) {
-    Choice* const first = choices.data();
-    std::nth_element(first, first + task.most_offers, first + choices.size(), less);
-    choices.resize(task.most_offers);
-  }
-  for (const Choice& c : choices) {
-    result.offers.push_back({point, owner.site, c.site, c.cost - owner.cost});
-  }
+  if (!(cheapest.reduced < own.reduced)) return;
+  result.gap += own.reduced - cheapest.reduced;
+  result.worst = std::max(result.worst, own.reduced - cheapest.reduced);
+  result.saved += own.cost - cheapest.cost;
+  ++result.moved;
+  task.owners[point] = cheapest.site.index();
 }
 
 template class Pricer<float>;

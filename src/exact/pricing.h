@@ -28,15 +28,6 @@ struct WeightedSites {
   std::size_t dimension;
 };
 
-/// A point that site `to` could have: it would cost `key` more there, without weights, than it
-/// costs its owner.
-struct Offer {
-  PointNumber point;
-  SiteNumber owner;
-  SiteNumber to;
-  double key;
-};
-
 /// What pricing all points finds.
 struct Prices {
   /// By how much the owners given cost more than the cheapest sites: the sum and the largest over
@@ -46,7 +37,6 @@ struct Prices {
   double gap = 0;
   double worst = 0;
   std::int64_t moved = 0;  ///< points that cost less at another site than their owner
-  std::vector<Offer> offers;
   /// The sum of |p - owner|^2 over the points, for the owners given and for those found.
   double energy = 0;
   double cheapest_energy = 0;
@@ -65,19 +55,11 @@ class Pricer {
   Pricer(const Metric& metric, PointsView<Scalar> points, const Arena& arena);
 
   /// `owners`: of every point, used to group them, replaced by the cheapest site; a point stays
-  /// where nothing is cheaper. Points for which other sites cost at most `slack` more than the
-  /// cheapest become offers, at most `most_offers` a point. Same result for any number of threads.
-  Prices price(const WeightedSites& sites, double slack, std::size_t most_offers,
-               std::vector<Index>& owners) const;
+  /// where nothing is cheaper. Same result for any number of threads.
+  Prices price(const WeightedSites& sites, std::vector<Index>& owners) const;
 
   /// The site of least reduced cost for every point.
   std::vector<Index> cheapest(const WeightedSites& sites) const;
-
-  /// For the points of the sites marked `inside`: the cheapest site outside, searched among those
-  /// that cost at most `slack` more than a bound. `owners` stay as they are.
-  std::vector<Offer> offers_outside(const WeightedSites& sites, double slack,
-                                    std::span<const std::uint8_t> inside,
-                                    const std::vector<Index>& owners) const;
 
  private:
   struct Cell;
@@ -91,7 +73,7 @@ class Pricer {
   void price_block(const Task& task, std::span<const PointNumber> members, const double* x,
                    SiteNumber site, Scratch& scratch, Cell& result) const;
   void decide(const Task& task, PointNumber point, SiteNumber site,
-              std::span<const SiteNumber> found, Scratch& scratch, Cell& result) const;
+              std::span<const SiteNumber> found, Cell& result) const;
 
   const Metric& metric_;
   PointsView<Scalar> points_;

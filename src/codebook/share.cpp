@@ -1,0 +1,148 @@
+#include "codebook/share.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "codebook/centroids.h"
+#include "codebook/seeding.h"
+#include "exact/packs.h"
+#include "numbers.h"
+#include "schedule/tiling.h"
+
+namespace ccvt {
+namespace {
+
+constexpr std::size_t kSitesPerGrain = 4;
+
+struct Edge {
+  double squared;
+  SiteNumber a, b;
+};
+
+/// The edges of the minimum spanning tree of all sites [Prim 1957]. O(n^2 D).
+std::vector<Edge> spanning_edges(std::span<const double> sites, int dimension, const Arena& arena) {
+  const auto width = static_cast<std::size_t>(dimension);
+  const std::size_t n = sites.size() / width;
+  const std::vector<double> packs = packs_of(sites, width);
+  std::vector<double> squared(packs.size() / width);
+  std::vector<double> nearest(n, std::numeric_limits<double>::infinity());
+  std::vector<SiteNumber> neighbour(n, SiteNumber(0));
+  std::vector<std::uint8_t> inside(n, 0);
+  std::vector<Edge> edges;
+  SiteNumber last(0);
+  while (edges.size() + 1 < n) {
+    arena.check();
+    inside[last] = 1;
+    kernels::squared_distances(sites.data() + last * width, packs.data(),
+                               static_cast<Index>(squared.size()) / kernels::kPack, dimension,
+                               nullptr, squared.data());
+    SiteNumber next = SiteNumber::none();
+    for (const SiteNumber s : sites_below(n)) {
+      if (inside[s] != 0) continue;
+      if (squared[s] < nearest[s]) {
+        nearest[s] = squared[s];
+        neighbour[s] = last;
+      }
+      if (next == SiteNumber::none() || nearest[s] < nearest[next]) next = s;
+    }
+    edges.push_back({nearest[next], neighbour[next], next});
+    last = next;
+  }
+  return edges;
+}
+
+/// All sites, such that every set that single linkage ever joins stands together.
+std::vector<SiteNumber> linkage_order(std::vector<Edge> edges) {
+  std::stable_sort(edges.begin(), edges.end(),
+                   [](const Edge& a, const Edge& b) { return a.squared < b.squared; });
+  const std::size_t n = edges.size() + 1;
+  // Sets as chains, known by their first site.
+  std::vector<SiteNumber> first(n), last(n), next(n, SiteNumber::none());
+  std::iota(first.begin(), first.end(), SiteNumber(0));
+  last = first;
+  const auto find = [&](SiteNumber s) {
+    while (first[s] != s) s = first[s] = first[first[s]];
+    return s;
+  };
+  for (const Edge& edge : edges) {
+    const SiteNumber a = find(edge.a);
+    const SiteNumber b = find(edge.b);
+    next[last[a]] = b;
+    last[a] = last[b];
+    first[b] = a;
+  }
+  std::vector<SiteNumber> order;
+  for (SiteNumber s = find(SiteNumber(0)); s != SiteNumber::none(); s = next[s]) order.push_back(s);
+  return order;
+}
+
+/// How many sites each cell shall have: of each capacity the middle falls into one.
+std::vector<Index> allot(const Grouping& cells, const std::vector<SiteNumber>& order,
+                         std::span<const Index> capacities) {
+  std::vector<Index> allotted(order.size(), 0);
+  std::size_t place = 0;
+  auto until = static_cast<std::int64_t>(cells.of(order.front()).size());
+  std::int64_t before = 0;
+  for (const Index capacity : capacities) {
+    while (2 * until <= 2 * before + capacity && place + 1 < order.size()) {
+      until += static_cast<std::int64_t>(cells.of(order[++place]).size());
+    }
+    ++allotted[order[place]];
+    before += capacity;
+  }
+  return allotted;
+}
+
+}  // namespace
+
+std::vector<Index> share_capacities(std::span<const Index> capacities, Index total, Index count) {
+  const auto sites = static_cast<Index>(capacities.size());
+  std::vector<Index> shares(capacities.size());
+  std::int64_t before = 0;
+  Index given = 0;
+  for (std::size_t s = 0; s < capacities.size(); ++s) {
+    before += capacities[s] - 1;
+    // Of what is left when each site has one.
+    const auto until = static_cast<Index>(total > sites ? before * (count - sites) / (total - sites)
+                                                        : std::int64_t{0});
+    shares[s] = 1 + until - given;
+    given = until;
+  }
+  return shares;
+}
+
+template <class Scalar>
+std::vector<double> share_sites(PointsView<Scalar> points, const std::vector<double>& sites,
+                                std::span<const Index> capacities, std::uint64_t seed,
+                                const Arena& arena) {
+  const auto width = static_cast<std::size_t>(points.dimension);
+  const Metric metric(points.dimension, Domain());
+  const Grouping cells(nearest_owners(metric, points, sites, arena), capacities.size());
+  const std::vector<SiteNumber> order =
+      linkage_order(spanning_edges(sites, points.dimension, arena));
+  const std::vector<Index> allotted = allot(cells, order, capacities);
+  std::vector<std::vector<double>> parts(order.size());
+  for_each_site(arena, order.size(), kSitesPerGrain, [&](SiteNumber s) {
+    const auto members = cells.of(s);
+    if (allotted[s] == 0) return;
+    if (allotted[s] == 1) {
+      parts[s].assign(sites.data() + s * width, sites.data() + (s + 1) * width);
+      return;
+    }
+    Points<Scalar> own(points.dimension, static_cast<Index>(members.size()));
+    Index k = 0;
+    for (const PointNumber p : members) std::copy_n(points[p.index()], width, own.col(k++).data());
+    parts[s] = seed_sites(view_points(own), allotted[s], 1, seed, arena);
+  });
+  std::vector<double> shared;
+  for (const SiteNumber s : order) shared.insert(shared.end(), parts[s].begin(), parts[s].end());
+  return shared;
+}
+
+template std::vector<double> share_sites(PointsView<float>, const std::vector<double>&,
+                                         std::span<const Index>, std::uint64_t, const Arena&);
+template std::vector<double> share_sites(PointsView<double>, const std::vector<double>&,
+                                         std::span<const Index>, std::uint64_t, const Arena&);
+
+}  // namespace ccvt

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ccvt/types.h"
+#include "parallel/arena.h"
+
+namespace ccvt {
+
+/// Capacities for `count` of `total` points, no fewer than there are sites: one for each site, and
+/// of what is left about the share of the others. No capacities, for equal ones: none.
+std::vector<Index> share_capacities(std::span<const Index> capacities, Index total, Index count);
+
+/// Sites where capacities want them: as many in a region as its points fill. `sites`, one after the
+/// other, are seeds for the same points regardless of capacities; their cells are put into an order
+/// in which neighbours stay together (the dendrogram of single linkage), and the capacities laid
+/// along it. A cell that the middles of several capacities fall into is split into as many, one
+/// without any is dropped. `capacities` sum to the number of points. O(m n D) at worst, and n^2 D.
+template <class Scalar>
+std::vector<double> share_sites(PointsView<Scalar> points, const std::vector<double>& sites,
+                                std::span<const Index> capacities, std::uint64_t seed,
+                                const Arena& arena);
+
+}  // namespace ccvt

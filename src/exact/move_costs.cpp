@@ -1,0 +1,163 @@
+#include "exact/move_costs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "exact/packs.h"
+#include "geometry/squares.h"
+#include "kernels/nearest.h"
+#include "kernels/products.h"
+
+namespace ccvt {
+namespace {
+
+/// An exponent of two; at most half of double's.
+constexpr double kMostScale = 500;
+/// In the units of the products: points farther from their site than this are not multiplied.
+constexpr double kFar = 1e12;
+
+/// Cells are looked at in parts of so many points.
+constexpr std::size_t kPartPoints = 1024;
+
+template <class Number>
+Number padded(Number count, Number step) {
+  return (count + step - 1) / step * step;
+}
+
+}  // namespace
+
+template <class Scalar>
+SquaredDistances<Scalar>::SquaredDistances(const Metric& metric, PointsView<Scalar> points,
+                                           std::span<const double> sites)
+    : metric_(metric), points_(points), sites_(sites), packs_(packs_of(sites, dimension())) {
+  if (metric_.periodic()) return;
+  mean_.assign(dimension(), 0.0);
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    mean_[k % dimension()] += sites[k] / static_cast<double>(count());
+  }
+  double largest = 0;
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    largest = std::max(largest, std::abs(sites[k] - mean_[k % dimension()]));
+  }
+  if (largest > 0) scale_ = std::exp2(std::min(kMostScale, -std::ceil(std::log2(largest))));
+  const auto step = static_cast<std::size_t>(kernels::kDotSites);
+  centred_.assign(padded(count(), step) * dimension(), 0.0F);
+  norm_.assign(count(), 0.0);
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    const double x = scale_ * (sites[k] - mean_[k % dimension()]);
+    centred_[k] = static_cast<float>(x);
+    norm_[k / dimension()] += x * x;
+  }
+  for (double& norm : norm_) norm = std::sqrt(norm);
+}
+
+template <class Scalar>
+void SquaredDistances<Scalar>::squared(std::span<const PointNumber> points, SiteNumber site,
+                                       std::vector<double>& out) const {
+  out.resize(points.size());
+  const double* const s = at(site);
+  std::transform(points.begin(), points.end(), out.begin(), [&](PointNumber p) {
+    const Scalar* const x = points_[p.index()];
+    return metric_.periodic() ? metric_.squared_distance(x, s)
+                              : squared_difference(x, s, points_.dimension);
+  });
+}
+
+template <class Scalar>
+void SquaredDistances<Scalar>::squares(const double* from, Scratch& scratch) const {
+  scratch.squared.resize(packs_.size() / dimension());
+  kernels::squared_distances(
+      from, packs_.data(), static_cast<Index>(scratch.squared.size()) / kernels::kPack,
+      points_.dimension, metric_.periodic() ? metric_.extent() : nullptr, scratch.squared.data());
+}
+
+template <class Scalar>
+std::span<const double> SquaredDistances<Scalar>::squared_to_all(PointNumber point,
+                                                                 Scratch& scratch) const {
+  const Scalar* x = points_[point.index()];
+  scratch.position.assign(x, x + dimension());
+  squares(scratch.position.data(), scratch);
+  return std::span(scratch.squared).first(count());
+}
+
+/// The block of some points of a cell; returns how far the farthest point is from the site.
+template <class Scalar>
+double SquaredDistances<Scalar>::gather(SiteNumber site, std::span<const PointNumber> members,
+                                        Scratch& scratch) const {
+  const auto size = static_cast<Index>(members.size());
+  scratch.stride = padded(size, kernels::dot_points<float>());
+  const auto wide = static_cast<std::size_t>(scratch.stride);
+  scratch.block.resize(wide * dimension());
+  scratch.offset.assign(wide, 0.0F);
+  const double* const own = at(site);
+  const float* const centred = centred_.data() + (centred_.empty() ? 0 : site * dimension());
+  double farthest = 0;
+  for (std::size_t k = 0; k < wide; ++k) {
+    const Scalar* const x = points_[members[std::min(k, members.size() - 1)].index()];
+    float* to = scratch.block.data() + k;
+    double squared = 0;
+    for (std::size_t d = 0; d < dimension(); ++d, to += wide) {
+      const double difference = metric_.wrap(x[d] - own[d], d);
+      squared += difference * difference;
+      if (metric_.periodic()) continue;  // no products
+      *to = static_cast<float>(difference * scale_);
+      scratch.offset[k] += *to * centred[d];
+    }
+    farthest = std::max(farthest, squared);
+  }
+  return std::sqrt(farthest) * (1 + 1e-14 * points_.dimension);
+}
+
+template <class Scalar>
+std::span<const double> SquaredDistances<Scalar>::bounds(SiteNumber site,
+                                                         std::span<const PointNumber> members,
+                                                         Scratch& scratch) const {
+  squares(at(site), scratch);
+  scratch.bounds.assign(count(), std::numeric_limits<double>::infinity());
+  for (auto rest = members; !rest.empty();) {
+    const std::size_t part = std::min(rest.size(), kPartPoints);
+    lower_bounds(site, rest.first(part), scratch);
+    rest = rest.subspan(part);
+  }
+  return scratch.bounds;
+}
+
+/// With L the distance of two sites and x a point relative to its own: |x|^2 falls by
+/// 2 x . (s_j - s_i) - L^2 on the way to the other, and 2 |x| L - L^2 at most (triangle
+/// inequality).
+template <class Scalar>
+void SquaredDistances<Scalar>::lower_bounds(SiteNumber site, std::span<const PointNumber> members,
+                                            Scratch& scratch) const {
+  const double radius = gather(site, members, scratch);
+  const bool multiplied = !metric_.periodic() && radius * scale_ < kFar;
+  if (multiplied) {
+    scratch.largest.resize(centred_.size() / dimension());
+    kernels::largest_dots(scratch.block.data(), scratch.stride, points_.dimension,
+                          scratch.offset.data(), centred_.data(),
+                          static_cast<Index>(scratch.largest.size()), scratch.largest.data());
+  }
+  const double relative = 1e-14 * (1 + points_.dimension / 64.0);
+  const double underflow = points_.dimension * std::numeric_limits<double>::min();
+  const double in_units = scale_ * scale_;
+  constexpr double kEpsilon = std::numeric_limits<float>::epsilon();
+  constexpr double kLeast = std::numeric_limits<float>::min();
+  for (const SiteNumber j : sites_below(count())) {
+    const double squared = scratch.squared[j];
+    const double reach = 2 * radius * std::sqrt(squared);
+    double bound = squared - reach - relative * (squared + reach) - underflow;
+    if (multiplied) {
+      const double most = 2 * scratch.largest[j] / in_units;
+      const double margin =
+          4 * (points_.dimension + 4) *
+          (kEpsilon * radius * (norm_[site] + norm_[j]) / scale_ + kLeast / in_units);
+      bound = std::max(bound, squared - most - margin - relative * squared);
+    }
+    scratch.bounds[j] = std::min(scratch.bounds[j], bound);
+  }
+}
+
+template class SquaredDistances<float>;
+template class SquaredDistances<double>;
+
+}  // namespace ccvt

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "ccvt/types.h"
+#include "geometry/metric.h"
+#include "numbers.h"
+
+namespace ccvt {
+
+/// What it costs to move points from cell to cell, without weights.
+class MoveCosts {
+ public:
+  virtual ~MoveCosts() = default;
+
+  /// Memory that a caller keeps from call to call; one for each thread.
+  struct Scratch {
+    std::vector<double> squared;
+    std::vector<double> position;
+    std::vector<double> bounds;
+    // Of a cell: relative to its site, in float, a stream for each dimension; padded.
+    std::vector<float> block;
+    Index stride = 0;
+    std::vector<float> offset;  ///< point . own site
+    std::vector<float> largest;
+  };
+
+  /// |p - s|^2 of some points.
+  virtual void squared(std::span<const PointNumber> points, SiteNumber site,
+                       std::vector<double>& out) const = 0;
+  /// The same of all sites; in `scratch`.
+  virtual std::span<const double> squared_to_all(PointNumber point, Scratch& scratch) const = 0;
+  /// For each site j, no more than the least over `members`, at least one, of |p - j|^2 - |p -
+  /// site|^2; in `scratch`. O(members n D).
+  virtual std::span<const double> bounds(SiteNumber site, std::span<const PointNumber> members,
+                                         Scratch& scratch) const = 0;
+};
+
+/// For fixed sites. All in double but for the bounds, which are products in float, and low enough
+/// for their rounding.
+template <class Scalar>
+class SquaredDistances final : public MoveCosts {
+ public:
+  /// `sites`: positions, one after the other; they, `metric` and the points must outlive the
+  /// object.
+  SquaredDistances(const Metric& metric, PointsView<Scalar> points, std::span<const double> sites);
+
+  void squared(std::span<const PointNumber> points, SiteNumber site,
+               std::vector<double>& out) const override;
+  std::span<const double> squared_to_all(PointNumber point, Scratch& scratch) const override;
+  std::span<const double> bounds(SiteNumber site, std::span<const PointNumber> members,
+                                 Scratch& scratch) const override;
+
+ private:
+  [[nodiscard]] std::size_t dimension() const {
+    return static_cast<std::size_t>(points_.dimension);
+  }
+  [[nodiscard]] const double* at(SiteNumber site) const {
+    return sites_.data() + site * dimension();
+  }
+  [[nodiscard]] std::size_t count() const { return sites_.size() / dimension(); }
+  void squares(const double* from, Scratch& scratch) const;
+  void lower_bounds(SiteNumber site, std::span<const PointNumber> members, Scratch& scratch) const;
+  double gather(SiteNumber site, std::span<const PointNumber> members, Scratch& scratch) const;
+
+  const Metric& metric_;
+  PointsView<Scalar> points_;
+  std::span<const double> sites_;
+  std::vector<double> packs_;  ///< positions, for the kernel
+  // Relative to the mean of the sites, in units in which no site is far; padded.
+  std::vector<double> mean_;
+  double scale_ = 1;
+  std::vector<float> centred_;
+  std::vector<double> norm_;
+};
+
+extern template class SquaredDistances<float>;
+extern template class SquaredDistances<double>;
+
+}  // namespace ccvt
