@@ -10,6 +10,7 @@
 #include "codebook/reseat.h"
 #include "exact/pricing.h"
 #include "geometry/as_matrix.h"
+#include "geometry/chosen_points.h"
 #include "geometry/squares.h"
 #include "kernels/products.h"
 #include "random.h"
@@ -198,11 +199,8 @@ double sampled_energy(PointsView<Scalar> points, const std::vector<double>& site
   const std::vector<double> weights = no_weights(sites, points.dimension);
   const std::int64_t few = 4 * std::ssize(weights);
   const Index count = sample_size(std::max(kLeastSample, few), points.count);
-  Points<Scalar> sample(points.dimension, count);
-  Index k = 0;
-  for (const Index p : draw_distinct(count, points.count, seed, streams::codebook_sample)) {
-    std::copy_n(points[p], points.dimension, sample.col(k++).data());
-  }
+  const Points<Scalar> sample =
+      chosen_points(points, draw_distinct(count, points.count, seed, streams::codebook_sample));
   const Metric metric(points.dimension, Domain());
   std::vector<Index> owners = nearest_owners(metric, view_points(sample), sites, arena);
   return Pricer<Scalar>(metric, view_points(sample), arena).price({sites, weights}, owners).energy;

@@ -7,6 +7,7 @@
 #include "codebook/centroids.h"
 #include "codebook/seeding.h"
 #include "exact/packs.h"
+#include "geometry/chosen_points.h"
 #include "numbers.h"
 #include "schedule/tiling.h"
 
@@ -130,9 +131,7 @@ std::vector<double> share_sites(PointsView<Scalar> points, const std::vector<dou
       parts[s].assign(sites.data() + s * width, sites.data() + (s + 1) * width);
       return;
     }
-    Points<Scalar> own(points.dimension, static_cast<Index>(members.size()));
-    Index k = 0;
-    for (const PointNumber p : members) std::copy_n(points[p.index()], width, own.col(k++).data());
+    const Points<Scalar> own = chosen_points(points, members);
     parts[s] = seed_sites(view_points(own), allotted[s], 1, seed, arena);
   });
   std::vector<double> shared;

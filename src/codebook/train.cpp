@@ -14,6 +14,7 @@
 #include "codebook/seeding.h"
 #include "codebook/share.h"
 #include "exact/assignment.h"
+#include "geometry/chosen_points.h"
 #include "numbers.h"
 #include "precision.h"
 #include "streams.h"
@@ -258,11 +259,8 @@ void Trainer<Scalar>::exact() {
   for (const Index count : counts) {
     if (ended()) break;
     arena_.check();
-    Points<Scalar> sample(vectors_.dimension, count);
-    Index k = 0;
-    for (const Index p : draw_distinct(count, m, options_.seed, streams::codebook_levels)) {
-      std::copy_n(vectors_[p], vectors_.dimension, sample.col(k++).data());
-    }
+    const Points<Scalar> sample =
+        chosen_points(vectors_, draw_distinct(count, m, options_.seed, streams::codebook_levels));
     const std::vector<Index> shares = share_capacities(capacities, m, count);
     if (!given_ && count == counts.front()) start_exact(view_points(sample), shares);
     exact_level(view_points(sample), shares, false);

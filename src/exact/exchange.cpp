@@ -44,8 +44,7 @@ ExchangeGraph::ExchangeGraph(std::vector<Index>& capacities, bool floating,
       in_slot_(capacities.size(), 0),
       distance_(capacities.size() + 1, kNone),
       limit_(capacities.size() + 1, kNone),
-      way_(capacities.size() + 1),
-      state_(capacities.size() + 1, 0) {
+      way_(capacities.size() + 1) {
   const Grouping groups(owners, cells_.size());
   for (const SiteNumber s : sites_below(cells_.size())) {
     const auto members = groups.of(s);
@@ -126,7 +125,7 @@ ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
     cell.moves.emplace_back();
   }
   Moves& moves = cell.moves[static_cast<std::size_t>(cell.weighed[slot])];
-  if (!moves.cheapest.empty() || (moves.beyond == kNone && cell.bound[slot] == kNone)) return moves;
+  if (!moves.cheapest.empty()) return moves;
   costs_.squared(cell.members, cell.to[slot], squared_);
   const std::size_t kept = moves_kept(cell.members.size());
   std::vector<Move>& cheapest = moves.cheapest;
@@ -152,16 +151,23 @@ void ExchangeGraph::push(const Step& step) {
 
 /// Reaches `to`, if that is the shortest way so far.
 void ExchangeGraph::relax(const Way& way, SiteNumber to, double distance) {
-  if (state_[to] == 2 || !(distance < distance_[to])) return;
-  if (state_[to] == 0) {
-    state_[to] = 1;
-    seen_.push_back(to);
-  }
+  if (settled(to) || !(distance < distance_[to])) return;
+  if (distance_[to] == kNone) seen_.push_back(to);
   distance_[to] = distance;
   if (to != hub()) limit_[to] = distance + weights_[to];
   way_[to] = way;
   if (to != hub() && surplus(to) < 0) nearest_ = std::min(nearest_, distance);
   push({distance, false, to});
+}
+
+/// Along an edge of a site; never below `least`, whatever rounding has done to a reduced cost.
+void ExchangeGraph::relax_edge(SiteNumber from, std::size_t slot, double least) {
+  const Moves& moves = weigh(from, slot);
+  if (moves.cheapest.empty()) return;
+  const Move& move = moves.cheapest.front();
+  const SiteNumber to = cells_[from].to[slot];
+  const double base = distance_[from] + weights_[from];
+  relax({from, move.point}, to, std::max(least, base + move.cost - weights_[to]));
 }
 
 /// The shortest way from `source` to a site with too few points without any other on it: no path
@@ -172,14 +178,11 @@ void ExchangeGraph::reach_directly(SiteNumber source) {
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
     const SiteNumber j = cell.to[slot];
     if (surplus(j) >= 0 || base + cell.bound[slot] - weights_[j] >= nearest_) continue;
-    const Moves& moves = weigh(source, slot);
-    if (moves.cheapest.empty()) continue;
-    const Move& move = moves.cheapest.front();
-    relax({source, move.point}, j, std::max(0.0, base + move.cost - weights_[j]));
+    relax_edge(source, slot, 0);
   }
 }
 
-/// Never below `least`, whatever rounding has done to a reduced cost.
+/// Along all edges of a site, or of the hub, that are known.
 void ExchangeGraph::relax_edges(SiteNumber from, double least) {
   if (from == hub()) {
     const double base = distance_[from] + hub_weight_;
@@ -188,7 +191,7 @@ void ExchangeGraph::relax_edges(SiteNumber from, double least) {
     }
     return;
   }
-  Cell& cell = cells_[from];
+  const Cell& cell = cells_[from];
   const double base = distance_[from] + weights_[from];
   for (std::size_t page = 0; page < cell.page.size(); ++page) {
     if (base + cell.page[page] >= nearest_) continue;
@@ -197,10 +200,7 @@ void ExchangeGraph::relax_edges(SiteNumber from, double least) {
       const SiteNumber j = cell.to[slot];
       const double bound = base + cell.bound[slot];
       if (bound >= limit_[j] || bound - weights_[j] >= nearest_) continue;
-      const Moves& moves = weigh(from, slot);
-      if (moves.cheapest.empty()) continue;
-      const Move& move = moves.cheapest.front();
-      relax({from, move.point}, j, std::max(least, base + move.cost - weights_[j]));
+      relax_edge(from, slot, least);
     }
   }
   if (floating_ && !has_more(from)) {
@@ -211,10 +211,7 @@ void ExchangeGraph::relax_edges(SiteNumber from, double least) {
 /// Shortest paths from `source` up to the first site with too few points, settled_.back(); how far
 /// that is.
 double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
-  for (const SiteNumber s : seen_) {
-    state_[s] = 0;
-    distance_[s] = limit_[s] = kNone;
-  }
+  for (const SiteNumber s : seen_) distance_[s] = limit_[s] = kNone;
   seen_.assign(1, source);
   settled_.clear();
   heap_.clear();
@@ -230,8 +227,7 @@ double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
       arena.check();
       bound_edges(i, 2 * cells_[i].to.size(), scratch_);
     } else {
-      if (state_[i] == 2) continue;
-      state_[i] = 2;
+      if (settled(i)) continue;
       limit_[i] = -kNone;
       settled_.push_back(i);
       if (i != hub()) {

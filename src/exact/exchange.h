@@ -36,10 +36,6 @@ class ExchangeGraph {
   ExchangeGraph(std::vector<Index>& capacities, bool floating, std::vector<Index>& owners,
                 std::vector<double>& weights, const MoveCosts& costs);
 
-  /// Points that a site owns beyond its capacity; negative where it lacks some.
-  [[nodiscard]] Index surplus(SiteNumber site) const {
-    return static_cast<Index>(cells_[site].members.size()) - capacities_[site];
-  }
   /// Moves points along shortest paths until no site has too many. Each costs O(n log n), and O(n
   /// D) for each point that moves, at worst. The edges of a site are bounded in O(n D) a point,
   /// once.
@@ -91,6 +87,10 @@ class ExchangeGraph {
   };
   static constexpr PointNumber kNoPoint{-1};
 
+  /// Points that a site owns beyond its capacity; negative where it lacks some.
+  [[nodiscard]] Index surplus(SiteNumber site) const {
+    return static_cast<Index>(cells_[site].members.size()) - capacities_[site];
+  }
   [[nodiscard]] SiteNumber hub() const { return SiteNumber(cells_.size()); }
   [[nodiscard]] bool has_more(SiteNumber site) const { return capacities_[site] > least_capacity_; }
   struct Scratch {
@@ -102,6 +102,8 @@ class ExchangeGraph {
   void bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
   Moves& weigh(SiteNumber site, std::size_t slot);
   double find_path(SiteNumber source, const Arena& arena);
+  [[nodiscard]] bool settled(SiteNumber site) const { return limit_[site] == -kNone; }
+  void relax_edge(SiteNumber from, std::size_t slot, double least);
   void reach_directly(SiteNumber source);
   void relax_edges(SiteNumber from, double least);
   void relax(const Way& way, SiteNumber to, double distance);
@@ -132,7 +134,6 @@ class ExchangeGraph {
   /// settled.
   std::vector<double> limit_;
   std::vector<Way> way_;
-  std::vector<std::uint8_t> state_;  ///< 0: not seen, 1: seen, 2: settled
   std::vector<SiteNumber> seen_;
   std::vector<SiteNumber> settled_;
   std::vector<Step> heap_;
