@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "ccvt/capacity.h"
+#include "exact/cell_bounds.h"
 #include "exact/move_costs.h"
 #include "exact/pricing.h"
+#include "geometry/squares.h"
 #include "random.h"
 #include "support/flow.h"
 #include "support/generate.h"
@@ -262,6 +264,82 @@ TEST_CASE_TEMPLATE("bounds of what moving costs hold, and are close", Scalar, fl
         }
       }
       if (!periodic) CHECK(slack < 1e-3 * largest);
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("bounds that are kept hold while sites move and points come and go", Scalar,
+                   float, double) {
+  for (const int dimension : {1, 2, 7, 64}) {
+    for (const double length : {1e-6, 1e-2, 1.0}) {
+      CAPTURE(dimension);
+      CAPTURE(length);
+      constexpr std::size_t kSites = 40;
+      const Arena arena(2);
+      const auto points = make_points<Scalar>(Layout::random, uneven_box(dimension), 5000);
+      const Metric metric(dimension, Domain());
+      const Pricer<Scalar> pricer(metric, view_points(points), arena);
+      std::vector<double> sites = some_sites(points, kSites, 2);
+      std::vector<double> weights(kSites, 0.0);
+      // One cell has several parts, and one no points.
+      std::vector<Index> owners(5000, 0);
+      for (Index p = 2500; p < 5000; ++p) owners[static_cast<std::size_t>(p)] = p % (kSites - 1);
+      CellBounds kept(owners.size(), kSites);
+      Random random(5, 1);
+      std::int64_t skipped = 0;
+      for (int round = 0; round < 6; ++round) {
+        std::vector<Index> expected = owners;
+        const Prices all = pricer.price({sites, weights}, expected);
+        const std::vector<Index> given = owners;
+        const Prices some = pricer.price({sites, weights}, owners, &kept);
+        CHECK(owners == expected);
+        CHECK(some.moved == all.moved);
+        CHECK(some.energy == doctest::Approx(all.energy).epsilon(1e-12));
+        CHECK(std::abs(some.cheapest_energy - all.cheapest_energy) <= 1e-12 * all.energy);
+        CHECK(some.gap == doctest::Approx(all.gap).epsilon(1e-9));
+        CHECK(kept.cover(given));
+        const SquaredDistances<Scalar> costs(metric, view_points(points), sites);
+        kept.include_all(owners, costs, arena);
+        CHECK(kept.cover(owners));
+        const Grouping cells(owners, kSites);
+        for (const SiteNumber i : sites_below(kSites)) {
+          bool holds = true;
+          for (const PointNumber p : cells.of(i)) {
+            const Scalar* x = points.col(p.index()).data();
+            const auto squared_to = [&](SiteNumber s) {
+              return squared_difference(x, sites.data() + s * sites.size() / kSites, dimension);
+            };
+            const double own = squared_to(i);
+            holds = holds && std::abs(kept.own_costs()[p] - own) <= 1e-12 * own;
+            holds = holds && std::sqrt(own) <= kept.radius(i);
+            for (const SiteNumber j : sites_below(kSites)) {
+              const double there = squared_to(j);
+              const bool below = kept.of(i)[j] <= there - own + 1e-14 * (there + own);
+              holds = holds && (j == i || below);
+            }
+          }
+          CHECK(holds);
+          std::vector<SiteNumber> near;
+          kept.select(i, weights, near);
+          skipped += static_cast<std::int64_t>(kSites - near.size());
+        }
+        // Some sites move, some weights change, and some points are moved to cells of others.
+        for (std::size_t k = 0; k < sites.size(); ++k) {
+          if (round % 2 == 0 || k < sites.size() / 3) sites[k] += length * (random.uniform() - .5);
+        }
+        for (double& weight : weights) weight += length * random.uniform();
+        if (round == 3) {
+          const PointNumber p(17);
+          MoveCosts::Scratch scratch;
+          const SiteNumber to((owners[p] + 1) % static_cast<Index>(kSites));
+          kept.remove(p);
+          CHECK_FALSE(kept.cover(owners));
+          kept.include(to, p, costs.squared_to_all(p, scratch));
+          owners[p] = to.index();
+          CHECK(kept.cover(owners));
+        }
+      }
+      CHECK(skipped > 0);
     }
   }
 }

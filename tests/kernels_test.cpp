@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "geometry/metric.h"
+#include "geometry/squares.h"
 #include "kernels/keys.h"
 #include "kernels/nearest.h"
+#include "kernels/products.h"
 #include "kernels/streams.h"
 #include "random.h"
 #include "support/generate.h"
@@ -20,6 +22,8 @@ using ccvt::Box;
 using ccvt::Domain;
 using ccvt::Index;
 using ccvt::Metric;
+using ccvt::Random;
+using ccvt::squared_difference;
 using namespace ccvt::test;
 
 namespace {
@@ -307,6 +311,42 @@ TEST_CASE("squared distances to packs of positions, also on a torus") {
       }
     }
   }
+}
+
+TEST_CASE_TEMPLATE("squared distances to scattered points, bit for bit", Scalar, float, double) {
+  for (const int dimension : {1, 2, 7, 8, 9, 16, 37}) {
+    CAPTURE(dimension);
+    const auto points = make_points<Scalar>(Layout::random, uneven_box(dimension), 11, 3);
+    const auto query = make_points<double>(Layout::random, uneven_box(dimension), 1, 4);
+    for (Index count = 0; count <= points.cols(); ++count) {
+      std::vector<const Scalar*> rows;
+      for (Index k = 0; k < count; ++k) rows.push_back(points.col((7 * k) % 11).data());
+      std::vector<double> squared(static_cast<std::size_t>(count) + 1, -1);
+      ccvt::kernels::squared_distances_of(rows.data(), count, dimension, query.data(),
+                                          squared.data());
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        CHECK(squared[k] == squared_difference(rows[k], query.data(), dimension));
+      }
+      CHECK(squared.back() == -1);
+    }
+  }
+}
+
+TEST_CASE("the least cost of each row") {
+  const Index stride = 2 * ccvt::kernels::product_points();
+  std::vector<float> cost;
+  std::vector<float> expected;
+  Random random(3, 1);
+  for (int row = 0; row < 5; ++row) {
+    expected.push_back(std::numeric_limits<float>::max());
+    for (Index k = 0; k < stride; ++k) {
+      cost.push_back(static_cast<float>(random.uniform() - .5));
+      expected.back() = std::min(expected.back(), cost.back());
+    }
+  }
+  std::vector<float> least(5, 0.0F);
+  ccvt::kernels::least_costs(cost.data(), stride, 5, least.data());
+  CHECK(least == expected);
 }
 
 TEST_SUITE_END();

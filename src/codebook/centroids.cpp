@@ -14,15 +14,26 @@ constexpr int kTreeDimensions = 3;
 
 }  // namespace
 
+std::vector<std::uint8_t> changed_cells(std::span<const Index> before, std::span<const Index> after,
+                                        std::size_t cells) {
+  std::vector<std::uint8_t> changed(cells, 0);
+  for (std::size_t p = 0; p < before.size(); ++p) {
+    if (before[p] == after[p]) continue;
+    changed[SiteNumber(before[p])] = changed[SiteNumber(after[p])] = 1;
+  }
+  return changed;
+}
+
 template <class Scalar>
 void move_to_centroids(const Metric& metric, PointsView<Scalar> points, const Grouping& groups,
-                       const Arena& arena, std::vector<double>& sites) {
+                       const Arena& arena, std::vector<double>& sites,
+                       std::span<const std::uint8_t> changed) {
   const std::size_t dimension = sites.size() / groups.count();
   arena.for_ranges(groups.count(), 8, [&](std::size_t begin, std::size_t end, int) {
     std::vector<double> sum(dimension);
     for (const SiteNumber s : NumberRange(SiteNumber(begin), SiteNumber(end))) {
       const auto members = groups.of(s);
-      if (members.empty()) continue;
+      if (members.empty() || (!changed.empty() && changed[s] == 0)) continue;
       double* site = sites.data() + s * dimension;
       std::fill(sum.begin(), sum.end(), 0.0);
       if (metric.periodic()) {
@@ -61,9 +72,9 @@ std::vector<Index> nearest_owners(const Metric& metric, PointsView<Scalar> point
 }
 
 template void move_to_centroids(const Metric&, PointsView<float>, const Grouping&, const Arena&,
-                                std::vector<double>&);
+                                std::vector<double>&, std::span<const std::uint8_t>);
 template void move_to_centroids(const Metric&, PointsView<double>, const Grouping&, const Arena&,
-                                std::vector<double>&);
+                                std::vector<double>&, std::span<const std::uint8_t>);
 template std::vector<Index> nearest_owners(const Metric&, PointsView<float>,
                                            const std::vector<double>&, const Arena&);
 template std::vector<Index> nearest_owners(const Metric&, PointsView<double>,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -10,10 +12,16 @@
 
 namespace ccvt {
 
+/// Of each cell, whether its points are not what they were.
+std::vector<std::uint8_t> changed_cells(std::span<const Index> before, std::span<const Index> after,
+                                        std::size_t cells);
+
 /// Moves each site to the centroid of its points, in double; a site without points stays.
+/// `changed`: of each cell whether to look at it; none: at all of them.
 template <class Scalar>
 void move_to_centroids(const Metric& metric, PointsView<Scalar> points, const Grouping& groups,
-                       const Arena& arena, std::vector<double>& sites);
+                       const Arena& arena, std::vector<double>& sites,
+                       std::span<const std::uint8_t> changed = {});
 
 /// For sites that are compared by distance alone: a weight of nothing each.
 inline std::vector<double> no_weights(const std::vector<double>& sites, int dimension) {

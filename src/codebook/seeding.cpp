@@ -251,10 +251,39 @@ std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int resta
   return best.sites;
 }
 
+template <class Scalar>
+std::vector<double> draw_sites(PointsView<Scalar> points, Index sites, int restarts,
+                               std::uint64_t seed, const Arena& arena) {
+  std::vector<double> best;
+  double least = std::numeric_limits<double>::infinity();
+  std::uint64_t stream = streams::codebook_seeding;
+  if (restarts == 0) restarts = kRestarts;
+  for (int r = 0; r < restarts; ++r, stream += 256) {
+    std::vector<double> drawn;
+    for (const Index p : draw_distinct(sites, points.count, seed, stream)) {
+      drawn.insert(drawn.end(), points[p], points[p] + points.dimension);
+    }
+    if (restarts == 1) return drawn;
+    if (r == 0) best = drawn;
+    try {
+      const double energy = sampled_energy(points, drawn, seed, arena);
+      if (energy >= least) continue;
+      least = energy;
+    } catch (const Stopped&) {
+      break;
+    }
+    best = std::move(drawn);
+  }
+  return best;
+}
+
 template double sampled_energy(PointsView<float>, const std::vector<double>&, std::uint64_t,
                                const Arena&);
 template double sampled_energy(PointsView<double>, const std::vector<double>&, std::uint64_t,
                                const Arena&);
+template std::vector<double> draw_sites(PointsView<float>, Index, int, std::uint64_t, const Arena&);
+template std::vector<double> draw_sites(PointsView<double>, Index, int, std::uint64_t,
+                                        const Arena&);
 template std::vector<double> seed_sites(PointsView<float>, Index, int, std::uint64_t, const Arena&);
 template std::vector<double> seed_sites(PointsView<double>, Index, int, std::uint64_t,
                                         const Arena&);

@@ -19,6 +19,12 @@ template <class Scalar>
 std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int restarts,
                                std::uint64_t seed, const Arena& arena);
 
+/// Distinct points: of `restarts` draws, 0 being kRestarts, the one of least sampled_energy(). The
+/// best so far when the arena throws Stopped.
+template <class Scalar>
+std::vector<double> draw_sites(PointsView<Scalar> points, Index sites, int restarts,
+                               std::uint64_t seed, const Arena& arena);
+
 /// The sum of squared distances to the nearest of `sites` over a sample of the points.
 template <class Scalar>
 double sampled_energy(PointsView<Scalar> points, const std::vector<double>& sites,

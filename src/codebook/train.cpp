@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -98,29 +99,9 @@ class Trainer {
 
 template <class Scalar>
 void Trainer<Scalar>::seed() {
-  const Index n = problem_.site_count();
-  if (options_.seeding == Seeding::kmeans_plus_plus) {
-    sites_ = seed_sites(vectors_, n, options_.restarts, options_.seed, arena_);
-    return;
-  }
-  double least = std::numeric_limits<double>::infinity();
-  std::uint64_t stream = streams::codebook_seeding;
-  const int restarts = options_.restarts > 0 ? options_.restarts : kRestarts;
-  for (int r = 0; r < restarts; ++r, stream += 256) {
-    std::vector<double> sites;
-    for (const Index p : draw_distinct(n, vectors_.count, options_.seed, stream)) {
-      sites.insert(sites.end(), vectors_[p], vectors_[p] + vectors_.dimension);
-    }
-    if (restarts == 1) {
-      sites_ = std::move(sites);
-      return;
-    }
-    if (r == 0) sites_ = sites;
-    const double energy = sampled_energy(vectors_, sites, options_.seed, arena_);
-    if (energy >= least) continue;
-    least = energy;
-    sites_ = std::move(sites);
-  }
+  const auto choose =
+      options_.seeding == Seeding::kmeans_plus_plus ? seed_sites<Scalar> : draw_sites<Scalar>;
+  sites_ = choose(vectors_, problem_.site_count(), options_.restarts, options_.seed, arena_);
 }
 
 /// Reports an iteration; false when training ends with it.
@@ -140,11 +121,21 @@ template <class Scalar>
 void Trainer<Scalar>::lloyd() {
   owners_ = nearest_owners(metric_, vectors_, sites_, arena_);
   const Pricer<Scalar> pricer(metric_, vectors_, arena_);
+  const std::size_t n = weights_.size();
+  std::optional<CellBounds> kept;
+  if (CellBounds::fit(metric_, n)) kept.emplace(owners_.size(), n);
+  std::vector<std::uint8_t> changed;
   if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
   double before = std::numeric_limits<double>::infinity();
   while (!ended()) {
-    move_to_centroids(metric_, vectors_, Grouping(owners_, weights_.size()), arena_, sites_);
-    const Prices prices = pricer.price({sites_, weights_}, owners_);
+    move_to_centroids(metric_, vectors_, Grouping(owners_, n), arena_, sites_, changed);
+    const std::vector<Index> given = owners_;
+    const Prices prices = pricer.price({sites_, weights_}, owners_, kept ? &*kept : nullptr);
+    changed = changed_cells(given, owners_, n);
+    if (kept) {
+      const SquaredDistances<Scalar> costs(metric_, vectors_, sites_);
+      kept->include_all(owners_, costs, arena_);
+    }
     const double energy = prices.cheapest_energy;
     const bool running = go_on(vectors_.count, energy, prices.moved);
     if (prices.moved == 0 || energy >= before * (1 - kRounding)) {
@@ -219,7 +210,9 @@ void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index>
   ExactAssignment<Scalar> assignment(metric_, vectors, n, std::move(capacities), arena_,
                                      options_.gap);
   using Round = typename ExactAssignment<Scalar>::Round;
-  owners_ = nearest_owners(metric_, vectors, sites_, arena_);
+  if (std::cmp_not_equal(owners_.size(), vectors.count)) {
+    owners_ = nearest_owners(metric_, vectors, sites_, arena_);
+  }
   const double tolerance = finest ? options_.tolerance : kLevelTolerance * n / vectors.count;
   double before = std::numeric_limits<double>::infinity();
   bool assigned = false;  // the owners meet the capacities, and the sites are their centroids
@@ -236,13 +229,18 @@ void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index>
       if (finest) summary_.termination = Termination::energy_tolerance;
       break;
     }
-    if (assigned) before = energy;
+    std::vector<std::uint8_t> changed;
+    if (assigned) {
+      before = energy;
+      changed = changed_cells(given, owners_, weights_.size());
+    }
     assigned = true;
     if (finest) met_ = owners_;
     std::int64_t moved = 0;
     for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
     if (!go_on(vectors.count, energy, moved)) break;
-    move_to_centroids(metric_, vectors, Grouping(owners_, weights_.size()), arena_, sites_);
+    move_to_centroids(metric_, vectors, Grouping(owners_, weights_.size()), arena_, sites_,
+                      changed);
   }
 }
 

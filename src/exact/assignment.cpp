@@ -29,6 +29,8 @@ ExactAssignment<Scalar>::ExactAssignment(const Metric& metric, PointsView<Scalar
       pricer_(metric, points, arena),
       gap_(gap) {
   if (floating_) capacities_ = equal_capacities(points.count, sites);
+  const auto count = static_cast<std::size_t>(sites);
+  if (CellBounds::fit(metric, count)) kept_.emplace(static_cast<std::size_t>(points.count), count);
   fewer_ = points.count / sites;
   larger_ = points.count % sites;
   for (Index p = 0; p < points.count; ++p) {
@@ -84,7 +86,8 @@ template <class Scalar>
 auto ExactAssignment<Scalar>::improve(std::span<const double> sites, std::vector<double>& weights,
                                       std::vector<Index>& owners) -> Round {
   std::vector<Index> given = owners;
-  const Prices prices = pricer_.price({sites, weights}, owners);
+  CellBounds* const kept = kept_ ? &*kept_ : nullptr;
+  const Prices prices = pricer_.price({sites, weights}, owners, kept);
   ++certificate_.rounds;
   certificate_.energy = prices.energy;
   certificate_.gap = prices.gap;
@@ -96,8 +99,9 @@ auto ExactAssignment<Scalar>::improve(std::span<const double> sites, std::vector
     return Round::optimal;
   }
   SquaredDistances<Scalar> costs(metric_, points_, sites);
-  ExchangeGraph graph(capacities_, floating_, owners, weights, costs);
+  ExchangeGraph graph(capacities_, floating_, owners, weights, costs, kept);
   graph.settle(arena_);
+  if (kept_) kept_->include_all(owners, costs, arena_);
   certificate_.augmentations += graph.augmentations();
   return Round::met;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -73,6 +74,7 @@ class ExactAssignment {
   Index larger_ = 0;  ///< how many sites have one more
   const Arena& arena_;
   Pricer<Scalar> pricer_;
+  std::optional<CellBounds> kept_;
   double largest_coordinate_ = 0;
   double gap_;
   Certificate certificate_;

@@ -12,7 +12,7 @@ namespace ccvt {
 namespace {
 
 /// All edges of all sites take slots as long as there are no more than this.
-constexpr std::size_t kSlots = std::size_t{1} << 18;
+constexpr std::size_t kSlots = std::size_t{1} << 16;
 constexpr std::size_t kLeastSlots = 64;
 /// Searches for so many surplus points look at most sites: their edges are bounded in parallel.
 constexpr std::int64_t kSitesPerSurplus = 32;
@@ -33,14 +33,16 @@ std::size_t moves_kept(std::size_t members) {
 
 ExchangeGraph::ExchangeGraph(std::vector<Index>& capacities, bool floating,
                              std::vector<Index>& owners, std::vector<double>& weights,
-                             const MoveCosts& costs)
+                             const MoveCosts& costs, CellBounds* kept)
     : capacities_(capacities),
       floating_(floating),
       owners_(owners),
       weights_(weights),
       costs_(costs),
+      kept_(kept),
       cells_(capacities.size()),
-      own_cost_(owners.size()),
+      own_storage_(kept == nullptr ? owners.size() : 0),
+      own_cost_(kept == nullptr ? own_storage_ : kept->own_costs()),
       in_slot_(capacities.size(), 0),
       distance_(capacities.size() + 1, kNone),
       limit_(capacities.size() + 1, kNone),
@@ -70,14 +72,16 @@ ExchangeGraph::ExchangeGraph(std::vector<Index>& capacities, bool floating,
 void ExchangeGraph::bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch) {
   Cell& cell = cells_[site];
   if (cell.members.empty()) return;
-  if (!cell.bounded) {
+  if (!cell.bounded && kept_ == nullptr) {
     costs_.squared(cell.members, site, scratch.own);
     for (std::size_t k = 0; k < cell.members.size(); ++k) {
       own_cost_[cell.members[k]] = scratch.own[k];
     }
   }
   cell.bounded = true;
-  const std::span<const double> bounds = costs_.bounds(site, cell.members, scratch.costs);
+  const std::span<const double> bounds =
+      kept_ != nullptr ? kept_->include(site, cell.members, costs_, scratch.costs)
+                       : costs_.bounds(site, cell.members, scratch.costs);
   const auto less = [&](SiteNumber a, SiteNumber b) {
     const double x = bounds[a] - weights_[a];
     const double y = bounds[b] - weights_[b];
@@ -127,7 +131,9 @@ ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
   Moves& moves = cell.moves[static_cast<std::size_t>(cell.weighed[slot])];
   if (!moves.cheapest.empty()) return moves;
   costs_.squared(cell.members, cell.to[slot], squared_);
-  const std::size_t kept = moves_kept(cell.members.size());
+  // Most edges are weighed once, and not taken: few moves are kept at first.
+  const std::size_t kept = moves.kept;
+  moves.kept = moves_kept(cell.members.size());
   std::vector<Move>& cheapest = moves.cheapest;
   moves.beyond = kNone;
   for (std::size_t k = 0; k < cell.members.size(); ++k) {
@@ -141,6 +147,7 @@ ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
     cheapest.insert(std::upper_bound(cheapest.begin(), cheapest.end(), move), move);
   }
   cell.bound[slot] = cheapest.empty() ? kNone : cheapest.front().cost;
+  if (kept_ != nullptr) kept_->of(site)[cell.to[slot]] = cell.bound[slot];
   return moves;
 }
 
@@ -157,7 +164,7 @@ void ExchangeGraph::relax(const Way& way, SiteNumber to, double distance) {
   if (to != hub()) limit_[to] = distance + weights_[to];
   way_[to] = way;
   if (to != hub() && surplus(to) < 0) nearest_ = std::min(nearest_, distance);
-  push({distance, false, to});
+  push({distance, to, kSite});
 }
 
 /// Along an edge of a site; never below `least`, whatever rounding has done to a reduced cost.
@@ -168,6 +175,12 @@ void ExchangeGraph::relax_edge(SiteNumber from, std::size_t slot, double least) 
   const SiteNumber to = cells_[from].to[slot];
   const double base = distance_[from] + weights_[from];
   relax({from, move.point}, to, std::max(least, base + move.cost - weights_[to]));
+}
+
+/// Whether cheapest moves are known.
+bool ExchangeGraph::is_weighed(const Cell& cell, std::size_t slot) {
+  const std::int32_t weighed = cell.weighed[slot];
+  return weighed != kNotWeighed && !cell.moves[static_cast<std::size_t>(weighed)].cheapest.empty();
 }
 
 /// The shortest way from `source` to a site with too few points without any other on it: no path
@@ -199,8 +212,13 @@ void ExchangeGraph::relax_edges(SiteNumber from, double least) {
     for (std::size_t slot = page * kPage; slot < end; ++slot) {
       const SiteNumber j = cell.to[slot];
       const double bound = base + cell.bound[slot];
-      if (bound >= limit_[j] || bound - weights_[j] >= nearest_) continue;
-      relax_edge(from, slot, least);
+      const double distance = bound - weights_[j];
+      if (bound >= limit_[j] || distance >= nearest_) continue;
+      if (is_weighed(cell, slot)) {
+        relax_edge(from, slot, least);
+      } else {
+        push({std::max(least, distance), from, static_cast<std::int32_t>(slot)});
+      }
     }
   }
   if (floating_ && !has_more(from)) {
@@ -217,13 +235,20 @@ double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
   heap_.clear();
   nearest_ = kNone;
   distance_[source] = 0;
-  push({0, false, source});
+  push({0, source, kSite});
   for (;;) {
     std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
     const Step step = heap_.back();
     heap_.pop_back();
     const SiteNumber i = step.site;
-    if (step.rest) {
+    if (step.what >= 0) {
+      const auto slot = static_cast<std::size_t>(step.what);
+      const Cell& cell = cells_[i];
+      const bool shorter = step.distance < std::min(nearest_, distance_[cell.to[slot]]);
+      if (shorter && !settled(cell.to[slot])) relax_edge(i, slot, step.distance);
+      continue;
+    }
+    if (step.what == kRest) {
       arena.check();
       bound_edges(i, 2 * cells_[i].to.size(), scratch_);
     } else {
@@ -242,7 +267,7 @@ double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
     relax_edges(i, step.distance);
     if (i == hub() || cells_[i].members.empty() || cells_[i].rest == kNone) continue;
     const double rest = distance_[i] + weights_[i] + cells_[i].rest;
-    if (rest < nearest_) push({std::max(step.distance, rest), true, i});
+    if (rest < nearest_) push({std::max(step.distance, rest), i, kRest});
   }
 }
 
@@ -275,6 +300,7 @@ void ExchangeGraph::move(PointNumber point, SiteNumber from, SiteNumber to) {
 }
 
 void ExchangeGraph::remove(PointNumber point, SiteNumber site) {
+  if (kept_ != nullptr) kept_->remove(point);
   Cell& cell = cells_[site];
   *std::find(cell.members.begin(), cell.members.end(), point) = cell.members.back();
   cell.members.pop_back();
@@ -292,6 +318,7 @@ void ExchangeGraph::insert(PointNumber point, SiteNumber site) {
   if (!cell.bounded) return;
   const std::span<const double> squared = costs_.squared_to_all(point, scratch_.costs);
   own_cost_[point] = squared[site];
+  if (kept_ != nullptr) kept_->include(site, point, squared);
   const std::size_t kept = moves_kept(cell.members.size());
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
     const Move move{squared[cell.to[slot]] - squared[site], point};

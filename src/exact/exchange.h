@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ccvt/types.h"
+#include "exact/cell_bounds.h"
 #include "exact/move_costs.h"
 #include "numbers.h"
 #include "parallel/arena.h"
@@ -32,9 +33,10 @@ namespace ccvt {
 class ExchangeGraph {
  public:
   /// `owners`, every point's cheapest site, `weights` and floating `capacities` are kept up to date
-  /// while points move. Floating ones must be largest where weights are least.
+  /// while points move. Floating ones must be largest where weights are least. `kept`: bounds of
+  /// what the cells were before some points came and went; they cover the cells when all settled.
   ExchangeGraph(std::vector<Index>& capacities, bool floating, std::vector<Index>& owners,
-                std::vector<double>& weights, const MoveCosts& costs);
+                std::vector<double>& weights, const MoveCosts& costs, CellBounds* kept = nullptr);
 
   /// Moves points along shortest paths until no site has too many. Each costs O(n log n), and O(n
   /// D) for each point that moves, at worst. The edges of a site are bounded in O(n D) a point,
@@ -56,6 +58,7 @@ class ExchangeGraph {
   struct Moves {
     std::vector<Move> cheapest;
     double beyond = kNone;
+    std::size_t kept = 1;  ///< next time
   };
   struct Cell {
     std::vector<PointNumber> members;
@@ -70,15 +73,18 @@ class ExchangeGraph {
     /// What moving a point to any other site costs at least, less that site's weight.
     double rest = kNone;
   };
-  /// What a search looks at next: a site, or the edges of a site that are in no slot.
+  /// What a search looks at next: a site, the edges of a site that are in no slot, or an edge that
+  /// is not weighed yet, in its slot.
   struct Step {
     double distance;
-    bool rest;
     SiteNumber site;
+    std::int32_t what;
     bool operator>(const Step& other) const {
-      return std::tuple(distance, rest, site) > std::tuple(other.distance, other.rest, other.site);
+      return std::tuple(distance, what, site) > std::tuple(other.distance, other.what, other.site);
     }
   };
+  static constexpr std::int32_t kSite = -2;
+  static constexpr std::int32_t kRest = -1;
 
   /// How a search came to a site: from another, by moving a point. None moves to or from the hub.
   struct Way {
@@ -103,6 +109,7 @@ class ExchangeGraph {
   Moves& weigh(SiteNumber site, std::size_t slot);
   double find_path(SiteNumber source, const Arena& arena);
   [[nodiscard]] bool settled(SiteNumber site) const { return limit_[site] == -kNone; }
+  [[nodiscard]] static bool is_weighed(const Cell& cell, std::size_t slot);
   void relax_edge(SiteNumber from, std::size_t slot, double least);
   void reach_directly(SiteNumber source);
   void relax_edges(SiteNumber from, double least);
@@ -121,8 +128,10 @@ class ExchangeGraph {
   std::vector<Index>& owners_;
   std::vector<double>& weights_;
   const MoveCosts& costs_;
+  CellBounds* kept_;
   std::vector<Cell> cells_;
-  std::vector<double> own_cost_;  ///< of each point
+  std::vector<double> own_storage_;
+  std::vector<double>& own_cost_;  ///< of each point, in a cell that is bounded
   Scratch scratch_;
   std::vector<double> squared_;
   std::vector<std::uint8_t> in_slot_;

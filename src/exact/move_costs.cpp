@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "exact/distances.h"
 #include "exact/packs.h"
-#include "geometry/squares.h"
 #include "kernels/nearest.h"
 #include "kernels/products.h"
 
@@ -55,12 +55,10 @@ SquaredDistances<Scalar>::SquaredDistances(const Metric& metric, PointsView<Scal
 template <class Scalar>
 void SquaredDistances<Scalar>::squared(std::span<const PointNumber> points, SiteNumber site,
                                        std::vector<double>& out) const {
+  if (!metric_.periodic()) return squared_distances(points_, points, at(site), out);
   out.resize(points.size());
-  const double* const s = at(site);
   std::transform(points.begin(), points.end(), out.begin(), [&](PointNumber p) {
-    const Scalar* const x = points_[p.index()];
-    return metric_.periodic() ? metric_.squared_distance(x, s)
-                              : squared_difference(x, s, points_.dimension);
+    return metric_.squared_distance(points_[p.index()], at(site));
   });
 }
 
@@ -115,6 +113,7 @@ std::span<const double> SquaredDistances<Scalar>::bounds(SiteNumber site,
                                                          Scratch& scratch) const {
   squares(at(site), scratch);
   scratch.bounds.assign(count(), std::numeric_limits<double>::infinity());
+  scratch.radius = 0;
   for (auto rest = members; !rest.empty();) {
     const std::size_t part = std::min(rest.size(), kPartPoints);
     lower_bounds(site, rest.first(part), scratch);
@@ -130,6 +129,7 @@ template <class Scalar>
 void SquaredDistances<Scalar>::lower_bounds(SiteNumber site, std::span<const PointNumber> members,
                                             Scratch& scratch) const {
   const double radius = gather(site, members, scratch);
+  scratch.radius = std::max(scratch.radius, radius);
   const bool multiplied = !metric_.periodic() && radius * scale_ < kFar;
   if (multiplied) {
     scratch.largest.resize(centred_.size() / dimension());

@@ -25,6 +25,7 @@ class MoveCosts {
     Index stride = 0;
     std::vector<float> offset;  ///< point . own site
     std::vector<float> largest;
+    double radius = 0;  ///< of the points of the last bounds(), how far the farthest is at most
   };
 
   /// |p - s|^2 of some points.

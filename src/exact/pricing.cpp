@@ -4,25 +4,18 @@
 #include <cmath>
 #include <limits>
 
+#include "exact/cell_product.h"
+#include "exact/distances.h"
 #include "exact/packs.h"
 #include "geometry/squares.h"
 #include "kernels/nearest.h"
-#include "kernels/products.h"
 #include "parallel/loops.h"
 
 namespace ccvt {
 namespace {
 
-/// Points of a block, and sites of a chunk: a block's costs stay in cache.
-constexpr std::size_t kBlockPoints = 64;
-constexpr Index kChunkSites = 1020;
 /// A cell with more points is priced in parts of so many.
 constexpr std::size_t kPartPoints = 2048;
-static_assert(kChunkSites % kernels::kCostSites == 0);
-
-/// An exponent of two; at most half of double's.
-constexpr double kMostScale = 500;
-
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 struct Choice {
@@ -31,25 +24,6 @@ struct Choice {
   double reduced;
 };
 
-/// A cell, or a part of one.
-struct Part {
-  SiteNumber site;
-  std::span<const PointNumber> members;
-};
-
-/// The cells, in parts.
-std::vector<Part> parts_of(const Grouping& groups) {
-  std::vector<Part> parts;
-  for (const SiteNumber s : sites_below(groups.count())) {
-    for (auto rest = groups.of(s); !rest.empty();) {
-      const std::size_t size = std::min(rest.size(), kPartPoints);
-      parts.push_back({s, rest.first(size)});
-      rest = rest.subspan(size);
-    }
-  }
-  return parts;
-}
-
 }  // namespace
 
 /// What is asked of a pricing.
@@ -57,14 +31,21 @@ template <class Scalar>
 struct Pricer<Scalar>::Task {
   WeightedSites sites;
   std::vector<Index>& owners;
+  CellBounds* kept;
+  bool covered;               ///< by the bounds kept
   std::vector<double> packs;  ///< the sites' positions, for the kernels
+  std::vector<double> rows;   ///< bounds of the parts of cells that have several
 
   [[nodiscard]] double weight(SiteNumber site) const { return sites.weight[site]; }
 };
 
-/// What pricing one cell finds; cells are merged in their order.
+/// A cell, or a part of one, and what pricing it finds; they are merged in their order.
 template <class Scalar>
-struct Pricer<Scalar>::Cell {
+struct Pricer<Scalar>::Part {
+  SiteNumber site;
+  std::span<const PointNumber> members;
+  std::span<double> bounds = {};  ///< those of CellBounds, if any are kept
+  double radius = 0;
   double gap = 0;
   double worst = 0;
   double energy = 0;
@@ -74,56 +55,120 @@ struct Pricer<Scalar>::Cell {
 
 template <class Scalar>
 struct Pricer<Scalar>::Scratch {
-  std::vector<double> squared;   ///< of the distance between the cell's site and each site
-  std::vector<double> least;     ///< of each site, what it costs the cell's points at least
-  std::vector<SiteNumber> near;  ///< the sites that can be cheapest
-  std::vector<double> constant;  ///< of each: L^2 + w_i - w_j
-  std::vector<double> x;         ///< the cell's points relative to its site, one after the other
-  double scale = 1;              ///< brings the cell into the range of float
-  double margin = 0;             ///< bounds the error of scaled costs
-  std::vector<float> v;          ///< of each: 2 (s_j - s_i), scaled, padded to whole tiles
-  std::vector<float> c;          ///< constant, scaled, padded
-  std::vector<float> block;
-  std::vector<float> cost;
-  std::vector<float> lowest;
-  std::vector<float> limit;
-  std::vector<Index> place;
-  std::vector<std::vector<SiteNumber>> found;  ///< for each point of the block, those of `near`
+  std::vector<double> squared;  ///< of the distance between the cell's site and each site
+  std::vector<double> least;    ///< of each site, what it costs the cell's points at least
+  std::vector<double> own;      ///< what each point costs its own site
+  std::vector<SiteNumber> near;
+  CellProduct product;
 };
 
 template <class Scalar>
 Pricer<Scalar>::Pricer(const Metric& metric, PointsView<Scalar> points, const Arena& arena)
     : metric_(metric), points_(points), arena_(arena) {}
 
-/// In parallel; the result is in the order of cells, and within them of points.
+/// The cells, in parts; but for those of which bounds say that no point costs less elsewhere.
 template <class Scalar>
-auto Pricer<Scalar>::price_cells(const Task& task, const Grouping& groups) const
-    -> std::vector<Cell> {
-  const auto parts = parts_of(groups);
-  std::vector<Cell> cells(parts.size());
+auto Pricer<Scalar>::parts_of(Task& task, const Grouping& groups) const -> std::vector<Part> {
+  const std::size_t n = task.sites.count();
+  std::vector<std::uint8_t> settled(n, 0);
+  if (task.covered) {
+    PerWorker<std::vector<SiteNumber>> near(arena_);
+    arena_.for_ranges(n, 16, [&](std::size_t begin, std::size_t end, int worker) {
+      for (const SiteNumber s : sites_between(begin, end)) {
+        task.kept->select(s, task.sites.weight, near[worker]);
+        settled[s] = near[worker].empty() ? 1 : 0;
+      }
+    });
+  }
+  std::vector<Part> parts;
+  for (const SiteNumber s : sites_below(n)) {
+    if (settled[s] != 0) continue;
+    for (auto rest = groups.of(s); !rest.empty();) {
+      const std::size_t size = std::min(rest.size(), kPartPoints);
+      parts.push_back({s, rest.first(size)});
+      rest = rest.subspan(size);
+    }
+  }
+  if (task.kept == nullptr) return parts;
+  std::vector<Part*> shared;  // by other parts of the same cell
+  for (Part& part : parts) {
+    part.bounds = task.kept->of(part.site);
+    if (part.members.size() < groups.of(part.site).size()) shared.push_back(&part);
+  }
+  task.rows.resize(shared.size() * n);
+  auto rows = std::span(task.rows);
+  for (Part* const part : shared) {
+    std::copy(part->bounds.begin(), part->bounds.end(), rows.begin());
+    part->bounds = rows.first(n);
+    rows = rows.subspan(n);
+  }
+  return parts;
+}
+
+template <class Scalar>
+void Pricer<Scalar>::price_parts(const Task& task, std::vector<Part>& parts) const {
   PerWorker<Scratch> scratch(arena_);
   arena_.for_ranges(parts.size(), 4, [&](std::size_t begin, std::size_t end, int worker) {
     for (std::size_t k = begin; k < end; ++k) {
       arena_.check();
-      price_cell(task, parts[k].members, parts[k].site, scratch[worker], cells[k]);
+      price_part(task, parts[k], scratch[worker]);
     }
   });
-  return cells;
+}
+
+/// A cell's bounds are the least of its parts'.
+template <class Scalar>
+void Pricer<Scalar>::keep(CellBounds& kept, const std::vector<Part>& parts) {
+  const Part* before = nullptr;
+  for (const Part& part : parts) {
+    double& radius = kept.radius(part.site);
+    const std::span<double> bounds = kept.of(part.site);
+    if (before == nullptr || before->site != part.site) {
+      radius = part.radius;
+      if (bounds.data() != part.bounds.data()) {
+        std::copy(part.bounds.begin(), part.bounds.end(), bounds.begin());
+      }
+    } else {
+      std::transform(bounds.begin(), bounds.end(), part.bounds.begin(), bounds.begin(),
+                     [](double a, double b) { return std::min(a, b); });
+    }
+    radius = std::max(radius, part.radius);
+    before = &part;
+  }
 }
 
 template <class Scalar>
-Prices Pricer<Scalar>::price(const WeightedSites& sites, std::vector<Index>& owners) const {
+Prices Pricer<Scalar>::price(const WeightedSites& sites, std::vector<Index>& owners,
+                             CellBounds* kept) const {
   const Grouping groups(owners, sites.count());
-  const Task task{sites, owners, packs_of(sites.position, sites.dimension)};
-  const std::vector<Cell> cells = price_cells(task, groups);
+  Task task{sites,
+            owners,
+            kept,
+            kept != nullptr && kept->cover(owners),
+            packs_of(sites.position, sites.dimension),
+            {}};
+  if (task.covered) {
+    kept->follow(sites.position, groups, points_, arena_);
+  } else if (kept != nullptr) {
+    kept->forget(sites.position);
+  }
+  const std::vector<Index> given = kept != nullptr ? owners : std::vector<Index>();
+  std::vector<Part> parts = parts_of(task, groups);
+  price_parts(task, parts);
   Prices prices;
   double saved = 0;
-  for (const Cell& cell : cells) {
-    prices.gap += cell.gap;
-    prices.worst = std::max(prices.worst, cell.worst);
-    prices.energy += cell.energy;
-    saved += cell.saved;
-    prices.moved += cell.moved;
+  for (const Part& part : parts) {
+    prices.gap += part.gap;
+    prices.worst = std::max(prices.worst, part.worst);
+    prices.energy += part.energy;
+    saved += part.saved;
+    prices.moved += part.moved;
+  }
+  if (kept != nullptr) {
+    keep(*kept, parts);
+    kept->set_covered(given);
+    const std::vector<double>& own = kept->own_costs();
+    prices.energy = sum_of(arena_, own.size(), 4096, [&](std::size_t p) { return own[p]; });
   }
   prices.cheapest_energy = prices.energy - saved;
   return prices;
@@ -136,11 +181,11 @@ std::vector<Index> Pricer<Scalar>::cheapest(const WeightedSites& sites) const {
   return owners;
 }
 
-/// Fills `near` and `constant` with the sites that some point within `radius` of `site` may prefer.
+/// Gives the product the sites that some point within `radius` of `site` may prefer.
 template <class Scalar>
-void Pricer<Scalar>::select_sites(const Task& task, SiteNumber site, double radius,
-                                  Scratch& scratch) const {
+void Pricer<Scalar>::select_sites(const Task& task, const Part& part, Scratch& scratch) const {
   const WeightedSites& sites = task.sites;
+  const SiteNumber site = part.site;
   const int dimension = points_.dimension;
   scratch.squared.resize(task.packs.size() / sites.dimension);
   scratch.least.resize(sites.count());
@@ -157,158 +202,106 @@ void Pricer<Scalar>::select_sites(const Task& task, SiteNumber site, double radi
   for (const SiteNumber j : sites_below(sites.count())) {
     const double squared = scratch.squared[j];
     const double constant = squared + own_weight - task.weight(j);
-    const double reach = 2 * radius * std::sqrt(squared);
+    const double reach = 2 * part.radius * std::sqrt(squared);
     const double rounding =
         relative * (squared + reach + std::abs(own_weight) + std::abs(task.weight(j))) + underflow;
     scratch.least[j] = constant - reach - rounding;
     ceiling = std::min(ceiling, constant + reach + rounding);
+    if (!part.bounds.empty()) part.bounds[j] = squared - reach - rounding;
   }
-  scratch.near.clear();
-  scratch.constant.clear();
+  scratch.product.clear();
   for (const SiteNumber j : sites_below(sites.count())) {
     if (scratch.least[j] > ceiling) continue;
-    scratch.near.push_back(j);
-    scratch.constant.push_back(scratch.squared[j] + own_weight - task.weight(j));
+    const double squared = scratch.squared[j];
+    scratch.product.add(j, squared, squared + own_weight - task.weight(j));
   }
 }
 
+/// The same from the bounds kept.
 template <class Scalar>
-void Pricer<Scalar>::price_cell(const Task& task, std::span<const PointNumber> members,
-                                SiteNumber site, Scratch& scratch, Cell& result) const {
-  const std::size_t dimension = task.sites.dimension;
-  const double* own = task.sites.at(site);
-  scratch.x.resize(members.size() * dimension);
-  double farthest = 0;
-  double* x = scratch.x.data();
-  for (const PointNumber p : members) {
-    const Scalar* from = points_[p.index()];
-    double squared = 0;
-    for (std::size_t d = 0; d < dimension; ++d) {
-      x[d] = metric_.wrap(from[d] - own[d], d);
-      squared += x[d] * x[d];
-    }
-    result.energy += squared;
-    farthest = std::max(farthest, squared);
-    x += dimension;
+void Pricer<Scalar>::select_known(const Task& task, const Part& part, Scratch& scratch) const {
+  task.kept->select(part.site, task.sites.weight, scratch.near);
+  scratch.near.push_back(part.site);
+  scratch.product.clear();
+  for (const SiteNumber j : scratch.near) {
+    const double squared =
+        squared_difference(task.sites.at(part.site), task.sites.at(j), points_.dimension);
+    scratch.product.add(j, squared, squared + task.weight(part.site) - task.weight(j));
   }
-  const double radius = std::sqrt(farthest) * (1 + 1e-14 * points_.dimension);
-  select_sites(task, site, radius, scratch);
-  if (scratch.near.size() == 1 && scratch.near[0] == site) return;
+}
+
+/// To what the products have shown.
+template <class Scalar>
+void Pricer<Scalar>::raise_bounds(const Task& task, const Part& part, const CellProduct& product) {
+  const double own = task.weight(part.site);
+  for (std::size_t n = 0; n < product.near().size(); ++n) {
+    const SiteNumber j = product.near()[n];
+    const double least = product.least(n);
+    const double rounding = 1e-14 * (std::abs(least) + std::abs(own) + std::abs(task.weight(j)));
+    part.bounds[j] = std::max(part.bounds[j], least - (own - task.weight(j)) - rounding);
+  }
+}
+
+/// What a part costs now, and how far it reaches.
+template <class Scalar>
+void Pricer<Scalar>::survey(const Task& task, Part& part, Scratch& scratch) const {
+  const double* const own = task.sites.at(part.site);
+  std::vector<double>& squared = scratch.own;
   if (metric_.periodic()) {
-    for (const PointNumber p : members) decide(task, p, site, scratch.near, result);
+    squared.resize(part.members.size());
+    std::transform(part.members.begin(), part.members.end(), squared.begin(), [&](PointNumber p) {
+      return metric_.squared_distance(points_[p.index()], own);
+    });
+  } else {
+    squared_distances(points_, part.members, own, squared);
+  }
+  double farthest = 0;
+  for (std::size_t k = 0; k < squared.size(); ++k) {
+    part.energy += squared[k];
+    farthest = std::max(farthest, squared[k]);
+    if (task.kept != nullptr) task.kept->own_costs()[part.members[k]] = squared[k];
+  }
+  const double underflow = points_.dimension * std::numeric_limits<double>::min();
+  part.radius = std::sqrt(farthest + underflow) * (1 + 1e-14 * points_.dimension);
+}
+
+template <class Scalar>
+void Pricer<Scalar>::price_part(const Task& task, Part& part, Scratch& scratch) const {
+  const std::span<const PointNumber> members = part.members;
+  const SiteNumber site = part.site;
+  if (task.covered) {
+    part.radius = task.kept->radius(site);
+    select_known(task, part, scratch);
+  } else {
+    survey(task, part, scratch);
+    select_sites(task, part, scratch);
+  }
+  CellProduct& product = scratch.product;
+  if (product.near().size() == 1 && product.near()[0] == site) return;
+  if (metric_.periodic()) {
+    for (const PointNumber p : members) decide(task, p, product.near(), part);
     return;
   }
-  prepare_product(task, site, radius, scratch);
-  for (std::size_t first = 0; first < members.size(); first += kBlockPoints) {
+  product.prepare(task.sites, site, part.radius);
+  for (auto rest = members; !rest.empty();) {
     arena_.check();
-    const std::size_t count = std::min(kBlockPoints, members.size() - first);
-    price_block(task, members.subspan(first, count), scratch.x.data() + first * dimension, site,
-                scratch, result);
-  }
-}
-
-/// Sets up float costs for the sites selected: |p - s_j|^2 - w_j less the same for the cell's site
-/// is constant_j - x . 2 (s_j - s_i), with x = p - s_i. In units in which no term is large.
-template <class Scalar>
-void Pricer<Scalar>::prepare_product(const Task& task, SiteNumber site, double radius,
-                                     Scratch& scratch) const {
-  const std::size_t dimension = task.sites.dimension;
-  const std::size_t near = scratch.near.size();
-  double longest = 0;
-  double largest_constant = 0;
-  for (std::size_t n = 0; n < near; ++n) {
-    longest = std::max(longest, scratch.squared[scratch.near[n]]);
-    largest_constant = std::max(largest_constant, std::abs(scratch.constant[n]));
-  }
-  const double largest = std::max({radius * radius, longest, largest_constant});
-  // No more than what still has a square.
-  scratch.scale =
-      largest > 0 ? std::exp2(std::min(kMostScale, -std::ceil(std::log2(largest) / 2))) : 1;
-  const double squared_scale = scratch.scale * scratch.scale;
-  const std::size_t tile = kernels::kCostSites;
-  const std::size_t padded = (near + tile - 1) / tile * tile;
-  scratch.v.resize(padded * dimension);
-  scratch.c.resize(padded);
-  float* v = scratch.v.data();
-  const double* own = task.sites.at(site);
-  for (std::size_t n = 0; n < padded; ++n) {
-    const double* other = task.sites.at(scratch.near[std::min(n, near - 1)]);
-    for (std::size_t d = 0; d < dimension; ++d) {
-      *v++ = static_cast<float>(2 * scratch.scale * (other[d] - own[d]));
+    const auto some = rest.first(std::min(CellProduct::kPoints, rest.size()));
+    product.multiply(points_, some);
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      const std::vector<SiteNumber>& found = product.cheapest(k);
+      if (found.size() == 1 && found[0] == site) continue;
+      decide(task, some[k], found, part);
     }
-    scratch.c[n] = n < near ? static_cast<float>(scratch.constant[n] * squared_scale)
-                            : std::numeric_limits<float>::max();
+    rest = rest.subspan(some.size());
   }
-  // Rounding of x, v and the constant, and of a sum of dimension + 1 terms; and underflow, of v
-  // times an x of at most 1.
-  constexpr double kEpsilon = std::numeric_limits<float>::epsilon();
-  constexpr double kLeast = std::numeric_limits<float>::min();
-  scratch.margin =
-      (points_.dimension + 6) *
-      (kEpsilon * (2 * radius * std::sqrt(longest) + largest_constant) * squared_scale + kLeast);
-}
-
-/// `x`: the members relative to the cell's site, one after the other.
-template <class Scalar>
-void Pricer<Scalar>::price_block(const Task& task, std::span<const PointNumber> members,
-                                 const double* x, SiteNumber site, Scratch& scratch,
-                                 Cell& result) const {
-  const std::ptrdiff_t dimension = points_.dimension;
-  const auto count = static_cast<Index>(members.size());
-  const Index step = kernels::product_points();
-  const Index stride = (count + step - 1) / step * step;
-  const auto wide = static_cast<std::size_t>(stride);
-  scratch.block.resize(wide * task.sites.dimension);
-  for (Index k = 0; k < count; ++k) {
-    float* to = scratch.block.data() + k;
-    for (std::ptrdiff_t d = 0; d < dimension; ++d, to += stride) {
-      *to = static_cast<float>(*x++ * scratch.scale);
-    }
-  }
-  float* stream = scratch.block.data();
-  for (std::ptrdiff_t d = 0; d < dimension; ++d, stream += stride) {
-    std::fill(stream + count, stream + stride, stream[count - 1]);
-  }
-
-  const auto near = static_cast<Index>(scratch.near.size());
-  const auto padded = static_cast<Index>(scratch.c.size());
-  scratch.lowest.assign(wide, std::numeric_limits<float>::max());
-  scratch.limit.assign(wide, std::numeric_limits<float>::lowest());
-  scratch.cost.resize(wide * static_cast<std::size_t>(std::min(padded, kChunkSites)));
-  scratch.place.resize(scratch.cost.size());
-  scratch.found.resize(kBlockPoints);
-  for (auto& list : scratch.found) list.clear();
-  const double allowance = 2 * scratch.margin;
-  for (Index begin = 0; begin < near; begin += kChunkSites) {
-    const Index rows = std::min(kChunkSites, padded - begin);
-    kernels::site_costs(scratch.block.data(), stride, points_.dimension,
-                        scratch.v.data() + begin * dimension, scratch.c.data() + begin, rows,
-                        scratch.cost.data(), scratch.lowest.data());
-    for (std::size_t k = 0; k < members.size(); ++k) {
-      const double limit = scratch.lowest[k] + allowance;
-      scratch.limit[k] =
-          std::nextafter(static_cast<float>(limit), std::numeric_limits<float>::infinity());
-    }
-    const Index found =
-        kernels::costs_within(scratch.cost.data(), stride, std::min(rows, near - begin),
-                              scratch.limit.data(), scratch.place.data());
-    const SiteNumber* chunk = scratch.near.data() + begin;
-    const Index* place = scratch.place.data();
-    for (const Index* const end = place + found; place < end; ++place) {
-      scratch.found.data()[*place % stride].push_back(chunk[*place / stride]);
-    }
-  }
-  for (std::size_t k = 0; k < members.size(); ++k) {
-    const std::vector<SiteNumber>& found = scratch.found[k];
-    if (found.size() == 1 && found[0] == site) continue;
-    decide(task, members[k], site, found, result);
-  }
+  if (!part.bounds.empty()) raise_bounds(task, part, product);
 }
 
 /// Evaluates the sites found for a point in double.
 template <class Scalar>
-void Pricer<Scalar>::decide(const Task& task, PointNumber point, SiteNumber site,
-                            std::span<const SiteNumber> found, Cell& result) const {
+void Pricer<Scalar>::decide(const Task& task, PointNumber point, std::span<const SiteNumber> found,
+                            Part& part) const {
+  const SiteNumber site = part.site;
   const Scalar* x = points_[point.index()];
   const auto choice_of = [&](SiteNumber j) {
     const double cost = metric_.periodic()
@@ -331,10 +324,10 @@ void Pricer<Scalar>::decide(const Task& task, PointNumber point, SiteNumber site
     }
   }
   if (!(cheapest.reduced < own.reduced)) return;
-  result.gap += own.reduced - cheapest.reduced;
-  result.worst = std::max(result.worst, own.reduced - cheapest.reduced);
-  result.saved += own.cost - cheapest.cost;
-  ++result.moved;
+  part.gap += own.reduced - cheapest.reduced;
+  part.worst = std::max(part.worst, own.reduced - cheapest.reduced);
+  part.saved += own.cost - cheapest.cost;
+  ++part.moved;
   task.owners[point] = cheapest.site.index();
 }
 

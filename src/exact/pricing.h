@@ -6,27 +6,16 @@
 #include <vector>
 
 #include "ccvt/types.h"
+#include "exact/cell_bounds.h"
 #include "exact/grouping.h"
+#include "exact/weighted_sites.h"
 #include "geometry/metric.h"
 #include "numbers.h"
 #include "parallel/arena.h"
 
 namespace ccvt {
 
-/// n sites with a weight each; a point p costs site s the reduced cost |p - s|^2 - weight[s].
-struct WeightedSites {
-  WeightedSites(std::span<const double> positions, std::span<const double> weights)
-      : position(positions), weight(weights), dimension(positions.size() / weights.size()) {}
-
-  [[nodiscard]] std::size_t count() const { return weight.size(); }
-  [[nodiscard]] const double* at(SiteNumber site) const {
-    return position.data() + site * dimension;
-  }
-
-  std::span<const double> position;  ///< one site after the other
-  std::span<const double> weight;
-  std::size_t dimension;
-};
+class CellProduct;
 
 /// What pricing all points finds.
 struct Prices {
@@ -56,24 +45,29 @@ class Pricer {
 
   /// `owners`: of every point, used to group them, replaced by the cheapest site; a point stays
   /// where nothing is cheaper. Same result for any number of threads.
-  Prices price(const WeightedSites& sites, std::vector<Index>& owners) const;
+  ///
+  /// `kept`: bounds of the cells, from the pricing before. Where they cover the owners given, only
+  /// sites that they do not rule out are looked at; they cover those owners afterwards.
+  Prices price(const WeightedSites& sites, std::vector<Index>& owners,
+               CellBounds* kept = nullptr) const;
 
   /// The site of least reduced cost for every point.
   std::vector<Index> cheapest(const WeightedSites& sites) const;
 
  private:
-  struct Cell;
+  struct Part;
   struct Scratch;
   struct Task;
-  std::vector<Cell> price_cells(const Task& task, const Grouping& groups) const;
-  void price_cell(const Task& task, std::span<const PointNumber> members, SiteNumber site,
-                  Scratch& scratch, Cell& result) const;
-  void select_sites(const Task& task, SiteNumber site, double radius, Scratch& scratch) const;
-  void prepare_product(const Task& task, SiteNumber site, double radius, Scratch& scratch) const;
-  void price_block(const Task& task, std::span<const PointNumber> members, const double* x,
-                   SiteNumber site, Scratch& scratch, Cell& result) const;
-  void decide(const Task& task, PointNumber point, SiteNumber site,
-              std::span<const SiteNumber> found, Cell& result) const;
+  std::vector<Part> parts_of(Task& task, const Grouping& groups) const;
+  void price_parts(const Task& task, std::vector<Part>& parts) const;
+  static void keep(CellBounds& kept, const std::vector<Part>& parts);
+  void price_part(const Task& task, Part& part, Scratch& scratch) const;
+  void select_sites(const Task& task, const Part& part, Scratch& scratch) const;
+  void select_known(const Task& task, const Part& part, Scratch& scratch) const;
+  static void raise_bounds(const Task& task, const Part& part, const CellProduct& product);
+  void survey(const Task& task, Part& part, Scratch& scratch) const;
+  void decide(const Task& task, PointNumber point, std::span<const SiteNumber> found,
+              Part& part) const;
 
   const Metric& metric_;
   PointsView<Scalar> points_;

@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "kernels/nearest.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, as Highway asks.
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -138,17 +139,92 @@ HWY_INLINE void packed_distances(const double* query, const double* positions, I
   const hn::CappedTag<double, kPack> tag;
   const auto lanes = static_cast<Index>(hn::Lanes(tag));
   const std::ptrdiff_t size = std::ptrdiff_t{kPack} * dimension;
-  for (Index pack = 0; pack < packs; ++pack, positions += size, out += kPack) {
+  // Two packs at a time, so that additions need not wait for one another.
+  for (Index pack = 0; pack < packs; pack += 2, positions += 2 * size, out += 2 * kPack) {
+    const std::ptrdiff_t next = pack + 1 < packs ? 1 : 0;
     for (Index l = 0; l < kPack; l += lanes) {
-      auto squared = hn::Zero(tag);
-      for (std::ptrdiff_t d = 0; d < dimension; ++d) {
-        const auto at = hn::LoadU(tag, positions + d * kPack + l);
-        const auto difference = turn(tag, hn::Sub(hn::Set(tag, query[d]), at), d);
-        squared = hn::Add(squared, hn::Mul(difference, difference));
+      auto first = hn::Zero(tag);
+      auto second = first;
+      const double* position = positions + l;
+      for (std::ptrdiff_t d = 0; d < dimension; ++d, position += kPack) {
+        const auto at = hn::Set(tag, query[d]);
+        const auto a = turn(tag, hn::Sub(at, hn::LoadU(tag, position)), d);
+        const auto b = turn(tag, hn::Sub(at, hn::LoadU(tag, position + next * size)), d);
+        first = hn::Add(first, hn::Mul(a, a));
+        second = hn::Add(second, hn::Mul(b, b));
       }
-      hn::StoreU(squared, tag, out + l);
+      hn::StoreU(first, tag, out + l);
+      hn::StoreU(second, tag, out + next * kPack + l);
     }
   }
+}
+
+/// As many vectors as there are to eight sums, of three points at a time.
+template <class Scalar>
+HWY_INLINE void distances_of(const Scalar* const* points, Index count, int dimension,
+                             const double* query, double* out) {
+  const hn::CappedTag<double, kPartials> tag;
+  const hn::Rebind<Scalar, decltype(tag)> from;
+  const auto lanes = static_cast<Index>(hn::Lanes(tag));
+  const int whole = dimension / kPartials * kPartials;
+  constexpr Index kRows = 3;
+  constexpr int kLine = 64 / sizeof(Scalar);
+  constexpr int kPrefetched = 16 * kLine;
+  const auto squared_to = [&](auto& sum, const Scalar* x, const auto& at) HWY_ATTR {
+    const auto values = hn::LoadU(from, x);
+    auto difference = hn::Zero(tag);
+    if constexpr (std::is_same_v<Scalar, float>) {
+      difference = hn::Sub(hn::PromoteTo(tag, values), at);
+    } else {
+      difference = hn::Sub(values, at);
+    }
+    sum = hn::Add(sum, hn::Mul(difference, difference));
+  };
+  for (Index k = 0; k < count; k += kRows) {
+    std::array<const Scalar*, kRows> row{};
+    for (Index r = 0; r < kRows; ++r) row.data()[r] = points[std::min(k + r, count - 1)];
+    // They are scattered, and little is read of each.
+    for (Index r = k + kRows; r < std::min(k + 2 * kRows, count); ++r) {
+      for (int d = 0; d < std::min(dimension, kPrefetched); d += kLine) {
+        hwy::Prefetch(points[r] + d);
+      }
+    }
+    std::array<std::array<double, kPartials>, kRows> part;  // set below
+    for (Index l = 0; l < kPartials; l += lanes) {
+      auto a = hn::Zero(tag);
+      auto b = a;
+      auto c = a;
+      for (std::ptrdiff_t d = l; d < whole; d += kPartials) {
+        const auto at = hn::LoadU(tag, query + d);
+        squared_to(a, row[0] + d, at);
+        squared_to(b, row[1] + d, at);
+        squared_to(c, row[2] + d, at);
+      }
+      hn::StoreU(a, tag, part[0].data() + l);
+      hn::StoreU(b, tag, part[1].data() + l);
+      hn::StoreU(c, tag, part[2].data() + l);
+    }
+    for (Index r = 0; r < std::min(kRows, count - k); ++r) {
+      const std::array<double, kPartials>& p = part.data()[r];
+      double sum = ((p[0] + p[4]) + (p[1] + p[5])) + ((p[2] + p[6]) + (p[3] + p[7]));
+      for (int d = whole; d < dimension; ++d) {
+        const double to = row.data()[r][d];
+        const double difference = to - query[d];
+        sum += difference * difference;
+      }
+      out[k + r] = sum;
+    }
+  }
+}
+
+void float32_distances(const float* const* points, Index count, int dimension, const double* query,
+                       double* out) {
+  distances_of(points, count, dimension, query, out);
+}
+
+void float64_distances(const double* const* points, Index count, int dimension, const double* query,
+                       double* out) {
+  distances_of(points, count, dimension, query, out);
 }
 
 void packed(const double* query, const double* positions, Index packs, int dimension,
@@ -188,6 +264,21 @@ HWY_EXPORT(packed);
 void squared_distances(const double* query, const double* positions, Index packs, int dimension,
                        const double* extent, double* out) {
   HWY_DYNAMIC_DISPATCH(packed)(query, positions, packs, dimension, extent, out);
+}
+
+HWY_EXPORT(float32_distances);
+HWY_EXPORT(float64_distances);
+
+template <>
+void squared_distances_of(const float* const* points, Index count, int dimension,
+                          const double* query, double* out) {
+  HWY_DYNAMIC_DISPATCH(float32_distances)(points, count, dimension, query, out);
+}
+
+template <>
+void squared_distances_of(const double* const* points, Index count, int dimension,
+                          const double* query, double* out) {
+  HWY_DYNAMIC_DISPATCH(float64_distances)(points, count, dimension, query, out);
 }
 
 }  // namespace ccvt::kernels

@@ -28,4 +28,10 @@ constexpr Index kPack = 8;
 void squared_distances(const double* query, const double* positions, Index packs, int dimension,
                        const double* extent, double* out);
 
+/// The squared distances from `query` to `count` points of `dimension` values each: bit for bit
+/// squared_difference() of geometry/squares.h.
+template <class Scalar>
+void squared_distances_of(const Scalar* const* points, Index count, int dimension,
+                          const double* query, double* out);
+
 }  // namespace ccvt::kernels

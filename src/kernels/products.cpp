@@ -103,6 +103,17 @@ Index places_within(const float* cost, Index stride, Index rows, const float* li
   return found;
 }
 
+void rows_least(const float* cost, Index stride, Index rows, float* least) {
+  const hn::ScalableTag<float> wide;
+  const auto lanes = static_cast<Index>(hn::Lanes(wide));
+  for (Index row = 0; row < rows; ++row) {
+    auto a = hn::LoadU(wide, cost);
+    for (Index k = lanes; k < stride; k += lanes) a = hn::Min(a, hn::LoadU(wide, cost + k));
+    least[row] = hn::GetLane(hn::MinOfLanes(wide, a));
+    cost += stride;
+  }
+}
+
 template <class Tag>
 HWY_INLINE hn::Vec<Tag> square_to(Tag tag, const float* block, Index stride, int dimension,
                                   const float* q, Index k) {
@@ -221,6 +232,7 @@ namespace ccvt::kernels {
 HWY_EXPORT(points_of_products);
 HWY_EXPORT(costs_of_sites);
 HWY_EXPORT(places_within);
+HWY_EXPORT(rows_least);
 HWY_EXPORT(squares_lowered);
 HWY_EXPORT(sum_lowered);
 
@@ -234,6 +246,10 @@ void site_costs(const float* block, Index stride, int dimension, const float* v,
 
 Index costs_within(const float* cost, Index stride, Index rows, const float* limit, Index* places) {
   return HWY_DYNAMIC_DISPATCH(places_within)(cost, stride, rows, limit, places);
+}
+
+void least_costs(const float* cost, Index stride, Index rows, float* least) {
+  HWY_DYNAMIC_DISPATCH(rows_least)(cost, stride, rows, least);
 }
 
 void lower_squares(const float* block, Index stride, int dimension, const float* q,

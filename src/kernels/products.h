@@ -21,6 +21,9 @@ void site_costs(const float* block, Index stride, int dimension, const float* v,
 /// returns how many there are. `places` has room for rows * stride.
 Index costs_within(const float* cost, Index stride, Index rows, const float* limit, Index* places);
 
+/// least[row] = the least of the costs of each row.
+void least_costs(const float* cost, Index stride, Index rows, float* least);
+
 /// squared[k] = |x_k - q|^2 where that is less than squared[k].
 void lower_squares(const float* block, Index stride, int dimension, const float* q, float* squared);
 

@@ -1,0 +1,192 @@
+#include "exact/cell_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "exact/distances.h"
+#include "exact/packs.h"
+#include "kernels/nearest.h"
+#include "parallel/loops.h"
+
+namespace ccvt {
+namespace {
+
+/// n^2 at most: 256 MB.
+constexpr std::size_t kMostPairs = std::size_t{1} << 25;
+/// With no more points that come to a cell than this, one at a time costs less than a product.
+constexpr std::size_t kFewPoints = 4;
+constexpr double kNone = std::numeric_limits<double>::infinity();
+
+/// Of sums of squares.
+double rounding_share(int dimension) { return 1e-14 * (1 + dimension / 64.0); }
+double underflow_of(int dimension) { return dimension * std::numeric_limits<double>::min(); }
+
+}  // namespace
+
+bool CellBounds::fit(const Metric& metric, std::size_t sites) {
+  return !metric.periodic() && sites * sites <= kMostPairs;
+}
+
+CellBounds::CellBounds(std::size_t points, std::size_t sites)
+    : bounds_(sites * sites), radius_(sites), own_costs_(points), covered_(points, kNowhere) {}
+
+void CellBounds::forget(std::span<const double> sites) {
+  std::fill(covered_.begin(), covered_.end(), kNowhere);
+  std::fill(bounds_.begin(), bounds_.end(), kNone);
+  std::fill(radius_.begin(), radius_.end(), 0.0);
+  sites_.assign(sites.begin(), sites.end());
+  dimension_ = static_cast<int>(sites.size() / count());
+}
+
+void CellBounds::select(SiteNumber site, std::span<const double> weights,
+                        std::vector<SiteNumber>& near) {
+  near.clear();
+  const double own = weights[site];
+  const std::span<const double> bounds = of(site);
+  for (const SiteNumber j : sites_below(count())) {
+    const double constant = own - weights[j];
+    const double rounding = 1e-14 * (std::abs(own) + std::abs(weights[j]) + std::abs(bounds[j]));
+    if (j != site && !(bounds[j] + constant > rounding)) near.push_back(j);
+  }
+}
+
+/// Moves a site; returns by how much |p - site|^2 grows at most over its members.
+template <class Scalar>
+double CellBounds::step(SiteNumber site, const double* to, std::span<const PointNumber> members,
+                        PointsView<Scalar> points, std::vector<double>& squared) {
+  squared_distances(points, members, to, squared);
+  const double share = rounding_share(dimension_);
+  const double underflow = underflow_of(dimension_);
+  double growth = -kNone;
+  double farthest = 0;
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    double& own = own_costs_[members[k]];
+    growth = std::max(growth, squared[k] - own + share * (squared[k] + own));
+    farthest = std::max(farthest, squared[k]);
+    own = squared[k];
+  }
+  radius_[site] = std::sqrt(farthest + underflow) * (1 + share);
+  return growth + underflow;
+}
+
+/// From a site at `position`, whose points' own costs grew by no more than that.
+void CellBounds::follow_steps(SiteNumber site, const double* position, double growth,
+                              std::vector<double>& squared) {
+  const std::span<double> bounds = of(site);
+  if (growth != 0) {
+    for (double& bound : bounds) bound -= growth + 1e-15 * (std::abs(bound) + std::abs(growth));
+  }
+  const std::size_t size = before_.size() / static_cast<std::size_t>(dimension_);
+  squared.resize(2 * size);
+  double* const before = squared.data();
+  double* const after = before + size;
+  const auto packs = static_cast<Index>(size) / kernels::kPack;
+  kernels::squared_distances(position, before_.data(), packs, dimension_, nullptr, before);
+  kernels::squared_distances(position, after_.data(), packs, dimension_, nullptr, after);
+  const double radius = radius_[site];
+  const double share = rounding_share(dimension_);
+  const double underflow = underflow_of(dimension_);
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    const double reach = 2 * radius * length_[k];
+    const double across = 2 * radius * std::sqrt(after[k]);
+    double& bound = bounds[moved_[k]];
+    const double rounding = share * (before[k] + after[k] + reach + across) + underflow;
+    bound = std::max(bound + (after[k] - before[k]) - reach - 1e-15 * std::abs(bound),
+                     after[k] - across) -
+            rounding;
+  }
+}
+
+template <class Scalar>
+void CellBounds::follow(std::span<const double> sites, const Grouping& groups,
+                        PointsView<Scalar> points, const Arena& arena) {
+  const auto dimension = static_cast<std::size_t>(dimension_);
+  moved_.clear();
+  length_.clear();
+  std::vector<double> from;
+  std::vector<double> to;
+  std::vector<std::uint8_t> moves(count(), 0);
+  for (const SiteNumber s : sites_below(count())) {
+    const double* const x = sites_.data() + s * dimension;
+    const double* const y = sites.data() + s * dimension;
+    if (std::equal(x, x + dimension, y)) continue;
+    double squared = 0;
+    for (std::size_t d = 0; d < dimension; ++d) squared += (y[d] - x[d]) * (y[d] - x[d]);
+    moves[s] = 1;
+    moved_.push_back(s);
+    length_.push_back(std::sqrt(squared + underflow_of(dimension_)) *
+                      (1 + rounding_share(dimension_)));
+    from.insert(from.end(), x, x + dimension);
+    to.insert(to.end(), y, y + dimension);
+  }
+  if (moved_.empty()) return;
+  before_ = packs_of(from, dimension);
+  after_ = packs_of(to, dimension);
+  PerWorker<std::vector<double>> squared(arena);
+  arena.for_ranges(count(), 4, [&](std::size_t begin, std::size_t end, int worker) {
+    for (const SiteNumber s : sites_between(begin, end)) {
+      const auto members = groups.of(s);
+      if (members.empty()) continue;
+      arena.check();
+      const double* const position = sites.data() + s * dimension;
+      const double growth = moves[s] != 0 ? step(s, position, members, points, squared[worker]) : 0;
+      follow_steps(s, position, growth, squared[worker]);
+    }
+  });
+  sites_.assign(sites.begin(), sites.end());
+}
+
+void CellBounds::include(SiteNumber site, PointNumber point, std::span<const double> squared) {
+  covered_[point] = site.index();
+  own_costs_[point] = squared[site];
+  const double share = rounding_share(dimension_);
+  radius_[site] =
+      std::max(radius_[site], std::sqrt(squared[site] + underflow_of(dimension_)) * (1 + share));
+  const std::span<double> bounds = of(site);
+  for (std::size_t j = 0; j < count(); ++j) {
+    const double rounding = share * (squared[j] + squared[site]) + underflow_of(dimension_);
+    bounds[j] = std::min(bounds[j], squared[j] - squared[site] - rounding);
+  }
+}
+
+std::span<const double> CellBounds::include(SiteNumber site, std::span<const PointNumber> members,
+                                            const MoveCosts& costs, MoveCosts::Scratch& scratch) {
+  std::vector<PointNumber> came;
+  for (const PointNumber p : members) {
+    if (covered_[p] != site.index()) came.push_back(p);
+  }
+  if (came.size() <= kFewPoints) {
+    for (const PointNumber p : came) include(site, p, costs.squared_to_all(p, scratch));
+    return of(site);
+  }
+  const std::span<const double> least = costs.bounds(site, came, scratch);
+  const std::span<double> bounds = of(site);
+  for (std::size_t j = 0; j < count(); ++j) bounds[j] = std::min(bounds[j], least[j]);
+  radius_[site] = std::max(radius_[site], scratch.radius);
+  costs.squared(came, site, scratch.position);
+  for (std::size_t k = 0; k < came.size(); ++k) {
+    covered_[came[k]] = site.index();
+    own_costs_[came[k]] = scratch.position[k];
+  }
+  return bounds;
+}
+
+void CellBounds::include_all(const std::vector<Index>& owners, const MoveCosts& costs,
+                             const Arena& arena) {
+  const Grouping groups(owners, count());
+  PerWorker<MoveCosts::Scratch> scratch(arena);
+  arena.for_ranges(count(), 4, [&](std::size_t begin, std::size_t end, int worker) {
+    for (const SiteNumber s : sites_between(begin, end)) {
+      arena.check();
+      include(s, groups.of(s), costs, scratch[worker]);
+    }
+  });
+}
+
+template void CellBounds::follow(std::span<const double>, const Grouping&, PointsView<float>,
+                                 const Arena&);
+template void CellBounds::follow(std::span<const double>, const Grouping&, PointsView<double>,
+                                 const Arena&);
+
+}  // namespace ccvt

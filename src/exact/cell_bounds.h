@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ccvt/types.h"
+#include "exact/grouping.h"
+#include "exact/move_costs.h"
+#include "geometry/metric.h"
+#include "numbers.h"
+#include "parallel/arena.h"
+
+namespace ccvt {
+
+/// For each cell and each site, no more than what moving a point of the cell there costs, without
+/// weights: the least of |p - j|^2 - |p - i|^2 over the points of cell i. Kept from pricing to
+/// pricing, so that only cells are looked at that sites come near [Elkan 2003, where points have
+/// bounds; here cells have].
+///
+/// When sites move, bounds follow: |p - j|^2 changes by what it does seen from site i, less twice
+/// the farthest point's distance times the step at most. 8 n^2 bytes.
+class CellBounds {
+ public:
+  /// Whether there is memory for them, and a metric in which they follow.
+  [[nodiscard]] static bool fit(const Metric& metric, std::size_t sites);
+
+  CellBounds(std::size_t points, std::size_t sites);
+
+  /// Whether the bounds are those of cells with these owners.
+  [[nodiscard]] bool cover(const std::vector<Index>& owners) const { return covered_ == owners; }
+  /// Nothing is known any more; bounds are to be set for these positions.
+  void forget(std::span<const double> sites);
+  /// From the positions before to these. The groups are those that bounds cover. O(n^2 D) at worst.
+  template <class Scalar>
+  void follow(std::span<const double> sites, const Grouping& groups, PointsView<Scalar> points,
+              const Arena& arena);
+  /// All bounds are set, for cells with these owners.
+  void set_covered(const std::vector<Index>& owners) { covered_ = owners; }
+
+  [[nodiscard]] std::span<double> of(SiteNumber site) {
+    return std::span(bounds_).subspan(site * count(), count());
+  }
+  /// The sites, in `near`, that some point of the cell may prefer, under these weights, besides the
+  /// cell's own.
+  void select(SiteNumber site, std::span<const double> weights, std::vector<SiteNumber>& near);
+
+  /// The bounds of a cell whose points may have come since: those that did are added.
+  std::span<const double> include(SiteNumber site, std::span<const PointNumber> members,
+                                  const MoveCosts& costs, MoveCosts::Scratch& scratch);
+  /// A point that comes to a cell, and its squared distances to all sites.
+  void include(SiteNumber site, PointNumber point, std::span<const double> squared);
+  /// All points that came anywhere since. `costs`: for the positions that bounds are for.
+  void include_all(const std::vector<Index>& owners, const MoveCosts& costs, const Arena& arena);
+  void remove(PointNumber point) { covered_[point] = kNowhere; }
+
+  /// |p - site|^2 of each point and the site of its cell.
+  [[nodiscard]] std::vector<double>& own_costs() { return own_costs_; }
+  /// How far the farthest point of a cell is from its site, at most.
+  [[nodiscard]] double& radius(SiteNumber site) { return radius_[site]; }
+
+ private:
+  static constexpr Index kNowhere = -1;
+  [[nodiscard]] std::size_t count() const { return radius_.size(); }
+  template <class Scalar>
+  double step(SiteNumber site, const double* to, std::span<const PointNumber> members,
+              PointsView<Scalar> points, std::vector<double>& squared);
+  void follow_steps(SiteNumber site, const double* position, double fall,
+                    std::vector<double>& squared);
+
+  std::vector<double> bounds_;  ///< of cell i and site j at [i * n + j]
+  std::vector<double> radius_;
+  std::vector<double> own_costs_;
+  std::vector<Index> covered_;  ///< of each point, the cell whose bounds count it
+  std::vector<double> sites_;
+  // The sites that moved last, and how far; in packs, before and after.
+  std::vector<SiteNumber> moved_;
+  std::vector<double> length_;
+  std::vector<double> before_;
+  std::vector<double> after_;
+  int dimension_ = 0;
+};
+
+}  // namespace ccvt

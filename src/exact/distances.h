@@ -1,0 +1,31 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "ccvt/types.h"
+#include "kernels/nearest.h"
+#include "numbers.h"
+
+namespace ccvt {
+
+/// |p - position|^2 of some points, without a torus.
+template <class Scalar>
+void squared_distances(PointsView<Scalar> points, std::span<const PointNumber> which,
+                       const double* position, std::vector<double>& out) {
+  constexpr std::size_t kRows = 64;
+  std::array<const Scalar*, kRows> row{};
+  out.resize(which.size());
+  for (std::size_t begin = 0; begin < which.size(); begin += kRows) {
+    const auto some = which.subspan(begin, std::min(kRows, which.size() - begin));
+    std::transform(some.begin(), some.end(), row.begin(),
+                   [&](PointNumber p) { return points[p.index()]; });
+    kernels::squared_distances_of(row.data(), static_cast<Index>(some.size()), points.dimension,
+                                  position, out.data() + begin);
+  }
+}
+
+}  // namespace ccvt

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "numbers.h"
+
+namespace ccvt {
+
+/// n sites with a weight each; a point p costs site s the reduced cost |p - s|^2 - weight[s].
+struct WeightedSites {
+  WeightedSites(std::span<const double> positions, std::span<const double> weights)
+      : position(positions), weight(weights), dimension(positions.size() / weights.size()) {}
+
+  [[nodiscard]] std::size_t count() const { return weight.size(); }
+  [[nodiscard]] const double* at(SiteNumber site) const {
+    return position.data() + site * dimension;
+  }
+
+  std::span<const double> position;  ///< one site after the other
+  std::span<const double> weight;
+  std::size_t dimension;
+};
+
+}  // namespace ccvt
