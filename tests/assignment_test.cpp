@@ -283,7 +283,7 @@ TEST_CASE_TEMPLATE("bounds that are kept hold while sites move and points come a
       std::vector<double> weights(kSites, 0.0);
       // One cell has several parts, and one no points.
       std::vector<Index> owners(5000, 0);
-      for (Index p = 2500; p < 5000; ++p) owners[static_cast<std::size_t>(p)] = p % (kSites - 1);
+      for (std::size_t p = 2500; p < 5000; ++p) owners[p] = static_cast<Index>(p % (kSites - 1));
       CellBounds kept(owners.size(), kSites);
       Random random(5, 1);
       std::int64_t skipped = 0;

@@ -82,33 +82,36 @@ void ExchangeGraph::bound_edges(SiteNumber site, std::size_t edges, Scratch& scr
   const std::span<const double> bounds =
       kept_ != nullptr ? kept_->include(site, cell.members, costs_, scratch.costs)
                        : costs_.bounds(site, cell.members, scratch.costs);
-  const auto less = [&](SiteNumber a, SiteNumber b) {
-    const double x = bounds[a] - weights_[a];
-    const double y = bounds[b] - weights_[b];
-    return x != y ? x < y : a < b;
-  };
-  std::vector<SiteNumber>& others = scratch.sites;
-  others.resize(cells_.size());
-  std::iota(others.begin(), others.end(), SiteNumber(0));
-  std::swap(others[site], others.back());
-  others.pop_back();
+  std::vector<Edge>& others = scratch.edges;
+  others.clear();
+  for (const SiteNumber j : sites_below(cells_.size())) {
+    if (j != site) others.push_back({bounds[j] - weights_[j], j});
+  }
   cell.rest = kNone;
   if (edges < others.size()) {
     const auto first = others.begin() + static_cast<std::ptrdiff_t>(edges);
-    std::nth_element(others.begin(), first, others.end(), less);
-    cell.rest = bounds[*first] - weights_[*first];
+    std::nth_element(others.begin(), first, others.end());
+    cell.rest = first->reduced;
     others.resize(edges);
   }
-  std::sort(others.begin(), others.end(), less);
-  cell.to = others;
+  std::sort(others.begin(), others.end());
+  // What was weighed stays so.
+  scratch.weighed.assign(cells_.size(), kNotWeighed);
+  for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
+    scratch.weighed[cell.to[slot]] = cell.weighed[slot];
+  }
+  cell.to.resize(others.size());
   cell.bound.resize(others.size());
+  cell.weighed.resize(others.size());
   cell.page.resize((others.size() + kPage - 1) / kPage);
   for (std::size_t slot = 0; slot < others.size(); ++slot) {
-    cell.bound[slot] = bounds[others[slot]];
-    if (slot % kPage == 0) cell.page[slot / kPage] = cell.bound[slot] - weights_[others[slot]];
+    const auto& [reduced, to] = others[slot];
+    cell.to[slot] = to;
+    cell.weighed[slot] = scratch.weighed[to];
+    cell.bound[slot] =
+        is_weighed(cell, slot) ? moves_of(cell, slot).cheapest.front().cost : bounds[to];
+    if (slot % kPage == 0) cell.page[slot / kPage] = reduced;
   }
-  cell.weighed.assign(others.size(), kNotWeighed);
-  cell.moves.clear();
 }
 
 void ExchangeGraph::bound_all_edges(const Arena& arena) {
@@ -121,14 +124,19 @@ void ExchangeGraph::bound_all_edges(const Arena& arena) {
   });
 }
 
+ExchangeGraph::Moves& ExchangeGraph::moves_of(Cell& cell, std::size_t slot) {
+  std::int32_t& weighed = cell.weighed[slot];
+  if (weighed == kNotWeighed) {
+    weighed = static_cast<std::int32_t>(cell.moves.size());
+    cell.moves.emplace_back();
+  }
+  return cell.moves[static_cast<std::size_t>(weighed)];
+}
+
 /// The cheapest moves along an edge.
 ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
   Cell& cell = cells_[site];
-  if (cell.weighed[slot] == kNotWeighed) {
-    cell.weighed[slot] = static_cast<std::int32_t>(cell.moves.size());
-    cell.moves.emplace_back();
-  }
-  Moves& moves = cell.moves[static_cast<std::size_t>(cell.weighed[slot])];
+  Moves& moves = moves_of(cell, slot);
   if (!moves.cheapest.empty()) return moves;
   costs_.squared(cell.members, cell.to[slot], squared_);
   // Most edges are weighed once, and not taken: few moves are kept at first.

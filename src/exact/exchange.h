@@ -99,13 +99,21 @@ class ExchangeGraph {
   }
   [[nodiscard]] SiteNumber hub() const { return SiteNumber(cells_.size()); }
   [[nodiscard]] bool has_more(SiteNumber site) const { return capacities_[site] > least_capacity_; }
+  /// A bound less the weight of the site that an edge leads to.
+  struct Edge {
+    double reduced;
+    SiteNumber to;
+    auto operator<=>(const Edge&) const = default;
+  };
   struct Scratch {
     MoveCosts::Scratch costs;
-    std::vector<SiteNumber> sites;
+    std::vector<Edge> edges;
+    std::vector<std::int32_t> weighed;  ///< of each site, as in Cell
     std::vector<double> own;
   };
   void bound_all_edges(const Arena& arena);
   void bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
+  static Moves& moves_of(Cell& cell, std::size_t slot);
   Moves& weigh(SiteNumber site, std::size_t slot);
   double find_path(SiteNumber source, const Arena& arena);
   [[nodiscard]] bool settled(SiteNumber site) const { return limit_[site] == -kNone; }
