@@ -66,7 +66,7 @@ class CellBounds {
   template <class Scalar>
   double step(SiteNumber site, const double* to, std::span<const PointNumber> members,
               PointsView<Scalar> points, std::vector<double>& squared);
-  void follow_steps(SiteNumber site, const double* position, double fall,
+  void follow_steps(SiteNumber site, const double* position, double growth,
                     std::vector<double>& squared);
 
   std::vector<double> bounds_;  ///< of cell i and site j at [i * n + j]

@@ -140,7 +140,9 @@ HWY_INLINE void packed_distances(const double* query, const double* positions, I
   const auto lanes = static_cast<Index>(hn::Lanes(tag));
   const std::ptrdiff_t size = std::ptrdiff_t{kPack} * dimension;
   // Two packs at a time, so that additions need not wait for one another.
-  for (Index pack = 0; pack < packs; pack += 2, positions += 2 * size, out += 2 * kPack) {
+  constexpr std::ptrdiff_t kTogether = 2;
+  for (std::ptrdiff_t pack = 0; pack < packs;
+       pack += kTogether, positions += kTogether * size, out += kTogether * kPack) {
     const std::ptrdiff_t next = pack + 1 < packs ? 1 : 0;
     for (Index l = 0; l < kPack; l += lanes) {
       auto first = hn::Zero(tag);
