@@ -128,14 +128,13 @@ void Trainer<Scalar>::lloyd() {
   if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
   double before = std::numeric_limits<double>::infinity();
   while (!ended()) {
+    if (kept && std::isfinite(before)) {
+      kept->include_all(owners_, SquaredDistances<Scalar>(metric_, vectors_, sites_), arena_);
+    }
     move_to_centroids(metric_, vectors_, Grouping(owners_, n), arena_, sites_, changed);
     const std::vector<Index> given = owners_;
     const Prices prices = pricer.price({sites_, weights_}, owners_, kept ? &*kept : nullptr);
     changed = changed_cells(given, owners_, n);
-    if (kept) {
-      const SquaredDistances<Scalar> costs(metric_, vectors_, sites_);
-      kept->include_all(owners_, costs, arena_);
-    }
     const double energy = prices.cheapest_energy;
     const bool running = go_on(vectors_.count, energy, prices.moved);
     if (prices.moved == 0 || energy >= before * (1 - kRounding)) {

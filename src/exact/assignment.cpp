@@ -100,6 +100,7 @@ auto ExactAssignment<Scalar>::improve(std::span<const double> sites, std::vector
   }
   SquaredDistances<Scalar> costs(metric_, points_, sites);
   ExchangeGraph graph(capacities_, floating_, owners, weights, costs, kept);
+  if (kept_) kept_->invalidate();
   graph.settle(arena_);
   if (kept_) kept_->include_all(owners, costs, arena_);
   certificate_.augmentations += graph.augmentations();
@@ -111,7 +112,9 @@ Certificate ExactAssignment<Scalar>::solve(std::span<const double> sites,
                                            std::vector<double>& weights,
                                            std::vector<Index>& owners) {
   certificate_ = {};
+  // What proves owners optimal is to owe nothing to what found them.
   while (improve(sites, weights, owners) != Round::optimal) {
+    if (kept_) kept_->invalidate();
   }
   return certificate_;
 }

@@ -18,10 +18,6 @@ constexpr std::size_t kMostPairs = std::size_t{1} << 25;
 constexpr std::size_t kFewPoints = 4;
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-/// Of sums of squares.
-double rounding_share(int dimension) { return 1e-14 * (1 + dimension / 64.0); }
-double underflow_of(int dimension) { return dimension * std::numeric_limits<double>::min(); }
-
 }  // namespace
 
 bool CellBounds::fit(const Metric& metric, std::size_t sites) {
@@ -32,6 +28,7 @@ CellBounds::CellBounds(std::size_t points, std::size_t sites)
     : bounds_(sites * sites), radius_(sites), own_costs_(points), covered_(points, kNowhere) {}
 
 void CellBounds::forget(std::span<const double> sites) {
+  valid_ = false;
   std::fill(covered_.begin(), covered_.end(), kNowhere);
   std::fill(bounds_.begin(), bounds_.end(), kNone);
   std::fill(radius_.begin(), radius_.end(), 0.0);
@@ -39,11 +36,16 @@ void CellBounds::forget(std::span<const double> sites) {
   dimension_ = static_cast<int>(sites.size() / count());
 }
 
+void CellBounds::set(SiteNumber site, SiteNumber other, double cost) {
+  const double rounding = std::abs(cost) + 2 * radius_[site] * radius_[site];
+  of(site)[other] = cost - rounding_share(dimension_) * rounding - underflow_of(dimension_);
+}
+
 void CellBounds::select(SiteNumber site, std::span<const double> weights,
-                        std::vector<SiteNumber>& near) {
+                        std::vector<SiteNumber>& near) const {
   near.clear();
   const double own = weights[site];
-  const std::span<const double> bounds = of(site);
+  const auto bounds = std::span(bounds_).subspan(site * count(), count());
   for (const SiteNumber j : sites_below(count())) {
     const double constant = own - weights[j];
     const double rounding = 1e-14 * (std::abs(own) + std::abs(weights[j]) + std::abs(bounds[j]));
@@ -101,6 +103,7 @@ void CellBounds::follow_steps(SiteNumber site, const double* position, double gr
 template <class Scalar>
 void CellBounds::follow(std::span<const double> sites, const Grouping& groups,
                         PointsView<Scalar> points, const Arena& arena) {
+  valid_ = false;
   const auto dimension = static_cast<std::size_t>(dimension_);
   moved_.clear();
   length_.clear();
@@ -127,7 +130,11 @@ void CellBounds::follow(std::span<const double> sites, const Grouping& groups,
   arena.for_ranges(count(), 4, [&](std::size_t begin, std::size_t end, int worker) {
     for (const SiteNumber s : sites_between(begin, end)) {
       const auto members = groups.of(s);
-      if (members.empty()) continue;
+      if (members.empty()) {
+        std::fill(of(s).begin(), of(s).end(), kNone);
+        radius_[s] = 0;
+        continue;
+      }
       arena.check();
       const double* const position = sites.data() + s * dimension;
       const double growth = moves[s] != 0 ? step(s, position, members, points, squared[worker]) : 0;
@@ -182,6 +189,7 @@ void CellBounds::include_all(const std::vector<Index>& owners, const MoveCosts& 
       include(s, groups.of(s), costs, scratch[worker]);
     }
   });
+  valid_ = true;
 }
 
 template void CellBounds::follow(std::span<const double>, const Grouping&, PointsView<float>,

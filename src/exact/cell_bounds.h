@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "ccvt/types.h"
@@ -20,7 +21,7 @@ namespace ccvt {
 /// bounds; here cells have].
 ///
 /// When sites move, bounds follow: |p - j|^2 changes by what it does seen from site i, less twice
-/// the farthest point's distance times the step at most. 8 n^2 bytes.
+/// the farthest point's distance times the step at most. 8 n^2 bytes, and 12 a point.
 class CellBounds {
  public:
   /// Whether there is memory for them, and a metric in which they follow.
@@ -29,22 +30,32 @@ class CellBounds {
   CellBounds(std::size_t points, std::size_t sites);
 
   /// Whether the bounds are those of cells with these owners.
-  [[nodiscard]] bool cover(const std::vector<Index>& owners) const { return covered_ == owners; }
+  [[nodiscard]] bool cover(const std::vector<Index>& owners) const {
+    return valid_ && covered_ == owners;
+  }
+  /// They cover nothing until all points are included, or all bounds set anew.
+  void invalidate() { valid_ = false; }
   /// Nothing is known any more; bounds are to be set for these positions.
   void forget(std::span<const double> sites);
   /// From the positions before to these. The groups are those that bounds cover. O(n^2 D) at worst.
   template <class Scalar>
   void follow(std::span<const double> sites, const Grouping& groups, PointsView<Scalar> points,
               const Arena& arena);
-  /// All bounds are set, for cells with these owners.
-  void set_covered(const std::vector<Index>& owners) { covered_ = owners; }
+  /// All bounds are those of cells with these owners.
+  void set_covered(std::vector<Index> owners) {
+    covered_ = std::move(owners);
+    valid_ = true;
+  }
 
   [[nodiscard]] std::span<double> of(SiteNumber site) {
     return std::span(bounds_).subspan(site * count(), count());
   }
   /// The sites, in `near`, that some point of the cell may prefer, under these weights, besides the
   /// cell's own.
-  void select(SiteNumber site, std::span<const double> weights, std::vector<SiteNumber>& near);
+  void select(SiteNumber site, std::span<const double> weights,
+              std::vector<SiteNumber>& near) const;
+  /// What moving a point of a cell to another costs at least, but for rounding.
+  void set(SiteNumber site, SiteNumber other, double cost);
 
   /// The bounds of a cell whose points may have come since: those that did are added.
   std::span<const double> include(SiteNumber site, std::span<const PointNumber> members,
@@ -69,6 +80,7 @@ class CellBounds {
   void follow_steps(SiteNumber site, const double* position, double growth,
                     std::vector<double>& squared);
 
+  bool valid_ = false;
   std::vector<double> bounds_;  ///< of cell i and site j at [i * n + j]
   std::vector<double> radius_;
   std::vector<double> own_costs_;

@@ -24,6 +24,7 @@ class CellProduct {
   /// A site that is near, at this squared distance from the cell's.
   void add(SiteNumber site, double squared, double constant);
   [[nodiscard]] const std::vector<SiteNumber>& near() const { return near_; }
+  [[nodiscard]] double constant(std::size_t n) const { return constant_[n]; }
 
   /// For the cell of `site`, whose points are no farther from it than `radius`.
   void prepare(const WeightedSites& sites, SiteNumber site, double radius);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,11 @@
 #include "numbers.h"
 
 namespace ccvt {
+
+/// By what share of them sums of squares, and differences of such sums, may be off, and by how much
+/// beside that.
+inline double rounding_share(int dimension) { return 1e-14 * (1 + dimension / 64.0); }
+inline double underflow_of(int dimension) { return dimension * std::numeric_limits<double>::min(); }
 
 /// |p - position|^2 of some points, without a torus.
 template <class Scalar>

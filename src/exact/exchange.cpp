@@ -16,9 +16,12 @@ constexpr std::size_t kSlots = std::size_t{1} << 16;
 constexpr std::size_t kLeastSlots = 64;
 /// Searches for so many surplus points look at most sites: their edges are bounded in parallel.
 constexpr std::int64_t kSitesPerSurplus = 32;
+/// When searches have weighed so many edges a site, others are weighed in parallel.
+constexpr std::size_t kSearched = 4;
 /// Slots that are looked at or passed over together.
 constexpr std::size_t kPage = 32;
-/// Of an edge that is weighed so many moves are kept, or this share of the root of the members.
+/// Of an edge that is weighed again so many moves are kept, or this share of the root of the
+/// members; of one that is weighed for the first time, the cheapest.
 constexpr double kMoves = 8;
 constexpr double kMovesPerRoot = 0.5;
 
@@ -134,19 +137,19 @@ ExchangeGraph::Moves& ExchangeGraph::moves_of(Cell& cell, std::size_t slot) {
 }
 
 /// The cheapest moves along an edge.
-ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
+ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot,
+                                           std::vector<double>& squared) {
   Cell& cell = cells_[site];
   Moves& moves = moves_of(cell, slot);
   if (!moves.cheapest.empty()) return moves;
-  costs_.squared(cell.members, cell.to[slot], squared_);
-  // Most edges are weighed once, and not taken: few moves are kept at first.
+  costs_.squared(cell.members, cell.to[slot], squared);
   const std::size_t kept = moves.kept;
   moves.kept = moves_kept(cell.members.size());
   std::vector<Move>& cheapest = moves.cheapest;
   moves.beyond = kNone;
   for (std::size_t k = 0; k < cell.members.size(); ++k) {
     const PointNumber p = cell.members[k];
-    const Move move{squared_[k] - own_cost_[p], p};
+    const Move move{squared[k] - own_cost_[p], p};
     if (cheapest.size() == kept) {
       moves.beyond = std::min(moves.beyond, std::max(move, cheapest.back()).cost);
       if (!(move < cheapest.back())) continue;
@@ -155,8 +158,25 @@ ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
     cheapest.insert(std::upper_bound(cheapest.begin(), cheapest.end(), move), move);
   }
   cell.bound[slot] = cheapest.empty() ? kNone : cheapest.front().cost;
-  if (kept_ != nullptr) kept_->of(site)[cell.to[slot]] = cell.bound[slot];
+  if (kept_ != nullptr) kept_->set(site, cell.to[slot], cell.bound[slot]);
   return moves;
+}
+
+/// Weighs all edges whose reduced costs may be below a limit: in parallel, and cell by cell, which
+/// reads points less often than searches do.
+void ExchangeGraph::weigh_below(double limit, const Arena& arena) {
+  PerWorker<std::vector<double>> squared(arena);
+  arena.for_ranges(cells_.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
+    for (const SiteNumber i : sites_between(begin, end)) {
+      arena.check();
+      const Cell& cell = cells_[i];
+      for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
+        if (cell.bound[slot] + weights_[i] - weights_[cell.to[slot]] >= limit) continue;
+        if (!is_weighed(cell, slot)) weigh(i, slot, squared[worker]);
+      }
+    }
+  });
+  searched_ = 0;
 }
 
 void ExchangeGraph::push(const Step& step) {
@@ -177,7 +197,8 @@ void ExchangeGraph::relax(const Way& way, SiteNumber to, double distance) {
 
 /// Along an edge of a site; never below `least`, whatever rounding has done to a reduced cost.
 void ExchangeGraph::relax_edge(SiteNumber from, std::size_t slot, double least) {
-  const Moves& moves = weigh(from, slot);
+  if (!is_weighed(cells_[from], slot)) ++searched_;
+  const Moves& moves = weigh(from, slot, scratch_.own);
   if (moves.cheapest.empty()) return;
   const Move& move = moves.cheapest.front();
   const SiteNumber to = cells_[from].to[slot];
@@ -250,6 +271,8 @@ double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
     heap_.pop_back();
     const SiteNumber i = step.site;
     if (step.what >= 0) {
+      // Slots may have changed since: then all edges of the site were pushed again, and this is
+      // one of them too many.
       const auto slot = static_cast<std::size_t>(step.what);
       const Cell& cell = cells_[i];
       const bool shorter = step.distance < std::min(nearest_, distance_[cell.to[slot]]);
@@ -362,8 +385,11 @@ void ExchangeGraph::settle(const Arena& arena) {
   for (const SiteNumber s : sites_below(cells_.size())) {
     while (surplus(s) > 0) {
       arena.check();
-      lower_weights(find_path(s, arena));
+      const double length = find_path(s, arena);
+      lower_weights(length);
       move_along_path(s, settled_.back());
+      // Where searches weigh many edges, those of the next will want what this one wanted.
+      if (searched_ >= kSearched * cells_.size()) weigh_below(length, arena);
     }
   }
 }

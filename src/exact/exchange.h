@@ -38,9 +38,12 @@ class ExchangeGraph {
   ExchangeGraph(std::vector<Index>& capacities, bool floating, std::vector<Index>& owners,
                 std::vector<double>& weights, const MoveCosts& costs, CellBounds* kept = nullptr);
 
-  /// Moves points along shortest paths until no site has too many. Each costs O(n log n), and O(n
-  /// D) for each point that moves, at worst. The edges of a site are bounded in O(n D) a point,
-  /// once.
+  ExchangeGraph(const ExchangeGraph&) = delete;
+  ExchangeGraph& operator=(const ExchangeGraph&) = delete;
+
+  /// Moves points along shortest paths until no site has too many. Each costs O(E log E) with E
+  /// edges that searches see, and O(n D) for each point that moves, at worst. The edges of a site
+  /// are bounded in O(n D) a point, or a point that came where bounds are kept.
   void settle(const Arena& arena = Arena(1));
   /// How many points went their way so far.
   [[nodiscard]] std::int64_t augmentations() const { return augmentations_; }
@@ -114,7 +117,8 @@ class ExchangeGraph {
   void bound_all_edges(const Arena& arena);
   void bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
   static Moves& moves_of(Cell& cell, std::size_t slot);
-  Moves& weigh(SiteNumber site, std::size_t slot);
+  Moves& weigh(SiteNumber site, std::size_t slot, std::vector<double>& squared);
+  void weigh_below(double limit, const Arena& arena);
   double find_path(SiteNumber source, const Arena& arena);
   [[nodiscard]] bool settled(SiteNumber site) const { return limit_[site] == -kNone; }
   [[nodiscard]] static bool is_weighed(const Cell& cell, std::size_t slot);
@@ -141,7 +145,7 @@ class ExchangeGraph {
   std::vector<double> own_storage_;
   std::vector<double>& own_cost_;  ///< of each point, in a cell that is bounded
   Scratch scratch_;
-  std::vector<double> squared_;
+  std::size_t searched_ = 0;  ///< edges that searches weighed since others were
   std::vector<std::uint8_t> in_slot_;
   std::int64_t augmentations_ = 0;
 

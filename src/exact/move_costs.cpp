@@ -137,8 +137,8 @@ void SquaredDistances<Scalar>::lower_bounds(SiteNumber site, std::span<const Poi
                           scratch.offset.data(), centred_.data(),
                           static_cast<Index>(scratch.largest.size()), scratch.largest.data());
   }
-  const double relative = 1e-14 * (1 + points_.dimension / 64.0);
-  const double underflow = points_.dimension * std::numeric_limits<double>::min();
+  const double relative = rounding_share(points_.dimension);
+  const double underflow = underflow_of(points_.dimension);
   const double in_units = scale_ * scale_;
   constexpr double kEpsilon = std::numeric_limits<float>::epsilon();
   constexpr double kLeast = std::numeric_limits<float>::min();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "exact/cell_product.h"
 #include "exact/distances.h"
@@ -81,10 +82,12 @@ auto Pricer<Scalar>::parts_of(Task& task, const Grouping& groups) const -> std::
     });
   }
   std::vector<Part> parts;
+  // A row of bounds for each part takes 8 bytes a point at most.
+  const std::size_t part_points = task.kept == nullptr ? kPartPoints : std::max(kPartPoints, n);
   for (const SiteNumber s : sites_below(n)) {
     if (settled[s] != 0) continue;
     for (auto rest = groups.of(s); !rest.empty();) {
-      const std::size_t size = std::min(rest.size(), kPartPoints);
+      const std::size_t size = std::min(rest.size(), part_points);
       parts.push_back({s, rest.first(size)});
       rest = rest.subspan(size);
     }
@@ -141,18 +144,15 @@ template <class Scalar>
 Prices Pricer<Scalar>::price(const WeightedSites& sites, std::vector<Index>& owners,
                              CellBounds* kept) const {
   const Grouping groups(owners, sites.count());
-  Task task{sites,
-            owners,
-            kept,
-            kept != nullptr && kept->cover(owners),
-            packs_of(sites.position, sites.dimension),
-            {}};
+  Task task{sites, owners, kept, kept != nullptr && kept->cover(owners), {}, {}};
+  if (!task.covered) task.packs = packs_of(sites.position, sites.dimension);
+  std::vector<Index> given;
+  if (kept != nullptr) given = owners;
   if (task.covered) {
     kept->follow(sites.position, groups, points_, arena_);
   } else if (kept != nullptr) {
     kept->forget(sites.position);
   }
-  const std::vector<Index> given = kept != nullptr ? owners : std::vector<Index>();
   std::vector<Part> parts = parts_of(task, groups);
   price_parts(task, parts);
   Prices prices;
@@ -166,7 +166,7 @@ Prices Pricer<Scalar>::price(const WeightedSites& sites, std::vector<Index>& own
   }
   if (kept != nullptr) {
     keep(*kept, parts);
-    kept->set_covered(given);
+    kept->set_covered(std::move(given));
     const std::vector<double>& own = kept->own_costs();
     prices.energy = sum_of(arena_, own.size(), 4096, [&](std::size_t p) { return own[p]; });
   }
@@ -195,8 +195,8 @@ void Pricer<Scalar>::select_sites(const Task& task, const Part& part, Scratch& s
                              scratch.squared.data());
   // What the farthest point pays at most for its cheapest site, and what others cost at least; a
   // little more and less than that, for the rounding of these terms.
-  const double relative = 1e-14 * (1 + dimension / 64.0);
-  const double underflow = dimension * std::numeric_limits<double>::min();
+  const double relative = rounding_share(dimension);
+  const double underflow = underflow_of(dimension);
   const double own_weight = task.weight(site);
   double ceiling = kNever;
   for (const SiteNumber j : sites_below(sites.count())) {
@@ -232,13 +232,17 @@ void Pricer<Scalar>::select_known(const Task& task, const Part& part, Scratch& s
 
 /// To what the products have shown.
 template <class Scalar>
-void Pricer<Scalar>::raise_bounds(const Task& task, const Part& part, const CellProduct& product) {
+void Pricer<Scalar>::raise_bounds(const Task& task, const Part& part,
+                                  const CellProduct& product) const {
   const double own = task.weight(part.site);
   for (std::size_t n = 0; n < product.near().size(); ++n) {
     const SiteNumber j = product.near()[n];
     const double least = product.least(n);
-    const double rounding = 1e-14 * (std::abs(least) + std::abs(own) + std::abs(task.weight(j)));
-    part.bounds[j] = std::max(part.bounds[j], least - (own - task.weight(j)) - rounding);
+    const double terms =
+        std::abs(least) + std::abs(own) + std::abs(task.weight(j)) + std::abs(product.constant(n));
+    const double rounding = rounding_share(points_.dimension) * terms;
+    part.bounds[j] = std::max(part.bounds[j], least - (own - task.weight(j)) - rounding -
+                                                  underflow_of(points_.dimension));
   }
 }
 
@@ -261,8 +265,8 @@ void Pricer<Scalar>::survey(const Task& task, Part& part, Scratch& scratch) cons
     farthest = std::max(farthest, squared[k]);
     if (task.kept != nullptr) task.kept->own_costs()[part.members[k]] = squared[k];
   }
-  const double underflow = points_.dimension * std::numeric_limits<double>::min();
-  part.radius = std::sqrt(farthest + underflow) * (1 + 1e-14 * points_.dimension);
+  part.radius = std::sqrt(farthest + underflow_of(points_.dimension)) *
+                (1 + rounding_share(points_.dimension));
 }
 
 template <class Scalar>

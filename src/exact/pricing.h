@@ -64,7 +64,7 @@ class Pricer {
   void price_part(const Task& task, Part& part, Scratch& scratch) const;
   void select_sites(const Task& task, const Part& part, Scratch& scratch) const;
   void select_known(const Task& task, const Part& part, Scratch& scratch) const;
-  static void raise_bounds(const Task& task, const Part& part, const CellProduct& product);
+  void raise_bounds(const Task& task, const Part& part, const CellProduct& product) const;
   void survey(const Task& task, Part& part, Scratch& scratch) const;
   void decide(const Task& task, PointNumber point, std::span<const SiteNumber> found,
               Part& part) const;
