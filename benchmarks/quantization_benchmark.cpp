@@ -1,6 +1,10 @@
 // Prints the rows that benchmarks/README.md quotes for quantization: ours beside published figures,
 // and plain Lloyd from the same seeds. Data sets that do not ship come from a folder: see usage.
 
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -141,7 +145,7 @@ Points<float> mixture(Index count, int dimension, int components) {
 }
 
 /// Show 3 and 4.
-void dimensions(const std::filesystem::path& data, bool long_rows) {
+void dimensions(const std::filesystem::path& data) {
   std::printf("## Exact against Lloyd, same seeds, to stable\n\n");
   std::printf(
       "| data | K | method | threads | iterations | distortion | imbalance | cells | gap "
@@ -155,10 +159,59 @@ void dimensions(const std::filesystem::path& data, bool long_rows) {
     compare("mnist10k", digits, 256);
   }
   compare("mixture 65536 x 64", mixture(65536, 64, 200), 1024);
-  if (long_rows) compare("mixture 1M x 128", mixture(1'000'000, 128, 500), 1024);
   std::printf(
       "\nNormalized energy of the uniform rows is K times the distortion. A published heuristic "
       "reached .1602 in 195 s, a pairwise method .1747 in 0.08 s.\n\n");
+}
+
+/// The peak of this process so far.
+double peak_megabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1000;
+}
+
+/// Sizes of vector search, a process each for the sake of the peak: Lloyd first, which needs less.
+bool large(const std::string& name, const std::filesystem::path& data) {
+  struct Row {
+    const char* name;
+    Index vectors;
+    int dimension;
+    int clouds;
+    Index codewords;
+    double gap;
+  };
+  Points<float> points;
+  Row row{"mnist", 0, 784, 0, 256, 0};
+  if (name == row.name) {
+    points = ccvt::read_points<float>(data / "mnist_train.npy");
+  } else {
+    const std::array rows = {
+        Row{"4096", 65536, 64, 200, 4096, 0}, Row{"1M", 1'000'000, 128, 500, 1024, 0},
+        Row{"16384", 1'000'000, 96, 500, 16384, 1e-3}, Row{"65536", 262'144, 32, 500, 65536, 1e-3}};
+    const auto* const found = std::find_if(
+        rows.begin(), rows.end(), [&](const Row& candidate) { return name == candidate.name; });
+    if (found == rows.end()) return false;
+    row = *found;
+    points = mixture(row.vectors, row.dimension, row.clouds);
+  }
+  std::printf(
+      "| vectors | K | method | threads | iterations | distortion | imbalance | gap "
+      "| seeding, s | seconds | peak, MB | of which vectors |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const auto method : {CodebookMethod::lloyd, CodebookMethod::exact}) {
+    CodebookOptions options = options_for(method, 0, 1);
+    options.threads = 0;
+    options.gap = method == CodebookMethod::exact ? row.gap : 0;
+    const auto s = ccvt::train_codebook(points, row.codewords, options).summary;
+    std::printf(
+        "| %d x %d | %d | %s | %d | %d | %.6g | %.4f | %.1g | %.1f | %.1f | %.0f | %.0f |\n",
+        s.vectors, s.dimension, row.codewords, to_string(method), s.threads_used, s.iterations,
+        s.distortion, s.usage.imbalance, s.gap, s.seconds_seeding, s.seconds_total,
+        peak_megabytes(), 4e-6 * static_cast<double>(points.size()));
+    std::fflush(stdout);
+  }
+  return true;
 }
 
 /// Show 6: new vectors, by weight and nearest, beside a bare matrix product.
@@ -198,11 +251,12 @@ void encoding() {
 int main(int argc, char** argv) {
   std::string what = "all";
   std::filesystem::path data;
-  bool long_rows = false;
+  std::string large_row;
   for (int k = 1; k < argc; ++k) {
     const std::string argument = argv[k];
-    if (argument == "--long") {
-      long_rows = true;
+    if (argument == "large" && k + 1 < argc) {
+      what = argument;
+      large_row = argv[++k];
     } else if (argument == "--data" && k + 1 < argc) {
       data = argv[++k];
     } else if (argument == "all" || argument == "published" || argument == "dimensions" ||
@@ -211,15 +265,20 @@ int main(int argc, char** argv) {
     } else {
       std::fprintf(stderr,
                    "usage: quantization_benchmark [all|published|dimensions|encoding] "
-                   "[--data FOLDER] [--long]\n"
+                   "[--data FOLDER]\n"
+                   "       quantization_benchmark large 4096|mnist|1M|16384|65536 [--data FOLDER]\n"
                    "FOLDER holds s1.csv, a3.csv, birch1.csv and mnist10k.npy; rows of files that "
-                   "are not there are left out\n");
+                   "are not there are left out; large mnist wants mnist_train.npy\n");
       return 2;
     }
   }
   std::printf("ccvt %s, %s\n\n", CCVT_VERSION, __VERSION__);
+  if (what == "large" && !large(large_row, data)) {
+    std::fprintf(stderr, "large: no row %s\n", large_row.c_str());
+    return 2;
+  }
   if (what == "all" || what == "published") published(data);
-  if (what == "all" || what == "dimensions") dimensions(data, long_rows);
+  if (what == "all" || what == "dimensions") dimensions(data);
   if (what == "all" || what == "encoding") encoding();
   return 0;
 }
