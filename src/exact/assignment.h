@@ -32,8 +32,8 @@ struct Certificate {
 ///
 /// A round gives every point its cheapest site under the weights at hand, then moves points until
 /// capacities are met. The next pricing looks at all sites again that bounds do not rule out, and
-/// that of a proof at all of them: if it finds nothing cheaper,
-/// weights and owners prove each other optimal.
+/// that of a proof at all of them: if it finds nothing cheaper, weights and owners prove each other
+/// optimal.
 template <class Scalar>
 class ExactAssignment {
  public:

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ccvt/types.h"
+#include "geometry/metric.h"
 #include "kernels/nearest.h"
 #include "numbers.h"
 
@@ -32,6 +33,18 @@ void squared_distances(PointsView<Scalar> points, std::span<const PointNumber> w
     kernels::squared_distances_of(row.data(), static_cast<Index>(some.size()), points.dimension,
                                   position, out.data() + begin);
   }
+}
+
+/// The same, on a torus if the metric is of one.
+template <class Scalar>
+void squared_distances(const Metric& metric, PointsView<Scalar> points,
+                       std::span<const PointNumber> which, const double* position,
+                       std::vector<double>& out) {
+  if (!metric.periodic()) return squared_distances(points, which, position, out);
+  out.resize(which.size());
+  std::transform(which.begin(), which.end(), out.begin(), [&](PointNumber p) {
+    return metric.squared_distance(points[p.index()], position);
+  });
 }
 
 }  // namespace ccvt

@@ -337,7 +337,7 @@ void ExchangeGraph::remove(PointNumber point, SiteNumber site) {
   cell.members.pop_back();
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
     if (cell.weighed[slot] == kNotWeighed) continue;
-    Moves& moves = cell.moves[static_cast<std::size_t>(cell.weighed[slot])];
+    Moves& moves = moves_of(cell, slot);
     std::erase_if(moves.cheapest, [point](const Move& m) { return m.point == point; });
     cell.bound[slot] = moves.cheapest.empty() ? moves.beyond : moves.cheapest.front().cost;
   }
@@ -359,7 +359,7 @@ void ExchangeGraph::insert(PointNumber point, SiteNumber site) {
       page = std::min(page, move.cost - weights_[cell.to[slot]]);
     }
     if (cell.weighed[slot] == kNotWeighed) continue;
-    Moves& moves = cell.moves[static_cast<std::size_t>(cell.weighed[slot])];
+    Moves& moves = moves_of(cell, slot);
     if (move.cost >= moves.beyond) continue;
     moves.cheapest.insert(std::upper_bound(moves.cheapest.begin(), moves.cheapest.end(), move),
                           move);

@@ -55,11 +55,7 @@ SquaredDistances<Scalar>::SquaredDistances(const Metric& metric, PointsView<Scal
 template <class Scalar>
 void SquaredDistances<Scalar>::squared(std::span<const PointNumber> points, SiteNumber site,
                                        std::vector<double>& out) const {
-  if (!metric_.periodic()) return squared_distances(points_, points, at(site), out);
-  out.resize(points.size());
-  std::transform(points.begin(), points.end(), out.begin(), [&](PointNumber p) {
-    return metric_.squared_distance(points_[p.index()], at(site));
-  });
+  squared_distances(metric_, points_, points, at(site), out);
 }
 
 template <class Scalar>

@@ -249,16 +249,8 @@ void Pricer<Scalar>::raise_bounds(const Task& task, const Part& part,
 /// What a part costs now, and how far it reaches.
 template <class Scalar>
 void Pricer<Scalar>::survey(const Task& task, Part& part, Scratch& scratch) const {
-  const double* const own = task.sites.at(part.site);
   std::vector<double>& squared = scratch.own;
-  if (metric_.periodic()) {
-    squared.resize(part.members.size());
-    std::transform(part.members.begin(), part.members.end(), squared.begin(), [&](PointNumber p) {
-      return metric_.squared_distance(points_[p.index()], own);
-    });
-  } else {
-    squared_distances(points_, part.members, own, squared);
-  }
+  squared_distances(metric_, points_, part.members, task.sites.at(part.site), squared);
   double farthest = 0;
   for (std::size_t k = 0; k < squared.size(); ++k) {
     part.energy += squared[k];
