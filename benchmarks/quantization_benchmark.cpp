@@ -164,6 +164,95 @@ void dimensions(const std::filesystem::path& data) {
       "reached .1602 in 195 s, a pairwise method .1747 in 0.08 s.\n\n");
 }
 
+struct Mixture {
+  int dimension;
+  Index codewords;
+  Index vectors;
+  int clouds;
+  double sizes;    ///< the largest cloud's weight over the smallest's
+  double spreads;  ///< likewise, their standard deviations
+  double side;     ///< of the cube that their centres lie in
+};
+
+/// Clouds of equal and unequal size and spread.
+Points<float> draw(const Mixture& mixture, std::uint64_t seed) {
+  ccvt::Random random(seed, 4);
+  const auto clouds = static_cast<std::size_t>(mixture.clouds);
+  Points<double> centres(mixture.dimension, mixture.clouds);
+  std::vector<double> until(clouds);
+  std::vector<double> spread(clouds);
+  double sum = 0;
+  for (std::size_t k = 0; k < clouds; ++k) {
+    for (double& x : centres.col(static_cast<Index>(k))) x = mixture.side * random.uniform();
+    until[k] = sum += std::pow(mixture.sizes, random.uniform());
+    spread[k] = std::pow(mixture.spreads, random.uniform() - 0.5);
+  }
+  Points<float> points(mixture.dimension, mixture.vectors);
+  for (auto point : points.colwise()) {
+    const auto k = static_cast<std::size_t>(
+        std::upper_bound(until.begin(), until.end() - 1, random.uniform() * sum) - until.begin());
+    for (int d = 0; d < mixture.dimension; ++d) {
+      point[d] = static_cast<float>(centres(d, static_cast<Index>(k)) +
+                                    spread[k] * ccvt::bench::normal(random));
+    }
+  }
+  return points;
+}
+
+/// Whether the result hangs on the seed: seeds 0 to 10 with and without breeding, beside the best
+/// that any of these, or a hundred times the effort, finds.
+void mixtures() {
+  constexpr std::array rows = {
+      Mixture{2, 16, 4096, 16, 1, 1, 12},    Mixture{2, 50, 10000, 30, 8, 8, 30},
+      Mixture{2, 100, 20000, 60, 16, 1, 40}, Mixture{3, 32, 8000, 24, 1, 16, 14},
+      Mixture{4, 64, 16000, 40, 8, 8, 12},   Mixture{8, 32, 8000, 32, 8, 1, 8},
+      Mixture{8, 100, 16000, 60, 1, 8, 8},   Mixture{16, 64, 16000, 48, 16, 16, 6},
+      Mixture{32, 50, 10000, 40, 8, 4, 5},   Mixture{64, 64, 16000, 50, 8, 8, 4}};
+  constexpr std::size_t kSeeds = 11;
+  constexpr int kLong = 3200;
+  std::printf("## Mixtures of clouds, exact sizes, seeds 0 to 10, one thread\n\n");
+  std::printf(
+      "| vectors | K | clouds | sizes | spreads | seeds within 0.5 %% of the best, effort 0 | "
+      "worst "
+      "| median s | default effort | worst | median s | effort %d |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+      kLong);
+  for (const Mixture& row : rows) {
+    const auto points = draw(row, static_cast<std::uint64_t>(&row - rows.data()));
+    CodebookOptions options = options_for(CodebookMethod::exact, 0, 0);
+    options.effort = kLong;
+    options.threads = 0;
+    const double longest = ccvt::train_codebook(points, row.codewords, options).summary.energy;
+    double best = longest;
+    std::array<std::vector<double>, 2> energies;
+    std::array<std::vector<double>, 2> seconds;
+    for (std::size_t bred = 0; bred < 2; ++bred) {
+      for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+        options = options_for(CodebookMethod::exact, seed, 0);
+        if (bred == 0) options.effort = 0;
+        const auto summary = ccvt::train_codebook(points, row.codewords, options).summary;
+        best = std::min(best, summary.energy);
+        energies[bred].push_back(summary.energy);
+        seconds[bred].push_back(summary.seconds_total);
+      }
+      std::sort(seconds[bred].begin(), seconds[bred].end());
+    }
+    std::printf("| %d x %d | %d | %d | 1 : %g | 1 : %g |", row.vectors, row.dimension,
+                row.codewords, row.clouds, row.sizes, row.spreads);
+    for (std::size_t bred = 0; bred < 2; ++bred) {
+      const auto& all = energies[bred];
+      const auto within =
+          std::count_if(all.begin(), all.end(), [&](double e) { return e <= 1.005 * best; });
+      std::printf(
+          " %d of %d | +%.2f %% | %.2f |", static_cast<int>(within), static_cast<int>(kSeeds),
+          100 * (*std::max_element(all.begin(), all.end()) / best - 1), seconds[bred][kSeeds / 2]);
+    }
+    std::printf(" +%.2f %% |\n", 100 * (longest / best - 1));
+    std::fflush(stdout);
+  }
+  std::printf("\n");
+}
+
 /// The peak of this process so far.
 double peak_megabytes() {
   rusage usage{};
@@ -260,11 +349,11 @@ int main(int argc, char** argv) {
     } else if (argument == "--data" && k + 1 < argc) {
       data = argv[++k];
     } else if (argument == "all" || argument == "published" || argument == "dimensions" ||
-               argument == "encoding") {
+               argument == "encoding" || argument == "mixtures") {
       what = argument;
     } else {
       std::fprintf(stderr,
-                   "usage: quantization_benchmark [all|published|dimensions|encoding] "
+                   "usage: quantization_benchmark [all|published|dimensions|encoding|mixtures] "
                    "[--data FOLDER]\n"
                    "       quantization_benchmark large 4096|mnist|1M|16384|65536 [--data FOLDER]\n"
                    "FOLDER holds s1.csv, a3.csv, birch1.csv and mnist10k.npy; rows of files that "
@@ -280,5 +369,6 @@ int main(int argc, char** argv) {
   if (what == "all" || what == "published") published(data);
   if (what == "all" || what == "dimensions") dimensions(data);
   if (what == "all" || what == "encoding") encoding();
+  if (what == "mixtures") mixtures();
   return 0;
 }

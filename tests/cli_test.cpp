@@ -43,25 +43,6 @@ std::map<std::string, std::string> contents(const TemporaryDirectory& directory)
 
 TEST_SUITE_BEGIN("cli");
 
-TEST_CASE("quantize ends within the gap that is allowed") {
-  const test::TemporaryDirectory directory;
-  REQUIRE(run(directory, "sample --dim 3 --sites 1500 --seed 4 --points-per-site 1 -q -o v.npy")
-              .status == 0);
-  const auto gap_of = [&](const std::string& option) {
-    const Ran ran = run(directory, "quantize v.npy --codewords 20 -q " + option +
-                                       " -o c.npy --codes-out o.npy --summary s.json");
-    REQUIRE(ran.status == 0);
-    const auto summary = json_of(directory / "s.json");
-    CHECK(summary["smallest_cell"] == 75);
-    CHECK(summary["largest_cell"] == 75);
-    return summary["gap"].get<double>();
-  };
-  CHECK(gap_of("") < 1e-12);
-  const double gap = gap_of("--gap 0.01");
-  CHECK(gap > 1e-6);
-  CHECK(gap <= 0.01);
-}
-
 TEST_CASE("sample: files, summary and the same bytes for any number of threads") {
   const TemporaryDirectory directory;
   const Ran ran = run(directory,
@@ -342,6 +323,8 @@ TEST_CASE("bad input: one line, status 2, nothing written") {
       {"sample --dim 2 --sites 8 -o folder.npy", {"folder.npy", "is a directory"}},
       {"sample --dim 2 --sites 8 -o sites", {"sites", "extension", ".npy, .csv or .txt"}},
       {"quantize p.csv --codewords 2 --gap 1 -o o.npy", {"--gap", "'1'", "below 1"}},
+      {"quantize p.csv --codewords 2 --method lloyd --effort 3 -o o.npy", {"--effort", "lloyd"}},
+      {"quantize p.csv --codewords 2 --effort -1 -o o.npy", {"--effort", "'-1'"}},
       {"quantize p.csv --codewords 2 --method lloyd --gap 0.1 -o o.npy", {"--gap", "exact"}},
       {"tessellate p.csv -o o.npy", {"--sites", "--initial-sites"}},
       {"tessellate --sites 2 -o o.npy", {"POINTS"}},

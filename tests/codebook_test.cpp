@@ -224,6 +224,9 @@ TEST_CASE("bad input is refused by name") {
   };
   CHECK(refused(21, {}).find("21") != std::string::npos);
   CHECK(refused(0, {}).find("0") != std::string::npos);
+  CHECK(refused(2, {.effort = -1}).find("effort is -1") != std::string::npos);
+  CHECK(refused(2, {.method = CodebookMethod::lloyd, .effort = 3}).find("effort is 3") !=
+        std::string::npos);
   CHECK(refused(2, {.restarts = -1}).find("restarts is -1") != std::string::npos);
   CHECK(refused(2, {.tolerance = 1}).find("tolerance is 1") != std::string::npos);
   CHECK(refused(2, {.gap = -0.1}).find("gap is -0.1") != std::string::npos);

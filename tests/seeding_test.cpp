@@ -11,6 +11,7 @@
 
 #include "ccvt/capacity.h"
 #include "ccvt/codebook.h"
+#include "codebook/sample.h"
 #include "codebook/share.h"
 #include "parallel/arena.h"
 #include "support/generate.h"

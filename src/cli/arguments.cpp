@@ -254,6 +254,11 @@ CLI::App* add_quantize(CLI::App& app, QuantizeArguments& arguments) {
   add_number<int>(*command, "--restarts", arguments.restarts,
                   "Seedings tried on a sample; the best is used; 0: as many as pay, 1 or 4 [0]",
                   "R", {.least = 0, .most = 1'000'000});
+  add_number<int>(
+      *command, "--effort", arguments.effort,
+      "Codebooks bred from the seedings on a sample, toward the best equal cells whatever "
+      "the seed [32 to 64 for up to 128 codewords and dimensions, else 0]",
+      "E", {.least = 0, .most = 1'000'000});
   add_number<double>(*command, "--gap", arguments.gap,
                      "Assignments that cost at most this share more than the cheapest will do [0]",
                      "G", {.least = 0, .most = 1, .open_above = true});

@@ -98,6 +98,7 @@ struct QuantizeArguments : CommonArguments {
   CodebookMethod method = CodebookMethod::exact;
   std::string seeding = "kmeans++";  ///< or "random", or a file of codewords
   int restarts = 0;
+  std::optional<int> effort;
   double gap = 0;
   std::filesystem::path capacities;  ///< empty: equal
   std::filesystem::path codes_out;

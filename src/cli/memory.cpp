@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -23,7 +24,30 @@ std::string bytes_text(double bytes) {
   return concat(std::round(bytes * 10) / 10) + " " + units[unit];
 }
 
+/// What training holds: bytes a vector beside its coordinates; a pair of codewords, up to so many
+/// codewords; see train_codebook().
+constexpr double kTrainingVector = 120;
+constexpr double kExactPair = 80;
+constexpr double kBound = 8;
+constexpr double kMostWithBounds = 5792;
+
 }  // namespace
+
+std::string check_bytes(const std::string& what, std::uint64_t points, int dimension,
+                        double needed) {
+  const std::string would_need = what + ": " + std::to_string(points) + " points in " +
+                                 std::to_string(dimension) + " dimensions would need about " +
+                                 bytes_text(needed) + " of memory";
+  if (points > std::numeric_limits<Index>::max()) {
+    throw InvalidInput(would_need + ", and are more than the 2147483647 points supported");
+  }
+  const auto pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES));
+  const auto page = static_cast<double>(::sysconf(_SC_PAGESIZE));
+  if (pages > 0 && page > 0 && needed > pages * page) {
+    throw InvalidInput(would_need + ", but this machine has " + bytes_text(pages * page));
+  }
+  return bytes_text(needed);
+}
 
 std::string check_memory(Index sites, Index points_per_site, int dimension,
                          std::size_t scalar_bytes, std::uint64_t other_bytes) {
@@ -38,18 +62,18 @@ std::string check_memory(const std::string& what, std::uint64_t points, int dime
   const double needed =
       4.0 * static_cast<double>(points) * dimension * static_cast<double>(scalar_bytes) + 100e6 +
       static_cast<double>(other_bytes);
-  const std::string would_need = what + ": " + std::to_string(points) + " points in " +
-                                 std::to_string(dimension) + " dimensions would need about " +
-                                 bytes_text(needed) + " of memory";
-  if (points > std::numeric_limits<Index>::max()) {
-    throw InvalidInput(would_need + ", and are more than the 2147483647 points supported");
-  }
-  const auto pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES));
-  const auto page = static_cast<double>(::sysconf(_SC_PAGESIZE));
-  if (pages > 0 && page > 0 && needed > pages * page) {
-    throw InvalidInput(would_need + ", but this machine has " + bytes_text(pages * page));
-  }
-  return bytes_text(needed);
+  return check_bytes(what, points, dimension, needed);
+}
+
+double training_bytes(std::uint64_t vectors, int dimension, std::size_t scalar_bytes,
+                      Index codewords, bool exact) {
+  const auto m = static_cast<double>(vectors);
+  const double n = codewords;
+  const double coordinates = static_cast<double>(scalar_bytes) * dimension;
+  const double samples = std::min(m, std::max(8192.0, 64 * n)) * 8.0 * dimension;
+  const double pairs = n <= kMostWithBounds ? n * n : kMostWithBounds * n / 4;
+  return m * (coordinates + kTrainingVector) + samples + pairs * (exact ? kExactPair : kBound) +
+         20e6;
 }
 
 std::uint64_t peak_memory_bytes() {

@@ -18,6 +18,15 @@ std::string check_memory(const std::string& what, std::uint64_t points, int dime
 std::string check_memory(Index sites, Index points_per_site, int dimension,
                          std::size_t scalar_bytes, std::uint64_t other_bytes = 0);
 
+/// The same for any need.
+std::string check_bytes(const std::string& what, std::uint64_t points, int dimension,
+                        double needed);
+
+/// What train_codebook() holds at most, or little more, of vectors that take `scalar_bytes` a
+/// coordinate, those among it.
+[[nodiscard]] double training_bytes(std::uint64_t vectors, int dimension, std::size_t scalar_bytes,
+                                    Index codewords, bool exact);
+
 /// The most memory that this process has held so far.
 [[nodiscard]] std::uint64_t peak_memory_bytes();
 

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -22,6 +24,9 @@ namespace ccvt::cli {
 
 namespace {
 
+/// What training takes is told beforehand from here on: 1 GiB.
+constexpr double kWorthTelling = 1024.0 * 1024 * 1024;
+
 bool seeds_from_file(const QuantizeArguments& arguments) {
   return arguments.seeding != "kmeans++" && arguments.seeding != "random";
 }
@@ -31,6 +36,7 @@ CodebookOptions make_codebook_options(const QuantizeArguments& arguments, Progre
   options.method = arguments.method;
   if (arguments.seeding == "random") options.seeding = Seeding::random;
   options.restarts = arguments.restarts;
+  options.effort = arguments.effort;
   options.seed = arguments.seed;
   options.threads = arguments.threads;
   if (arguments.max_iterations) options.max_iterations = *arguments.max_iterations;
@@ -122,9 +128,18 @@ int finish_training(const QuantizeArguments& arguments, Publication& outputs,
 
 template <class Scalar>
 int quantize_vectors(const QuantizeArguments& arguments, const PointsHeader& header) {
-  check_memory(arguments.vectors.string(), header.count, header.dimension, sizeof(Scalar));
+  const std::string name = arguments.vectors.string();
+  const auto codewords = static_cast<Index>(
+      std::min<std::uint64_t>(static_cast<std::uint64_t>(arguments.codewords), header.count));
+  const double bytes = training_bytes(header.count, header.dimension, sizeof(Scalar), codewords,
+                                      arguments.method == CodebookMethod::exact);
+  const std::string needed = check_bytes(name, header.count, header.dimension, bytes);
+  if (!arguments.quiet && bytes >= kWorthTelling && codewords == arguments.codewords) {
+    std::cerr << one_line("ccvt: " + name + ": training takes up to about " + needed +
+                          " of memory");
+  }
   const Points<Scalar> vectors = read_points<Scalar>(arguments.vectors, arguments.reading);
-  const Training training = train(arguments, arguments.vectors.string(), vectors);
+  const Training training = train(arguments, name, vectors);
   Publication outputs;
   return finish_training(arguments, outputs, training, {});
 }
@@ -152,6 +167,9 @@ int run_quantize(const QuantizeArguments& arguments) {
   }
   if (arguments.gap > 0 && arguments.method != CodebookMethod::exact) {
     throw InvalidInput("--gap: only --method exact proves one");
+  }
+  if (arguments.effort.value_or(0) > 0 && arguments.method == CodebookMethod::lloyd) {
+    throw InvalidInput("--effort: --method lloyd keeps no capacities to search with");
   }
   if (!arguments.capacities.empty() && arguments.method == CodebookMethod::lloyd) {
     throw InvalidInput("--capacities: --method lloyd does not keep any");

@@ -83,6 +83,11 @@ const char* to_string(CodebookMethod method) {
 
 void CodebookOptions::validate() const {
   require(restarts >= 0, "restarts", std::to_string(restarts), "it must be 0 or more");
+  require(!effort || *effort >= 0, "effort", std::to_string(effort.value_or(0)),
+          "it must be 0 or more");
+  require(effort.value_or(0) == 0 || method != CodebookMethod::lloyd, "effort",
+          std::to_string(effort.value_or(0)),
+          "it must be 0 for lloyd, whose cells have no capacities to search with");
   require(max_iterations >= 0, "max_iterations", std::to_string(max_iterations),
           "it must be 0 or more");
   require(tolerance >= 0 && tolerance < 1, "tolerance", text(tolerance), "it must be in [0, 1)");

@@ -8,6 +8,7 @@
 
 #include "codebook/centroids.h"
 #include "codebook/reseat.h"
+#include "codebook/sample.h"
 #include "exact/pricing.h"
 #include "geometry/as_matrix.h"
 #include "geometry/chosen_points.h"
@@ -23,9 +24,6 @@ namespace {
 constexpr std::int64_t kSamplePerSite = 64;
 constexpr std::int64_t kSmallSamplePerSite = 16;  ///< where sites are drawn in rounds
 constexpr std::int64_t kLeastSample = 8192;
-/// With more sites than this, chance hardly tells one seeding from another, and a smaller sample
-/// will do.
-constexpr Index kFewSites = 128;
 /// Greed pays, and is affordable, up to so many.
 constexpr int kGreedyDimensions = 8;
 constexpr Index kGreedySites = 2048;
@@ -34,42 +32,6 @@ constexpr std::size_t kPointsPerGrain = 1024;
 constexpr double kRough = 1e-3;
 constexpr int kRoughIterations = 12;
 constexpr int kReseatings = 24;
-
-/// A sample relative to its mean, in units in which squares do not overflow.
-struct Sample {
-  Points<float> points;
-  std::vector<double> mean;
-  double scale = 1;
-};
-
-template <class Scalar>
-Sample draw_sample(PointsView<Scalar> points, Index count, std::uint64_t seed) {
-  const auto chosen = draw_distinct(count, points.count, seed, streams::codebook_sample);
-  Sample sample;
-  std::vector<double>& mean = sample.mean;
-  mean.assign(static_cast<std::size_t>(points.dimension), 0.0);
-  for (const Index p : chosen) {
-    for (std::size_t d = 0; d < mean.size(); ++d) {
-      const double x = points[p][d];
-      mean[d] += x / count;
-    }
-  }
-  double largest = 0;
-  for (const Index p : chosen) {
-    for (std::size_t d = 0; d < mean.size(); ++d) {
-      largest = std::max(largest, std::abs(points[p][d] - mean[d]));
-    }
-  }
-  if (largest > 0) sample.scale = std::exp2(std::min(1000.0, -std::ceil(std::log2(largest))));
-  sample.points.resize(points.dimension, count);
-  float* to = sample.points.data();
-  for (const Index p : chosen) {
-    for (std::size_t d = 0; d < mean.size(); ++d) {
-      *to++ = static_cast<float>((points[p][d] - mean[d]) * sample.scale);
-    }
-  }
-  return sample;
-}
 
 /// As many points as wanted, or all.
 Index sample_size(std::int64_t wanted, Index points) {
@@ -96,21 +58,6 @@ void relax(const Metric& metric, PointsView<float> points, const Arena& arena, S
 }
 
 }  // namespace
-
-std::vector<Index> draw_distinct(Index count, Index total, std::uint64_t seed,
-                                 std::uint64_t stream) {
-  std::vector<Index> chosen;
-  chosen.reserve(static_cast<std::size_t>(count));
-  // Selection sampling [Knuth, TAOCP 2, 3.4.2, algorithm S].
-  Random random(seed, stream);
-  Index needed = count;
-  for (Index p = 0; p < total && needed > 0; ++p) {
-    if (random.index_below(total - p) >= needed) continue;
-    chosen.push_back(p);
-    --needed;
-  }
-  return chosen;
-}
 
 std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64_t seed,
                               std::uint64_t stream, const Arena& arena) {
@@ -215,7 +162,8 @@ std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int resta
   const std::int64_t wanted = std::max(kLeastSample, each * sites);
   if (restarts == 0) restarts = in_rounds ? 1 : kRestarts;
   const Index count = sample_size(wanted, points.count);
-  const Sample sample = draw_sample(points, count, seed);
+  const Sample sample =
+      sample_of(points, draw_distinct(count, points.count, seed, streams::codebook_sample));
   const PointsView<float> view = view_points(sample.points);
   const Metric metric(points.dimension, Domain());
   Seeds best;
@@ -245,9 +193,7 @@ std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int resta
       best.sites.insert(best.sites.end(), view[p], view[p] + view.dimension);
     }
   }
-  for (std::size_t k = 0; k < best.sites.size(); ++k) {
-    best.sites[k] = best.sites[k] / sample.scale + sample.mean[k % sample.mean.size()];
-  }
+  sample.take_back(best.sites);
   return best.sites;
 }
 

@@ -9,6 +9,9 @@
 namespace ccvt {
 
 constexpr int kRestarts = 4;
+/// With more sites than this, chance hardly tells one seeding from another, and a smaller sample
+/// will do.
+constexpr Index kFewSites = 128;
 
 /// Good first codewords for Euclidean `points`: of `restarts` seedings, each improved on a sample
 /// by Lloyd iterations and by merging and splitting cells, the one of least energy; 0 restarts: as
@@ -41,9 +44,5 @@ std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64
 /// O(m n D), in blocked products.
 std::vector<double> plus_plus_in_rounds(PointsView<float> points, Index sites, std::uint64_t seed,
                                         std::uint64_t stream, const Arena& arena = Arena(1));
-
-/// `count` distinct numbers below `total`, ascending.
-std::vector<Index> draw_distinct(Index count, Index total, std::uint64_t seed,
-                                 std::uint64_t stream);
 
 }  // namespace ccvt

@@ -15,6 +15,10 @@ namespace ccvt {
 namespace {
 
 constexpr std::size_t kSitesPerGrain = 4;
+/// The first level has so many vectors a codeword, the next ones so many times as many.
+constexpr std::int64_t kLevelVectors = 32;
+constexpr std::int64_t kLevelFactor = 4;
+constexpr std::int64_t kLeastLevel = 8192;
 
 struct Edge {
   double squared;
@@ -113,6 +117,35 @@ std::vector<Index> share_capacities(std::span<const Index> capacities, Index tot
   return shares;
 }
 
+std::vector<Index> level_sizes(Index vectors, Index codewords) {
+  std::vector<Index> sizes;
+  for (std::int64_t size = std::max(kLeastLevel, kLevelVectors * codewords); size * 2 < vectors;
+       size *= kLevelFactor) {
+    sizes.push_back(static_cast<Index>(size));
+  }
+  return sizes;
+}
+
+template <class Scalar>
+std::vector<Index> draw_evenly(PointsView<Scalar> points, const std::vector<double>& sites,
+                               Index count, const Arena& arena) {
+  const Metric metric(points.dimension, Domain());
+  const Grouping regions(nearest_owners(metric, points, sites, arena),
+                         sites.size() / static_cast<std::size_t>(points.dimension));
+  std::vector<PointNumber> ordered;
+  ordered.reserve(regions.order.size());
+  for (const SiteNumber s : linkage_order(spanning_edges(sites, points.dimension, arena))) {
+    ordered.insert(ordered.end(), regions.of(s).begin(), regions.of(s).end());
+  }
+  std::vector<Index> chosen;
+  chosen.reserve(static_cast<std::size_t>(count));
+  for (std::int64_t k = 0; k < count; ++k) {
+    const std::int64_t place = (2 * k + 1) * points.count / (2 * std::int64_t{count});
+    chosen.push_back(ordered[static_cast<std::size_t>(place)].index());
+  }
+  return chosen;
+}
+
 template <class Scalar>
 std::vector<double> share_sites(PointsView<Scalar> points, const std::vector<double>& sites,
                                 std::span<const Index> capacities, std::uint64_t seed,
@@ -139,6 +172,10 @@ std::vector<double> share_sites(PointsView<Scalar> points, const std::vector<dou
   return shared;
 }
 
+template std::vector<Index> draw_evenly(PointsView<float>, const std::vector<double>&, Index,
+                                        const Arena&);
+template std::vector<Index> draw_evenly(PointsView<double>, const std::vector<double>&, Index,
+                                        const Arena&);
 template std::vector<double> share_sites(PointsView<float>, const std::vector<double>&,
                                          std::span<const Index>, std::uint64_t, const Arena&);
 template std::vector<double> share_sites(PointsView<double>, const std::vector<double>&,

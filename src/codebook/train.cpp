@@ -10,8 +10,10 @@
 #include "ccvt/capacity.h"
 #include "ccvt/codebook.h"
 #include "ccvt/problem.h"
+#include "codebook/breeding.h"
 #include "codebook/centroids.h"
 #include "codebook/pairwise.h"
+#include "codebook/sample.h"
 #include "codebook/seeding.h"
 #include "codebook/share.h"
 #include "exact/assignment.h"
@@ -25,11 +27,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Balanced training starts on a sample of this many vectors a codeword, then takes
-/// kLevelFactor times as many, until it has all.
-constexpr std::int64_t kLevelVectors = 32;
-constexpr std::int64_t kLevelFactor = 4;
-constexpr std::int64_t kLeastLevel = 8192;
 /// A level ends when an iteration gains less than this share, times codewords a vector: the more
 /// vectors a codeword, the better the sample tells where codewords belong, and the more iterations
 /// does each level save the next. With 1e-3 for all, 16 codewords of 2^20 vectors take two and a
@@ -93,15 +90,32 @@ class Trainer {
   std::vector<double> weights_;
   std::vector<Index> owners_;
   std::vector<Index> met_;  ///< the last owners of all vectors that met the capacities
-  bool given_ = false;      ///< the codewords to start from
+  bool bred_ = false;       ///< the sites are those of balanced cells
+  bool placed_ = false;     ///< the sites are where capacities want them
   CodebookSummary summary_;
 };
 
 template <class Scalar>
 void Trainer<Scalar>::seed() {
-  const auto choose =
-      options_.seeding == Seeding::kmeans_plus_plus ? seed_sites<Scalar> : draw_sites<Scalar>;
-  sites_ = choose(vectors_, problem_.site_count(), options_.restarts, options_.seed, arena_);
+  const Index n = problem_.site_count();
+  Breeding breeding;
+  breeding.seedings = options_.restarts > 0 ? options_.restarts : kRestarts;
+  breeding.seed = options_.seed;
+  breeding.random = options_.seeding == Seeding::random;
+  const bool usual = breeding.seedings > 1 && !breeding.random;
+  breeding.children = options_.effort.value_or(usual ? usual_effort(n, vectors_.dimension) : 0);
+  if (breeding.children > 0 && n > 1 && options_.method != CodebookMethod::lloyd) {
+    BredSites bred = breed_sites(vectors_, problem_.capacities(), breeding, arena_);
+    if (!bred.sites.empty()) {
+      sites_ = std::move(bred.sites);
+      weights_ = std::move(bred.weights);
+      bred_ = true;
+      placed_ = true;
+      return;
+    }
+  }
+  const auto choose = breeding.random ? draw_sites<Scalar> : seed_sites<Scalar>;
+  sites_ = choose(vectors_, n, options_.restarts, options_.seed, arena_);
 }
 
 /// Reports an iteration; false when training ends with it.
@@ -161,7 +175,7 @@ bool Trainer<Scalar>::go_on(Index vectors, double energy, std::int64_t moved) {
 template <class Scalar>
 void Trainer<Scalar>::exchange_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities,
                                      double tolerance) {
-  if (!given_ && options_.seeding == Seeding::kmeans_plus_plus) {
+  if (!placed_ && options_.seeding == Seeding::kmeans_plus_plus) {
     sites_ = share_sites(vectors, sites_, capacities, options_.seed, arena_);
   }
   Options options;
@@ -247,22 +261,20 @@ template <class Scalar>
 void Trainer<Scalar>::exact() {
   const Index m = vectors_.count;
   const auto& capacities = options_.capacities;
-  std::vector<Index> counts;
-  for (std::int64_t count = std::max(kLeastLevel, kLevelVectors * problem_.site_count());
-       count * 2 < m; count *= kLevelFactor) {
-    counts.push_back(static_cast<Index>(count));
-  }
+  const std::vector<Index> counts = level_sizes(m, problem_.site_count());
   if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
   for (const Index count : counts) {
     if (ended()) break;
     arena_.check();
-    const Points<Scalar> sample =
-        chosen_points(vectors_, draw_distinct(count, m, options_.seed, streams::codebook_levels));
+    // What was bred fits the shares of the clouds, which a sample that has others would undo.
+    const Points<Scalar> sample = chosen_points(
+        vectors_, bred_ ? draw_evenly(vectors_, sites_, count, arena_)
+                        : draw_distinct(count, m, options_.seed, streams::codebook_levels));
     const std::vector<Index> shares = share_capacities(capacities, m, count);
-    if (!given_ && count == counts.front()) start_exact(view_points(sample), shares);
+    if (!placed_ && count == counts.front()) start_exact(view_points(sample), shares);
     exact_level(view_points(sample), shares, false);
   }
-  if (!given_ && counts.empty() && !ended()) start_exact(vectors_, capacities);
+  if (!placed_ && counts.empty() && !ended()) start_exact(vectors_, capacities);
   if (summary_.termination == Termination::cancelled) throw Stopped();
   exact_level(vectors_, capacities, true);
   if (summary_.termination == Termination::cancelled) throw Stopped();
@@ -331,8 +343,8 @@ Training Trainer<Scalar>::run(const Columns<double>* codewords) {
   const Index n = problem_.site_count();
   weights_.assign(problem_.capacities().size(), 0.0);
   try {
-    given_ = codewords != nullptr;
-    if (given_) {
+    if (codewords != nullptr) {
+      placed_ = true;
       sites_.assign(codewords->data(), codewords->data() + codewords->size());
     } else {
       seed();

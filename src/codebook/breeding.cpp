@@ -1,0 +1,348 @@
+#include "codebook/breeding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "codebook/centroids.h"
+#include "codebook/sample.h"
+#include "codebook/seeding.h"
+#include "codebook/share.h"
+#include "exact/assignment.h"
+#include "geometry/squares.h"
+#include "random.h"
+#include "streams.h"
+
+namespace ccvt {
+namespace {
+
+/// Points a site of the sample that most children are judged on, and of the one that the rest are;
+/// of those that samples are taken from.
+constexpr std::int64_t kFirstSample = 64;
+constexpr std::int64_t kLastSample = 256;
+constexpr std::int64_t kSource = 1024;
+constexpr std::int64_t kLeastSample = 1024;
+/// By default so many children by the number of sites, within limits, up to so many dimensions.
+/// Beyond, they take longer than what comes after.
+constexpr Index kUsualEffort = 4096;
+constexpr Index kLeastEffort = 32;
+constexpr Index kMostEffort = 64;
+constexpr int kEffortDimensions = 128;
+/// One child of so many comes last.
+constexpr int kLastChildren = 3;
+/// Regions a site that have their share of the samples: the smaller they are, the less does what is
+/// best on a sample differ from what is best; in many dimensions they cost more than they save.
+constexpr int kMostRegions = 16;
+constexpr int kLeastRegions = 4;
+constexpr int kRegionDimensions = 512;
+
+Index regions_per_site(int dimension) {
+  return std::clamp(kRegionDimensions / dimension, kLeastRegions, kMostRegions);
+}
+
+/// Children that are bred of the same parents' generation.
+constexpr int kBrood = 8;
+constexpr std::size_t kPopulation = 8;
+/// Balancing ends when an iteration gains less than this share, or after so many.
+constexpr double kRough = 1e-3;
+constexpr int kRoughIterations = 20;
+/// An assignment need not be nearer than this to the cheapest.
+constexpr double kRoughGap = 2e-3;
+/// An iteration's gain times this is what all those after it may gain together.
+constexpr double kHope = 3;
+/// Two codebooks whose energies differ by less than this share are the same.
+constexpr double kSame = 1e-7;
+/// Where all that live are as near each other as this, there is but one place to go.
+constexpr double kAlike = 1e-4;
+
+/// The points that samples are taken from, and their regions.
+template <class Scalar>
+class Source {
+ public:
+  Source(PointsView<Scalar> points, Index sites, std::uint64_t seed, const Arena& arena)
+      : points_(points),
+        sites_(sites),
+        arena_(arena),
+        chosen_(draw_distinct(size(kSource), points.count, seed, streams::codebook_sample)),
+        all_(sample_of(points, std::span<const Index>(chosen_))),
+        middles_(plus_plus_in_rounds(
+            view_points(all_.points),
+            std::min(size(kFirstSample), regions_per_site(points.dimension) * sites), seed,
+            streams::codebook_breeding, arena)) {}
+
+  /// So many points a site, the same share of each region.
+  [[nodiscard]] Sample sample(std::int64_t per_site) const {
+    std::vector<Index> numbers =
+        draw_evenly(view_points(all_.points), middles_, size(per_site), arena_);
+    for (Index& number : numbers) number = chosen_[static_cast<std::size_t>(number)];
+    return sample_of(points_, std::span<const Index>(numbers));
+  }
+  [[nodiscard]] Index size(std::int64_t per_site) const {
+    return static_cast<Index>(
+        std::min<std::int64_t>(points_.count, std::max(kLeastSample, per_site * sites_)));
+  }
+
+ private:
+  PointsView<Scalar> points_;
+  Index sites_;
+  const Arena& arena_;
+  std::vector<Index> chosen_;
+  Sample all_;
+  std::vector<double> middles_;
+};
+
+struct Candidate : BredSites {
+  double energy = std::numeric_limits<double>::infinity();
+};
+
+/// The search on the sample.
+class Breeder {
+ public:
+  /// `shares`: of the capacities, those of the sample.
+  Breeder(Sample sample, std::vector<Index> shares, const Breeding& breeding, const Arena& arena)
+      : sample_(std::move(sample)),
+        points_(view_points(sample_.points)),
+        width_(sample_.mean.size()),
+        capacities_(std::move(shares)),
+        breeding_(breeding),
+        arena_(arena),
+        metric_(points_.dimension, Domain()) {}
+
+  void add_seedings();
+  void add_children(int children);
+  /// Adds what was found on another sample.
+  void add(std::vector<BredSites> found);
+  /// The best first, in the units of all points.
+  [[nodiscard]] std::vector<BredSites> found() const;
+
+ private:
+  [[nodiscard]] std::vector<double> seeding(int number) const;
+  [[nodiscard]] Candidate child(std::uint64_t stream) const;
+  [[nodiscard]] const Candidate& parent(Random& random) const;
+  void join(const Candidate& a, const Candidate& b, Random& random, Candidate& child) const;
+  void complete(Candidate& child, Random& random) const;
+  void balance(Candidate& candidate, double enough) const;
+  void select(std::vector<Candidate> candidates);
+  [[nodiscard]] bool alike() const;
+
+  Sample sample_;
+  PointsView<float> points_;
+  std::size_t width_;
+  std::vector<Index> capacities_;
+  const Breeding& breeding_;
+  const Arena& arena_;
+  Metric metric_;
+  std::vector<Candidate> population_;  ///< by energy
+};
+
+std::vector<double> Breeder::seeding(int number) const {
+  const auto n = static_cast<Index>(capacities_.size());
+  const std::uint64_t seed = mix_bits(breeding_.seed) + static_cast<std::uint64_t>(number);
+  if (breeding_.random) return draw_sites(points_, n, 1, seed, arena_);
+  return share_sites(points_, seed_sites(points_, n, 1, seed, arena_), capacities_, seed, arena_);
+}
+
+/// Exact assignments and centroids in turn, to a rough end, or until it is unlikely to get below
+/// `enough`.
+void Breeder::balance(Candidate& candidate, double enough) const {
+  std::vector<Index> owners = nearest_owners(metric_, points_, candidate.sites, arena_);
+  ExactAssignment<float> assignment(metric_, points_, static_cast<Index>(capacities_.size()),
+                                    capacities_, arena_, kRoughGap);
+  double before = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kRoughIterations; ++i) {
+    const bool met = assignment.improve(candidate.sites, candidate.weights, owners) ==
+                     ExactAssignment<float>::Round::optimal;
+    const double energy = assignment.last().energy;
+    if (i > 0) {
+      candidate.energy = energy;
+      const double gain = before - energy;
+      if (met || gain < kRough * before || energy - kHope * gain > enough) break;
+      before = energy;
+    }
+    move_to_centroids(metric_, points_, Grouping(owners, capacities_.size()), arena_,
+                      candidate.sites);
+  }
+}
+
+/// The better one of two.
+const Candidate& Breeder::parent(Random& random) const {
+  const std::size_t a = random.below(population_.size());
+  const std::size_t b = random.below(population_.size());
+  return population_[std::min(a, b)];
+}
+
+/// The sites of `a` on one side of a plane through a point across the line of two others, and those
+/// of `b` on the other side; no more than there are capacities less one.
+void Breeder::join(const Candidate& a, const Candidate& b, Random& random, Candidate& child) const {
+  const float* const middle = points_[random.index_below(points_.count)];
+  const float* const from = points_[random.index_below(points_.count)];
+  const float* const to = points_[random.index_below(points_.count)];
+  const auto beyond = [&](const double* site) {
+    double along = 0;
+    for (std::size_t d = 0; d < width_; ++d) along += (site[d] - middle[d]) * (to[d] - from[d]);
+    return along > 0;
+  };
+  std::vector<std::pair<const Candidate*, std::size_t>> chosen;
+  for (std::size_t s = 0; s < capacities_.size(); ++s) {
+    if (!beyond(a.sites.data() + s * width_)) chosen.emplace_back(&a, s);
+    if (beyond(b.sites.data() + s * width_)) chosen.emplace_back(&b, s);
+  }
+  random.shuffle(std::span(chosen));
+  chosen.resize(std::min(chosen.size(), capacities_.size() - 1));
+  for (const auto& [candidate, s] : chosen) {
+    const double* const site = candidate->sites.data() + s * width_;
+    child.sites.insert(child.sites.end(), site, site + width_);
+  }
+}
+
+/// Adds sites until there are as many as capacities: points drawn with probability proportional to
+/// the squared distance to the nearest site.
+void Breeder::complete(Candidate& child, Random& random) const {
+  const auto m = static_cast<std::size_t>(points_.count);
+  std::vector<double> squared(m, 1.0);
+  std::vector<double> sum(m);
+  if (!child.sites.empty()) {
+    const std::vector<Index> nearest = nearest_owners(metric_, points_, child.sites, arena_);
+    for (std::size_t p = 0; p < m; ++p) {
+      const auto s = static_cast<std::size_t>(nearest[p]);
+      squared[p] = squared_difference(points_[static_cast<Index>(p)],
+                                      child.sites.data() + s * width_, points_.dimension);
+    }
+  }
+  while (child.sites.size() < capacities_.size() * width_) {
+    std::inclusive_scan(squared.begin(), squared.end(), sum.begin());
+    const double at = random.uniform() * sum.back();
+    const auto found = std::upper_bound(sum.begin(), sum.end() - 1, at) - sum.begin();
+    const float* const chosen = points_[static_cast<Index>(found)];
+    for (std::size_t p = 0; p < m; ++p) {
+      squared[p] = std::min(squared[p], squared_difference(points_[static_cast<Index>(p)], chosen,
+                                                           points_.dimension));
+    }
+    child.sites.insert(child.sites.end(), chosen, chosen + width_);
+  }
+}
+
+Candidate Breeder::child(std::uint64_t stream) const {
+  Random random(breeding_.seed, stream);
+  Candidate result;
+  const Candidate& a = parent(random);
+  const Candidate& b = parent(random);
+  join(a, b, random, result);
+  complete(result, random);
+  // Not the parents', which differ by an unknown amount on either side.
+  result.weights.assign(capacities_.size(), 0.0);
+  balance(result, population_.back().energy);
+  return result;
+}
+
+/// Takes in those that are new, and keeps the best.
+void Breeder::select(std::vector<Candidate> candidates) {
+  for (Candidate& candidate : candidates) {
+    const auto place = std::lower_bound(
+        population_.begin(), population_.end(), candidate,
+        [](const Candidate& a, const Candidate& b) { return a.energy < b.energy; });
+    const auto same = [&](const Candidate& other) {
+      return std::abs(other.energy - candidate.energy) <= kSame * candidate.energy;
+    };
+    if (std::none_of(population_.begin(), population_.end(), same)) {
+      population_.insert(place, std::move(candidate));
+    }
+  }
+  population_.resize(std::min(population_.size(), kPopulation));
+}
+
+/// Whether all that live have come to the same place, from several.
+bool Breeder::alike() const {
+  return breeding_.seedings > 1 &&
+         population_.back().energy <= population_.front().energy * (1 + kAlike);
+}
+
+void Breeder::add_seedings() {
+  std::vector<Candidate> seeded(static_cast<std::size_t>(breeding_.seedings));
+  arena_.for_each(seeded.size(), 1, [&](std::size_t k) {
+    seeded[k].sites = seeding(static_cast<int>(k));
+    seeded[k].weights.assign(capacities_.size(), 0.0);
+    arena_.check();  // seeding may have been cut short
+    balance(seeded[k], std::numeric_limits<double>::infinity());
+  });
+  select(std::move(seeded));
+}
+
+void Breeder::add_children(int children) {
+  std::uint64_t stream = streams::codebook_breeding;
+  for (int left = children; left > 0 && !alike();) {
+    std::vector<Candidate> brood(static_cast<std::size_t>(std::min(kBrood, left)));
+    arena_.for_each(brood.size(), 1, [&](std::size_t k) { brood[k] = child(stream + 1 + k); });
+    stream += brood.size();
+    left -= static_cast<int>(brood.size());
+    select(std::move(brood));
+  }
+}
+
+void Breeder::add(std::vector<BredSites> found) {
+  std::vector<Candidate> candidates(found.size());
+  arena_.for_each(found.size(), 1, [&](std::size_t k) {
+    Candidate& candidate = candidates[k];
+    static_cast<BredSites&>(candidate) = std::move(found[k]);
+    sample_.bring_in(candidate.sites);
+    for (double& weight : candidate.weights) weight *= sample_.scale * sample_.scale;
+    balance(candidate, std::numeric_limits<double>::infinity());
+  });
+  select(std::move(candidates));
+}
+
+std::vector<BredSites> Breeder::found() const {
+  std::vector<BredSites> all(population_.begin(), population_.end());
+  for (BredSites& one : all) {
+    sample_.take_back(one.sites);
+    for (double& weight : one.weights) weight /= sample_.scale * sample_.scale;
+  }
+  return all;
+}
+
+}  // namespace
+
+int usual_effort(Index sites, int dimension) {
+  if (sites > kFewSites || dimension > kEffortDimensions) return 0;
+  return std::clamp(kUsualEffort / sites, kLeastEffort, kMostEffort);
+}
+
+template <class Scalar>
+BredSites breed_sites(PointsView<Scalar> points, std::span<const Index> capacities,
+                      const Breeding& breeding, const Arena& arena) {
+  const auto breeder = [&](Sample sample) {
+    const auto count = static_cast<Index>(sample.points.cols());
+    return Breeder(std::move(sample), share_capacities(capacities, points.count, count), breeding,
+                   arena);
+  };
+  std::vector<BredSites> found;
+  try {
+    const Source<Scalar> source(points, static_cast<Index>(capacities.size()), breeding.seed,
+                                arena);
+    Breeder first = breeder(source.sample(kFirstSample));
+    first.add_seedings();
+    found = first.found();
+    const bool all = source.size(kFirstSample) == points.count;
+    const int children = all ? 0 : breeding.children / kLastChildren;
+    first.add_children(breeding.children - children);
+    found = first.found();
+    if (all) return std::move(found.front());
+    Breeder last = breeder(source.sample(kLastSample));
+    last.add(found);
+    found = last.found();
+    last.add_children(children);
+    found = last.found();
+  } catch (const Stopped&) {
+    if (found.empty()) return {};
+  }
+  return std::move(found.front());
+}
+
+template BredSites breed_sites(PointsView<float>, std::span<const Index>, const Breeding&,
+                               const Arena&);
+template BredSites breed_sites(PointsView<double>, std::span<const Index>, const Breeding&,
+                               const Arena&);
+
+}  // namespace ccvt
