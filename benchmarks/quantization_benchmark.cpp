@@ -200,7 +200,7 @@ Points<float> draw(const Mixture& mixture, std::uint64_t seed) {
 }
 
 /// Whether the result hangs on the seed: seeds 0 to 10 with and without breeding, beside the best
-/// that any of these, or a hundred times the effort, finds.
+/// that any of these, or fifty times the effort and more, finds.
 void mixtures() {
   constexpr std::array rows = {
       Mixture{2, 16, 4096, 16, 1, 1, 12},    Mixture{2, 50, 10000, 30, 8, 8, 30},

@@ -73,8 +73,8 @@ TEST_CASE("with breeding the energy hardly hangs on the seed, and is lower") {
   CHECK(*most < 1.01 * *least);
   CHECK(*most - *least < (*unlucky - *lucky) / 2);
   CHECK(*least < 1.001 * *lucky);
-  // More of it is not worse than none, from either kind of seeds.
-  CHECK(trained_energy(points, 32, {.effort = 60}) < 1.005 * *least);
+  // More of it, and from random seeds.
+  CHECK(trained_energy(points, 32, {.effort = 200}) < 1.005 * *least);
   CHECK(trained_energy(points, 32, {.seeding = ccvt::Seeding::random, .effort = 60}) <
         1.02 * *least);
 }
@@ -93,8 +93,22 @@ TEST_CASE("what is bred keeps capacities, those given too, and the certificate")
       for (const Index code : training.codes) ++sizes[static_cast<std::size_t>(code)];
       CHECK(sizes == capacities);
       CHECK(training.summary.gap < 1e-12);
+      if (method != CodebookMethod::exact) CHECK(training.codebook.weights().isZero(0));
     }
   }
+}
+
+TEST_CASE("unequal capacities are bred for as well") {
+  const auto points = unequal_clouds(4, 12, 6000);
+  std::vector<Index> capacities;
+  for (Index k = 1; k <= 24; ++k) capacities.push_back(20 * k);
+  double bred = 0;
+  double seeded = 0;
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    bred += trained_energy(points, 24, {.effort = 60, .seed = seed, .capacities = capacities});
+    seeded += trained_energy(points, 24, {.effort = 0, .seed = seed, .capacities = capacities});
+  }
+  CHECK(bred < 0.99 * seeded);
 }
 
 TEST_CASE("breeding is the same for any number of threads, and another for another seed") {
@@ -109,11 +123,19 @@ TEST_CASE("breeding is the same for any number of threads, and another for anoth
 
 TEST_CASE("breeding where there is little to breed from") {
   const auto few = make_points<double>(Layout::random, uneven_box(2), 40);
-  const auto places = make_points<double>(Layout::two_places, uneven_box(2), 400);
-  const auto place = make_points<double>(Layout::one_place, uneven_box(2), 400);
-  for (const Index codewords : {1, 2, 3, 39, 40}) {
+  // Enough for both samples where there are few codewords.
+  const auto places = make_points<double>(Layout::two_places, uneven_box(2), 1500);
+  const auto place = make_points<double>(Layout::one_place, uneven_box(2), 1500);
+  // The sample misses the point that is far away.
+  const auto tiny = [] {
+    auto points = make_points<double>(Layout::clusters, uneven_box(2), 20000);
+    points *= 1e-100;
+    points.col(777).setConstant(1);
+    return points;
+  }();
+  for (const Index codewords : {1, 2, 3, 7, 40}) {
     CAPTURE(codewords);
-    for (const auto* const points : {&few, &places, &place}) {
+    for (const auto* const points : {&few, &places, &place, &tiny}) {
       for (const int restarts : {0, 1}) {
         CodebookOptions options;
         options.restarts = restarts;
@@ -126,7 +148,7 @@ TEST_CASE("breeding where there is little to breed from") {
   }
 }
 
-TEST_CASE("breeding ends within a second of being cancelled") {
+TEST_CASE("breeding ends soon when cancelled") {
   const auto points = unequal_clouds(16, 40, 20000);
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
@@ -134,7 +156,7 @@ TEST_CASE("breeding ends within a second of being cancelled") {
   options.effort = 1'000'000;
   options.cancelled = [&] { return Clock::now() - start > std::chrono::milliseconds(300); };
   const auto training = train_codebook(points, 100, options);
-  CHECK(Clock::now() - start < std::chrono::milliseconds(2300));
+  CHECK(Clock::now() - start < std::chrono::milliseconds(1300));
   CHECK(training.summary.termination == ccvt::Termination::cancelled);
   CHECK(training.summary.usage.largest == 200);
 }
@@ -146,7 +168,7 @@ TEST_CASE("an even draw has every region's share") {
     sites.insert(sites.end(), {points(0, p), points(1, p)});
   }
   const Arena arena(2);
-  const auto drawn = ccvt::draw_evenly(view_points(points), sites, 1000, arena);
+  const auto drawn = ccvt::draw_evenly(view_points(points), sites, 1000, 3, arena);
   CHECK(drawn.size() == 1000);
   CHECK(std::set<Index>(drawn.begin(), drawn.end()).size() == 1000);
   const Eigen::Map<const Eigen::MatrixXd> all(sites.data(), 2, 7);
@@ -159,7 +181,7 @@ TEST_CASE("an even draw has every region's share") {
   for (Index p = 0; p < 6000; ++p) share[static_cast<std::size_t>(region(p))] += 1 / 6.0;
   for (const Index p : drawn) share[static_cast<std::size_t>(region(p))] -= 1;
   for (const double rest : share) CHECK(std::abs(rest) <= 1);
-  auto every = ccvt::draw_evenly(view_points(points), sites, 6000, arena);
+  auto every = ccvt::draw_evenly(view_points(points), sites, 6000, 3, arena);
   std::sort(every.begin(), every.end());
   std::vector<Index> numbers(6000);
   std::iota(numbers.begin(), numbers.end(), 0);

@@ -231,6 +231,10 @@ TEST_CASE("bad input is refused by name") {
   CHECK(refused(2, {.tolerance = 1}).find("tolerance is 1") != std::string::npos);
   CHECK(refused(2, {.gap = -0.1}).find("gap is -0.1") != std::string::npos);
   CHECK(refused(2, {.capacities = {1, 2}}) != "");
+  CHECK(refusal([&] {
+          const ccvt::Columns<double> given(Eigen::MatrixXd::Identity(3, 2));
+          static_cast<void>(ccvt::train_codebook_from(points, given, {.effort = 3}));
+        }).find("effort is 3") != std::string::npos);
   const Codebook codebook(Eigen::MatrixXd::Identity(3, 3));
   CHECK(refusal([&] {
           static_cast<void>(codebook.decode(std::vector<Index>{0, 3}));

@@ -40,7 +40,7 @@ TEST_CASE("quantize ends within the gap that is allowed") {
   CHECK(gap <= 0.01);
 }
 
-TEST_CASE("quantize --effort breeds codebooks, and takes its time in seeding") {
+TEST_CASE("quantize --effort breeds codebooks") {
   const TemporaryDirectory directory;
   REQUIRE(run(directory, "sample --dim 2 --sites 900 --seed 4 --points-per-site 1 -q -o v.npy")
               .status == 0);
@@ -52,6 +52,10 @@ TEST_CASE("quantize --effort breeds codebooks, and takes its time in seeding") {
   };
   const double none = energy_of("--effort 0");
   CHECK(energy_of("--effort 200") < none);
+  const Ran given =
+      run(directory, "quantize v.npy --codewords 12 --seeding c.npy --effort 2 -o d.npy");
+  CHECK(given.status == 2);
+  CHECK(given.errors.find("--effort") != std::string::npos);
   CHECK(energy_of("--restarts 1") == energy_of("--restarts 1 --effort 0"));
 }
 

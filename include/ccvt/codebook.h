@@ -45,13 +45,15 @@ struct CCVT_EXPORT CodebookOptions {
   CodebookMethod method = CodebookMethod::exact;
   Seeding seeding = Seeding::kmeans_plus_plus;
   /// Seedings tried on a sample of the vectors; the best one is used. 0: as many as pay, which is
-  /// 4, or 1 for many codewords in many dimensions, where chance hardly tells them apart.
+  /// 4, or 1 for many codewords in many dimensions, where chance hardly tells them apart, unless
+  /// codebooks are bred.
   int restarts = 0;
   /// Codebooks bred from the seedings on a sample, toward the best one that keeps capacities,
-  /// whatever the seed [a genetic search: Gribel, Vidal 2019]; 0 for `lloyd`. At least 0; more take
-  /// longer in proportion, and seldom end worse. None given: for `exact` and `pairwise`, where 2 to
-  /// 128 codewords in up to 128 dimensions are seeded by k-means++ more than once, 4096 over their
-  /// number, from 32 to 64; 0 else.
+  /// whatever the seed [a genetic search: Gribel, Vidal 2019]. At least 0; 0 for `lloyd`, and where
+  /// codewords are given. More take longer in proportion, and seldom end worse; the samples alone
+  /// take O(n^2 D), with a factor of thousands. `on_iteration` does not hear of it. None given: for
+  /// `exact` and `pairwise`, where 2 to 128 codewords in up to 128 dimensions are seeded by
+  /// k-means++ more than once, 4096 over their number, 64 at most; 0 else.
   std::optional<int> effort = {};
   /// Stops after this many iterations, those included on samples and, before the first exact
   /// assignment, of exchanges between pairs. At least 0.
@@ -207,10 +209,10 @@ struct Training {
 ///
 ///     auto [codebook, codes, summary] = ccvt::train_codebook(vectors, 256, {.seed = 7});
 ///
-/// Deterministic. Memory beside the vectors: about 100 bytes a vector, samples of them, and for
-/// n <= 5792 codewords of `exact` up to 80 n^2 bytes, in many dimensions: 900 MB for 4096 of 64-D
-/// vectors; of `lloyd` 8 n^2. Throws InvalidInput unless 1 <= codewords <= m,
-/// and for bad options.
+/// Deterministic. Memory beside the vectors: about 100 bytes a vector; for `exact` a sample, of
+/// half of them at most; where codebooks are bred 1024 of them a codeword, as floats; and for n <=
+/// 5792 codewords of `exact` up to 80 n^2 bytes, in many dimensions: 900 MB for 4096 of 64-D
+/// vectors, of `lloyd` 8 n^2. Throws InvalidInput unless 1 <= codewords <= m, and for bad options.
 template <class Scalar>
 CCVT_EXPORT Training train_codebook(PointsView<Scalar> vectors, Index codewords,
                                     const CodebookOptions& options);

@@ -69,11 +69,12 @@ double training_bytes(std::uint64_t vectors, int dimension, std::size_t scalar_b
                       Index codewords, bool exact) {
   const auto m = static_cast<double>(vectors);
   const double n = codewords;
-  const double coordinates = static_cast<double>(scalar_bytes) * dimension;
-  const double samples = std::min(m, std::max(8192.0, 64 * n)) * 8.0 * dimension;
+  const double vector = static_cast<double>(scalar_bytes) * dimension + kTrainingVector;
   const double pairs = n <= kMostWithBounds ? n * n : kMostWithBounds * n / 4;
-  return m * (coordinates + kTrainingVector) + samples + pairs * (exact ? kExactPair : kBound) +
-         20e6;
+  // Of samples the largest is the last level of an exact training, or what breeding looks at.
+  const double level = exact ? m / 2 * vector : 0;
+  const double bred = std::min(m, 1024 * n) * (4.0 * dimension + kTrainingVector);
+  return m * vector + std::max(level, bred) + pairs * (exact ? kExactPair : kBound) + 20e6;
 }
 
 std::uint64_t peak_memory_bytes() {

@@ -22,8 +22,8 @@ std::string check_memory(Index sites, Index points_per_site, int dimension,
 std::string check_bytes(const std::string& what, std::uint64_t points, int dimension,
                         double needed);
 
-/// What train_codebook() holds at most, or little more, of vectors that take `scalar_bytes` a
-/// coordinate, those among it.
+/// About what train_codebook() holds at most, with vectors that take `scalar_bytes` a coordinate,
+/// those among it. `exact`: exact assignments occur.
 [[nodiscard]] double training_bytes(std::uint64_t vectors, int dimension, std::size_t scalar_bytes,
                                     Index codewords, bool exact);
 

@@ -132,7 +132,7 @@ int quantize_vectors(const QuantizeArguments& arguments, const PointsHeader& hea
   const auto codewords = static_cast<Index>(
       std::min<std::uint64_t>(static_cast<std::uint64_t>(arguments.codewords), header.count));
   const double bytes = training_bytes(header.count, header.dimension, sizeof(Scalar), codewords,
-                                      arguments.method == CodebookMethod::exact);
+                                      arguments.method != CodebookMethod::lloyd);
   const std::string needed = check_bytes(name, header.count, header.dimension, bytes);
   if (!arguments.quiet && bytes >= kWorthTelling && codewords == arguments.codewords) {
     std::cerr << one_line("ccvt: " + name + ": training takes up to about " + needed +
@@ -170,6 +170,9 @@ int run_quantize(const QuantizeArguments& arguments) {
   }
   if (arguments.effort.value_or(0) > 0 && arguments.method == CodebookMethod::lloyd) {
     throw InvalidInput("--effort: --method lloyd keeps no capacities to search with");
+  }
+  if (arguments.effort.value_or(0) > 0 && seeds_from_file(arguments)) {
+    throw InvalidInput("--effort: codewords from a file, --seeding, take the place of bred ones");
   }
   if (!arguments.capacities.empty() && arguments.method == CodebookMethod::lloyd) {
     throw InvalidInput("--capacities: --method lloyd does not keep any");

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <utility>
 
+#include "cell_sizes.h"
 #include "codebook/centroids.h"
 #include "codebook/sample.h"
 #include "codebook/seeding.h"
@@ -18,16 +20,17 @@
 namespace ccvt {
 namespace {
 
-/// Points a site of the sample that most children are judged on, and of the one that the rest are;
-/// of those that samples are taken from.
+/// Points a site of the sample that most children are judged on.
 constexpr std::int64_t kFirstSample = 64;
+/// Points a site of the sample that the rest are judged on.
 constexpr std::int64_t kLastSample = 256;
+/// Points a site of those that samples are taken from.
 constexpr std::int64_t kSource = 1024;
+/// Samples have no fewer points than this.
 constexpr std::int64_t kLeastSample = 1024;
-/// By default so many children by the number of sites, within limits, up to so many dimensions.
+/// By default so many children by the number of sites, within a limit, up to so many dimensions.
 /// Beyond, they take longer than what comes after.
 constexpr Index kUsualEffort = 4096;
-constexpr Index kLeastEffort = 32;
 constexpr Index kMostEffort = 64;
 constexpr int kEffortDimensions = 128;
 /// One child of so many comes last.
@@ -38,12 +41,12 @@ constexpr int kMostRegions = 16;
 constexpr int kLeastRegions = 4;
 constexpr int kRegionDimensions = 512;
 
-Index regions_per_site(int dimension) {
+std::int64_t regions_per_site(int dimension) {
   return std::clamp(kRegionDimensions / dimension, kLeastRegions, kMostRegions);
 }
 
 /// Children that are bred of the same parents' generation.
-constexpr int kBrood = 8;
+constexpr std::size_t kBrood = 8;
 constexpr std::size_t kPopulation = 8;
 /// Balancing ends when an iteration gains less than this share, or after so many.
 constexpr double kRough = 1e-3;
@@ -65,17 +68,19 @@ class Source {
       : points_(points),
         sites_(sites),
         arena_(arena),
+        seed_(seed),
         chosen_(draw_distinct(size(kSource), points.count, seed, streams::codebook_sample)),
         all_(sample_of(points, std::span<const Index>(chosen_))),
         middles_(plus_plus_in_rounds(
             view_points(all_.points),
-            std::min(size(kFirstSample), regions_per_site(points.dimension) * sites), seed,
-            streams::codebook_breeding, arena)) {}
+            static_cast<Index>(std::min<std::int64_t>(size(kFirstSample),
+                                                      regions_per_site(points.dimension) * sites)),
+            seed, streams::codebook_breeding, arena)) {}
 
   /// So many points a site, the same share of each region.
   [[nodiscard]] Sample sample(std::int64_t per_site) const {
     std::vector<Index> numbers =
-        draw_evenly(view_points(all_.points), middles_, size(per_site), arena_);
+        draw_evenly(view_points(all_.points), middles_, size(per_site), seed_, arena_);
     for (Index& number : numbers) number = chosen_[static_cast<std::size_t>(number)];
     return sample_of(points_, std::span<const Index>(numbers));
   }
@@ -88,6 +93,7 @@ class Source {
   PointsView<Scalar> points_;
   Index sites_;
   const Arena& arena_;
+  std::uint64_t seed_;
   std::vector<Index> chosen_;
   Sample all_;
   std::vector<double> middles_;
@@ -111,7 +117,8 @@ class Breeder {
         metric_(points_.dimension, Domain()) {}
 
   void add_seedings();
-  void add_children(int children);
+  /// `stream`: of random numbers, the first of so many.
+  void add_children(int children, std::uint64_t stream);
   /// Adds what was found on another sample.
   void add(std::vector<BredSites> found);
   /// The best first, in the units of all points.
@@ -123,7 +130,10 @@ class Breeder {
   [[nodiscard]] const Candidate& parent(Random& random) const;
   void join(const Candidate& a, const Candidate& b, Random& random, Candidate& child) const;
   void complete(Candidate& child, Random& random) const;
+  void rank(Candidate& child) const;
   void balance(Candidate& candidate, double enough) const;
+  template <class Make>
+  void add_each(std::size_t count, const Make& make);
   void select(std::vector<Candidate> candidates);
   [[nodiscard]] bool alike() const;
 
@@ -152,13 +162,13 @@ void Breeder::balance(Candidate& candidate, double enough) const {
                                     capacities_, arena_, kRoughGap);
   double before = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kRoughIterations; ++i) {
-    const bool met = assignment.improve(candidate.sites, candidate.weights, owners) ==
-                     ExactAssignment<float>::Round::optimal;
+    const bool optimal = assignment.improve(candidate.sites, candidate.weights, owners) ==
+                         ExactAssignment<float>::Round::optimal;
     const double energy = assignment.last().energy;
     if (i > 0) {
       candidate.energy = energy;
       const double gain = before - energy;
-      if (met || gain < kRough * before || energy - kHope * gain > enough) break;
+      if (optimal || gain < kRough * before || energy - kHope * gain > enough) break;
       before = energy;
     }
     move_to_centroids(metric_, points_, Grouping(owners, capacities_.size()), arena_,
@@ -212,6 +222,7 @@ void Breeder::complete(Candidate& child, Random& random) const {
     }
   }
   while (child.sites.size() < capacities_.size() * width_) {
+    arena_.check();
     std::inclusive_scan(squared.begin(), squared.end(), sum.begin());
     const double at = random.uniform() * sum.back();
     const auto found = std::upper_bound(sum.begin(), sum.end() - 1, at) - sum.begin();
@@ -224,6 +235,29 @@ void Breeder::complete(Candidate& child, Random& random) const {
   }
 }
 
+/// Gives larger capacities to the sites that are nearest to more points; parents' sites stand in no
+/// order any more.
+void Breeder::rank(Candidate& child) const {
+  const auto [least, most] = std::minmax_element(capacities_.begin(), capacities_.end());
+  if (*most - *least <= 2) return;  // shares of equal ones
+  const std::size_t n = capacities_.size();
+  const std::vector<Index> sizes =
+      cell_sizes(nearest_owners(metric_, points_, child.sites, arena_), n);
+  const auto ranked = [n](const std::vector<Index>& counts) {
+    std::vector<std::size_t> order(n);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return counts[a] < counts[b]; });
+    return order;
+  };
+  const std::vector<std::size_t> from = ranked(sizes);
+  const std::vector<std::size_t> to = ranked(capacities_);
+  const std::vector<double> sites = child.sites;
+  for (std::size_t k = 0; k < n; ++k) {
+    std::copy_n(sites.data() + from[k] * width_, width_, child.sites.data() + to[k] * width_);
+  }
+}
+
 Candidate Breeder::child(std::uint64_t stream) const {
   Random random(breeding_.seed, stream);
   Candidate result;
@@ -231,6 +265,7 @@ Candidate Breeder::child(std::uint64_t stream) const {
   const Candidate& b = parent(random);
   join(a, b, random, result);
   complete(result, random);
+  rank(result);
   // Not the parents', which differ by an unknown amount on either side.
   result.weights.assign(capacities_.size(), 0.0);
   balance(result, population_.back().energy);
@@ -259,45 +294,58 @@ bool Breeder::alike() const {
          population_.back().energy <= population_.front().energy * (1 + kAlike);
 }
 
-void Breeder::add_seedings() {
-  std::vector<Candidate> seeded(static_cast<std::size_t>(breeding_.seedings));
-  arena_.for_each(seeded.size(), 1, [&](std::size_t k) {
-    seeded[k].sites = seeding(static_cast<int>(k));
-    seeded[k].weights.assign(capacities_.size(), 0.0);
-    arena_.check();  // seeding may have been cut short
-    balance(seeded[k], std::numeric_limits<double>::infinity());
-  });
-  select(std::move(seeded));
-}
-
-void Breeder::add_children(int children) {
-  std::uint64_t stream = streams::codebook_breeding;
-  for (int left = children; left > 0 && !alike();) {
-    std::vector<Candidate> brood(static_cast<std::size_t>(std::min(kBrood, left)));
-    arena_.for_each(brood.size(), 1, [&](std::size_t k) { brood[k] = child(stream + 1 + k); });
-    stream += brood.size();
-    left -= static_cast<int>(brood.size());
+/// Makes candidates, kBrood at a time, and keeps the best. Those that are small side by side; else
+/// one after the other, with all threads for each, so that the caller's is never long without work
+/// in which it hears of a stop.
+template <class Make>
+void Breeder::add_each(std::size_t count, const Make& make) {
+  for (std::size_t begin = 0; begin < count; begin += kBrood) {
+    std::vector<Candidate> brood(std::min(kBrood, count - begin));
+    if (brood.size() == 1 || std::cmp_greater(capacities_.size(), kFewSites)) {
+      for (std::size_t k = 0; k < brood.size(); ++k) brood[k] = make(begin + k);
+    } else {
+      arena_.for_each(brood.size(), 1, [&](std::size_t k) { brood[k] = make(begin + k); });
+    }
     select(std::move(brood));
   }
 }
 
+void Breeder::add_seedings() {
+  add_each(static_cast<std::size_t>(breeding_.seedings), [&](std::size_t k) {
+    Candidate seeded;
+    seeded.sites = seeding(static_cast<int>(k));
+    seeded.weights.assign(capacities_.size(), 0.0);
+    arena_.check();  // seeding may have been cut short
+    balance(seeded, std::numeric_limits<double>::infinity());
+    return seeded;
+  });
+}
+
+void Breeder::add_children(int children, std::uint64_t stream) {
+  const auto count = static_cast<std::size_t>(children);
+  for (std::size_t begin = 0; begin < count && !alike(); begin += kBrood) {
+    add_each(std::min(kBrood, count - begin),
+             [&](std::size_t k) { return child(stream + begin + k); });
+  }
+}
+
 void Breeder::add(std::vector<BredSites> found) {
-  std::vector<Candidate> candidates(found.size());
-  arena_.for_each(found.size(), 1, [&](std::size_t k) {
-    Candidate& candidate = candidates[k];
+  add_each(found.size(), [&](std::size_t k) {
+    Candidate candidate;
     static_cast<BredSites&>(candidate) = std::move(found[k]);
     sample_.bring_in(candidate.sites);
-    for (double& weight : candidate.weights) weight *= sample_.scale * sample_.scale;
+    // Not by the square of the scale, which may overflow.
+    for (double& weight : candidate.weights) weight = weight * sample_.scale * sample_.scale;
     balance(candidate, std::numeric_limits<double>::infinity());
+    return candidate;
   });
-  select(std::move(candidates));
 }
 
 std::vector<BredSites> Breeder::found() const {
   std::vector<BredSites> all(population_.begin(), population_.end());
   for (BredSites& one : all) {
     sample_.take_back(one.sites);
-    for (double& weight : one.weights) weight /= sample_.scale * sample_.scale;
+    for (double& weight : one.weights) weight = weight / sample_.scale / sample_.scale;
   }
   return all;
 }
@@ -306,38 +354,38 @@ std::vector<BredSites> Breeder::found() const {
 
 int usual_effort(Index sites, int dimension) {
   if (sites > kFewSites || dimension > kEffortDimensions) return 0;
-  return std::clamp(kUsualEffort / sites, kLeastEffort, kMostEffort);
+  return std::min(kUsualEffort / sites, kMostEffort);
 }
 
 template <class Scalar>
 BredSites breed_sites(PointsView<Scalar> points, std::span<const Index> capacities,
                       const Breeding& breeding, const Arena& arena) {
-  const auto breeder = [&](Sample sample) {
+  const auto breeder = [&](Sample sample, std::optional<Breeder>& made) {
     const auto count = static_cast<Index>(sample.points.cols());
-    return Breeder(std::move(sample), share_capacities(capacities, points.count, count), breeding,
-                   arena);
+    made.emplace(std::move(sample), share_capacities(capacities, points.count, count), breeding,
+                 arena);
   };
-  std::vector<BredSites> found;
+  std::optional<Breeder> first;
+  std::optional<Breeder> last;
   try {
     const Source<Scalar> source(points, static_cast<Index>(capacities.size()), breeding.seed,
                                 arena);
-    Breeder first = breeder(source.sample(kFirstSample));
-    first.add_seedings();
-    found = first.found();
-    const bool all = source.size(kFirstSample) == points.count;
-    const int children = all ? 0 : breeding.children / kLastChildren;
-    first.add_children(breeding.children - children);
-    found = first.found();
-    if (all) return std::move(found.front());
-    Breeder last = breeder(source.sample(kLastSample));
-    last.add(found);
-    found = last.found();
-    last.add_children(children);
-    found = last.found();
+    const bool larger = source.size(kFirstSample) < source.size(kLastSample);
+    const int children = larger ? breeding.children / kLastChildren : 0;
+    constexpr std::uint64_t stream = streams::codebook_breeding + 1;
+    breeder(source.sample(kFirstSample), first);
+    first->add_seedings();
+    first->add_children(breeding.children - children, stream);
+    if (larger) {
+      breeder(source.sample(kLastSample), last);
+      last->add(first->found());
+      last->add_children(children, stream + static_cast<std::uint64_t>(breeding.children));
+    }
   } catch (const Stopped&) {
-    if (found.empty()) return {};
+    if (!first || first->found().empty()) return {};
   }
-  return std::move(found.front());
+  const bool best = last && !last->found().empty();
+  return (best ? last : first)->found().front();
 }
 
 template BredSites breed_sites(PointsView<float>, std::span<const Index>, const Breeding&,

@@ -37,8 +37,8 @@ int usual_effort(Index sites, int dimension);
 /// When the arena throws Stopped meanwhile, the best there are so far, or none; then the stop of
 /// the arena is still on.
 ///
-/// `capacities` sum to the number of points. O((seedings + children) iterations n^2 D) and
-/// O(m n D) for the sample, with m 1024 n at most.
+/// `capacities` sum to the number of points. O((seedings + children) iterations n^2 D), and for the
+/// samples O(n^2 D) too, with a factor of thousands: points times regions.
 template <class Scalar>
 BredSites breed_sites(PointsView<Scalar> points, std::span<const Index> capacities,
                       const Breeding& breeding, const Arena& arena);

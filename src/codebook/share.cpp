@@ -9,7 +9,9 @@
 #include "exact/packs.h"
 #include "geometry/chosen_points.h"
 #include "numbers.h"
+#include "random.h"
 #include "schedule/tiling.h"
+#include "streams.h"
 
 namespace ccvt {
 namespace {
@@ -128,14 +130,17 @@ std::vector<Index> level_sizes(Index vectors, Index codewords) {
 
 template <class Scalar>
 std::vector<Index> draw_evenly(PointsView<Scalar> points, const std::vector<double>& sites,
-                               Index count, const Arena& arena) {
+                               Index count, std::uint64_t seed, const Arena& arena) {
   const Metric metric(points.dimension, Domain());
   const Grouping regions(nearest_owners(metric, points, sites, arena),
                          sites.size() / static_cast<std::size_t>(points.dimension));
+  Random random(seed, streams::codebook_levels);
   std::vector<PointNumber> ordered;
   ordered.reserve(regions.order.size());
   for (const SiteNumber s : linkage_order(spanning_edges(sites, points.dimension, arena))) {
+    const std::size_t begin = ordered.size();
     ordered.insert(ordered.end(), regions.of(s).begin(), regions.of(s).end());
+    random.shuffle(std::span(ordered).subspan(begin));  // the points' own order may be periodic
   }
   std::vector<Index> chosen;
   chosen.reserve(static_cast<std::size_t>(count));
@@ -173,9 +178,9 @@ std::vector<double> share_sites(PointsView<Scalar> points, const std::vector<dou
 }
 
 template std::vector<Index> draw_evenly(PointsView<float>, const std::vector<double>&, Index,
-                                        const Arena&);
+                                        std::uint64_t, const Arena&);
 template std::vector<Index> draw_evenly(PointsView<double>, const std::vector<double>&, Index,
-                                        const Arena&);
+                                        std::uint64_t, const Arena&);
 template std::vector<double> share_sites(PointsView<float>, const std::vector<double>&,
                                          std::span<const Index>, std::uint64_t, const Arena&);
 template std::vector<double> share_sites(PointsView<double>, const std::vector<double>&,

@@ -16,12 +16,12 @@ std::vector<Index> share_capacities(std::span<const Index> capacities, Index tot
 /// Of how many vectors the samples are that balanced training starts on, one after the other.
 std::vector<Index> level_sizes(Index vectors, Index codewords);
 
-/// `count` distinct numbers of points, of each region the same share but for rounding: each so
-/// manieth of all, ordered by region. A region is the cell of a site, or of several that are near
-/// each other. O(m n D) at worst, and n^2 D.
+/// `count` distinct numbers of points, of each region the same share but for rounding: the points
+/// are put into an order by region, random in each, and every (m / count)-th is taken. A region is
+/// the cell of a site, or of several that are near each other. O(m n D) at worst, and n^2 D.
 template <class Scalar>
 std::vector<Index> draw_evenly(PointsView<Scalar> points, const std::vector<double>& sites,
-                               Index count, const Arena& arena);
+                               Index count, std::uint64_t seed, const Arena& arena);
 
 /// Sites where capacities want them: as many in a region as its points fill. `sites`, one after the
 /// other, are seeds for the same points regardless of capacities; their cells are put into an order

@@ -108,7 +108,7 @@ void Trainer<Scalar>::seed() {
     BredSites bred = breed_sites(vectors_, problem_.capacities(), breeding, arena_);
     if (!bred.sites.empty()) {
       sites_ = std::move(bred.sites);
-      weights_ = std::move(bred.weights);
+      if (options_.method == CodebookMethod::exact) weights_ = std::move(bred.weights);
       bred_ = true;
       placed_ = true;
       return;
@@ -268,7 +268,7 @@ void Trainer<Scalar>::exact() {
     arena_.check();
     // What was bred fits the shares of the clouds, which a sample that has others would undo.
     const Points<Scalar> sample = chosen_points(
-        vectors_, bred_ ? draw_evenly(vectors_, sites_, count, arena_)
+        vectors_, bred_ ? draw_evenly(vectors_, sites_, count, options_.seed, arena_)
                         : draw_distinct(count, m, options_.seed, streams::codebook_levels));
     const std::vector<Index> shares = share_capacities(capacities, m, count);
     if (!placed_ && count == counts.front()) start_exact(view_points(sample), shares);
@@ -389,6 +389,11 @@ Training train_codebook_from(PointsView<Scalar> vectors, const Columns<double>& 
   if (codewords.rows() != vectors.dimension) {
     throw InvalidInput("codewords: have " + std::to_string(codewords.rows()) +
                        " dimensions, but the vectors have " + std::to_string(vectors.dimension));
+  }
+  if (options.effort.value_or(0) > 0) {
+    throw InvalidInput(
+        "effort is " + std::to_string(*options.effort) +
+        ": it must be 0 where codewords are given, for they take the place of bred ones");
   }
   const Codebook checked(codewords);
   return Trainer<Scalar>(vectors, checked.size(), options).run(&codewords);
