@@ -15,7 +15,7 @@ constexpr std::uint64_t joining_order = 3;
 constexpr std::uint64_t codebook_sample = 16;
 constexpr std::uint64_t codebook_seeding = 17;
 constexpr std::uint64_t codebook_levels = 18;
-constexpr std::uint64_t codebook_restarts = 64;  ///< with room
+constexpr std::uint64_t codebook_restarts = 64;                      ///< with room
 constexpr std::uint64_t codebook_breeding = 0x62726564'00000000ULL;  ///< with room
 
 // Drawing points, with room.
