@@ -7,12 +7,14 @@
 #include "ccvt/domain.h"        // IWYU pragma: export
 #include "ccvt/grid_values.h"   // IWYU pragma: export
 #include "ccvt/io.h"            // IWYU pragma: export
+#include "ccvt/linear_map.h"    // IWYU pragma: export
 #include "ccvt/lloyd.h"         // IWYU pragma: export
 #include "ccvt/metrics.h"       // IWYU pragma: export
 #include "ccvt/options.h"       // IWYU pragma: export
 #include "ccvt/presets.h"       // IWYU pragma: export
 #include "ccvt/problem.h"       // IWYU pragma: export
 #include "ccvt/publication.h"   // IWYU pragma: export
+#include "ccvt/region.h"        // IWYU pragma: export
 #include "ccvt/sampling.h"      // IWYU pragma: export
 #include "ccvt/solver.h"        // IWYU pragma: export
 #include "ccvt/stipple.h"       // IWYU pragma: export

@@ -33,6 +33,12 @@ constexpr const char* kExamples =
     "once, and nothing is written; else the tessellation or codebook reached so far is written,\n"
     "unless a second Ctrl-C comes, which quits at once.";
 
+void add_fixed_sites(CLI::App& command, std::filesystem::path& target) {
+  add_file(command, "--fixed-sites", target,
+           "Sites that stay where they are; they count among --sites, and come first",
+           io::kPointFiles);
+}
+
 CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
   auto* const command =
       app.add_subcommand("sample", "Sites spread evenly over the unit box [0, 1]^D");
@@ -41,6 +47,7 @@ CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
   add_sites(*command, arguments.sites, "Number of sites", true);
   add_points_per_site(*command, arguments.points_per_site);
   add_flag(*command, "--periodic", arguments.periodic, "Opposite faces of the box are one");
+  add_fixed_sites(*command, arguments.fixed_sites);
   static const std::map<std::string, Distribution> names = {{"white", Distribution::white},
                                                             {"jittered", Distribution::jittered},
                                                             {"square", Distribution::square},
@@ -65,6 +72,27 @@ CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
   return command;
 }
 
+/// What distances are.
+void add_spaces(CLI::App& command, TessellateArguments& arguments) {
+  constexpr double infinity = std::numeric_limits<double>::max();
+  add_flag(command, "--periodic", arguments.periodic, "Opposite faces of --box are one");
+  add_parsed(
+      command, "--periodic-along", arguments.periodic_along,
+      [](const std::string& text, std::vector<int>& values) {
+        return parse_list(text, 0, Range<int>{.least = 1}, values);
+      },
+      "The same along some dimensions only, from 1", "D,D..");
+  add_parsed(
+      command, "--units", arguments.units,
+      [](const std::string& text, std::vector<double>& values) {
+        return parse_list(text, 0, Range<double>{.least = 0, .most = infinity, .open_below = true},
+                          values);
+      },
+      "What coordinates are multiplied by where distances are measured [1]", "F,F..");
+  add_flag(command, "--whiten", arguments.whiten,
+           "Distances in units of the points' spread along each direction (Mahalanobis)");
+}
+
 CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
   auto* const command = app.add_subcommand("tessellate", "Sites and owners for given points");
   add_file(*command, "POINTS", arguments.points, "Points", io::kPointFiles)->required();
@@ -73,10 +101,11 @@ CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
   add_file(*command, "--initial-sites", arguments.initial_sites, "Where the sites start",
            io::kPointFiles)
       ->excludes("--sites");
+  add_fixed_sites(*command, arguments.fixed_sites);
   add_file(*command, "--capacities", arguments.capacities,
            "How many points each site owns, summing to the number of points [equal]",
            io::kTableFiles);
-  add_flag(*command, "--periodic", arguments.periodic, "Opposite faces of --box are one");
+  add_spaces(*command, arguments);
   add_box(*command, arguments.box, "The box that holds the points");
   add_common(*command, arguments, io::kTableFiles, "as the points are stored; text: float64",
              "stable");

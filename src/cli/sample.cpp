@@ -21,6 +21,11 @@ int sample(const SampleArguments& arguments) {
 
   Problem<Scalar> problem(points, arguments.sites, arguments.threads);
   problem.set_domain(arguments.periodic ? Domain::periodic(box) : Domain::euclidean(box));
+  if (!arguments.fixed_sites.empty()) {
+    const auto fixed =
+        read_sites<Scalar>(arguments.fixed_sites, "fixed sites", arguments.dimension);
+    blame(arguments.fixed_sites, [&] { problem.set_fixed_sites(fixed); });
+  }
   const auto result = [&] {
     Progress progress(arguments.quiet);
     return tessellate(problem,
@@ -43,6 +48,7 @@ int run_sample(const SampleArguments& arguments) {
       .add("--points-out", arguments.points_out, io::kTableFiles)
       .add("--owners-out", arguments.owners_out, io::kTableFiles)
       .add("--summary", arguments.summary)
+      .add_input("--fixed-sites", arguments.fixed_sites)
       .check();
   return arguments.scalar == ScalarType::float64 ? sample<double>(arguments)
                                                  : sample<float>(arguments);
