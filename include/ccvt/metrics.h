@@ -180,6 +180,7 @@ struct Spectrum {
   double low_frequency_power = 0;
   /// The same range in shells, without the frequencies that have no power, less than 1e-9 of that
   /// mean, as lattices and repeated tiles have; of frequencies that were drawn, each once.
+  std::vector<LowShell> low_shells;
   /// The slope of log power over log frequency there, and its standard error: 0 for white noise, 4
   /// for the centroids of cells that hold exactly the same mass, when the points under them add no
   /// noise [Liao 2018]. A quarter is a range that any set with 3 steps of the integer frequencies

@@ -24,9 +24,17 @@ double tick_step(double span) {
   return power * (share >= 5 ? 5 : share >= 2 ? 2 : 1);
 }
 
-/// "0.05", "1e-7".
+/// "0.05"; of less than a hundredth "10" and a raised "-7", in UTF-8. `value` has one digit.
 std::string decade_text(double value) {
-  return value < 0.999e-3 ? ccvt::text(value, 1) : decimal_text(value, 3);
+  if (value > 0.999e-2) return decimal_text(value, 3);
+  const char* const raised[] = {"\xE2\x81\xB0", "\xC2\xB9",     "\xC2\xB2",     "\xC2\xB3",
+                                "\xE2\x81\xB4", "\xE2\x81\xB5", "\xE2\x81\xB6", "\xE2\x81\xB7",
+                                "\xE2\x81\xB8", "\xE2\x81\xB9"};
+  const double power = std::floor(std::log10(value) + 1e-9);
+  const double digit = std::round(value / std::pow(10, power));
+  std::string label = (digit > 1 ? decimal_text(digit, 0) + "\xC2\xB7" : "") + "10\xE2\x81\xBB";
+  for (const char c : decimal_text(-power, 0)) label += raised[c - '0'];
+  return label;
 }
 
 /// Where the lines of a logarithmic axis are: 1, 2 and 5 times powers of ten where there are few

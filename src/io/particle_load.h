@@ -61,7 +61,7 @@ class ParticleLoad {
  private:
   [[nodiscard]] std::array<double, 3> corner_of(std::uint64_t tile) const;
 
-  std::vector<double> unit_;  ///< coordinates of the sites, in [0, 1)
+  std::vector<double> unit_;  ///< coordinates of the sites, in [0, 1]
   ParticleOptions options_;
   std::uint64_t count_ = 0;
   double mass_ = 0;

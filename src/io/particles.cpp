@@ -94,7 +94,7 @@ ParticleLoad::ParticleLoad(PointsView<Scalar> sites, const ParticleOptions& opti
         throw InvalidInput("sites: coordinate " + std::to_string(d) + " of site " +
                            std::to_string(s) + " is " + text(x) + ", outside the unit cube");
       }
-      unit_.push_back(x < 1 ? x : 0);
+      unit_.push_back(x);
     }
   }
 }
