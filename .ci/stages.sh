@@ -62,6 +62,11 @@ faiss_lists() {
   /usr/bin/python3 tests/faiss/ivf.py build/release/bin/ccvt
 }
 
+# Particle loads, as another reader of HDF5 sees them.
+hdf5_loads() {
+  /usr/bin/python3 tests/hdf5/load.py build/release/bin/ccvt
+}
+
 # A user's program under all kinds of flags, with the libraries that the tests installed.
 consumers() {
   local work=build/release/tests/install
@@ -71,7 +76,7 @@ consumers() {
 
 developer_packages() {
   cmake/install-packages.sh \
-    chromium clang clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev python3 python3-faiss
+    chromium clang clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev python3 python3-faiss python3-h5py
 }
 
 format() {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ccvt/io.h"
+#include "ccvt/particles.h"
 #include "ccvt/volume.h"
 #include "support/files.h"
 #include "support/message.h"
@@ -21,8 +22,8 @@ namespace fs = std::filesystem;
 
 /// All extensions that anything here reads or writes, and some that nothing does.
 const std::vector<std::string> kExtensions = {
-    ".npy",  ".csv", ".txt", ".ply", ".fvecs", ".bvecs", ".nii", ".nii.gz", ".nrrd",
-    ".nhdr", ".raw", ".vtp", ".vtk", ".svg",   ".png",   ".jpg", ".dat",    ".gz"};
+    ".npy", ".csv", ".txt", ".ply", ".fvecs", ".bvecs", ".nii", ".nii.gz", ".nrrd",   ".nhdr",
+    ".raw", ".vtp", ".vtk", ".svg", ".png",   ".jpg",   ".dat", ".gz",     ".gadget", ".hdf5"};
 
 /// What the help of a command says about one option or argument.
 std::string help_of(const TemporaryDirectory& directory, const std::string& command,
@@ -74,6 +75,14 @@ TEST_CASE("help lists the extensions that readers and writers take, and no other
   const auto write_as_points = [](const fs::path& path) {
     write_points(path, Points<float>::Zero(2, 2).eval());
   };
+  const auto write_as_sites = [](const fs::path& path) {
+    try {
+      check_particles(path, 2, 4, {});
+    } catch (const InvalidInput& error) {
+      if (std::string(error.what()).find("unknown extension") == std::string::npos) throw;
+      write_points(path, Points<float>::Zero(2, 2).eval());
+    }
+  };
   const auto write_as_owners = [](const fs::path& path) {
     write_owners(path, std::vector<Index>{1});
   };
@@ -91,7 +100,7 @@ TEST_CASE("help lists the extensions that readers and writers take, and no other
     std::function<void(const fs::path&)> use;
   };
   const Case cases[] = {
-      {"sample", "--output", write_as_points},
+      {"sample", "--output", write_as_sites},
       {"sample", "--points-out", write_as_points},
       {"sample", "--owners-out", write_as_owners},
       {"tessellate", "POINTS", read_as_points},

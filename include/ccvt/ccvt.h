@@ -11,6 +11,7 @@
 #include "ccvt/lloyd.h"         // IWYU pragma: export
 #include "ccvt/metrics.h"       // IWYU pragma: export
 #include "ccvt/options.h"       // IWYU pragma: export
+#include "ccvt/particles.h"     // IWYU pragma: export
 #include "ccvt/presets.h"       // IWYU pragma: export
 #include "ccvt/problem.h"       // IWYU pragma: export
 #include "ccvt/publication.h"   // IWYU pragma: export

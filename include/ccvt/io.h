@@ -29,6 +29,8 @@
 ///               digits as it takes to read the same bits back.
 ///   .ply        Read only: the vertices of a PLY file, ascii or binary of either byte order: x and
 ///               y, and z if there is one. Other properties and elements are skipped.
+///   .gadget,    Particles of simulations, in one file, all types: see particles.h. Positions are the
+///   .hdf5       points, float32 or float64.
 ///   .png, .jpg  Pictures.
 ///
 /// ReadOptions::columns says which columns are coordinates where this is not what is meant.
@@ -74,6 +76,9 @@ struct PointsHeader {
   std::vector<std::string> columns = {};
   /// Its other columns, where nobody said which are coordinates.
   std::vector<std::string> left_out = {};
+  /// Of particles: the extents of the periodic box, from 0, that they fill; empty when the file
+  /// says nothing of one.
+  std::vector<double> box = {};
 };
 
 struct ReadOptions {

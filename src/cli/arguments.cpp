@@ -24,6 +24,7 @@ constexpr const char* kExamples =
     "  ccvt stipple photo.png --sites 20000 -o dots.svg\n"
     "  ccvt volume head.nii.gz --sites 20000 -o samples.ply --preview samples.png\n"
     "  ccvt sample --dim 2 --sites 1024 --periodic -o sites.npy\n"
+    "  ccvt sample --dim 3 --sites 262144 --periodic --box-size 100 -o load.hdf5\n"
     "  ccvt tessellate points.csv --sites 100 -o sites.csv --owners-out owners.csv\n"
     "  ccvt analyze sites.npy --periodic -o report\n"
     "\n"
@@ -64,11 +65,14 @@ CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
             return "'" + name + "' is not one of white, jittered, square, hexagonal";
           },
           ""));
-  add_common(*command, arguments, io::kTableFiles, "float32");
+  add_common(*command, arguments, io::kSiteFiles, "float32");
   add_file(*command, "--points-out", arguments.points_out, "Write the points too", io::kTableFiles);
   add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too",
            io::kTableFiles);
-  command->footer("Example: ccvt sample --dim 2 --sites 1024 --periodic -o sites.npy");
+  add_particles(*command, arguments.particles);
+  command->footer(
+      "Examples: ccvt sample --dim 2 --sites 1024 --periodic -o sites.npy\n"
+      "          ccvt sample --dim 3 --sites 262144 --periodic --box-size 100 -o load.hdf5");
   return command;
 }
 

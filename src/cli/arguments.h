@@ -12,6 +12,7 @@
 #include "ccvt/sampling.h"
 #include "ccvt/types.h"
 #include "ccvt/volume.h"
+#include "cli/particle_arguments.h"
 
 namespace ccvt::cli {
 
@@ -40,6 +41,7 @@ struct SampleArguments : CommonArguments {
   Distribution distribution = Distribution::jittered;
   std::filesystem::path points_out;
   std::filesystem::path owners_out;
+  ParticleArguments particles;  ///< where the sites go into a file of particles
 };
 
 struct TessellateArguments : CommonArguments {

@@ -10,6 +10,7 @@
 #include <ccvt/lloyd.h>
 #include <ccvt/metrics.h>
 #include <ccvt/options.h>
+#include <ccvt/particles.h>
 #include <ccvt/presets.h>
 #include <ccvt/problem.h>
 #include <ccvt/publication.h>
@@ -171,6 +172,9 @@ void files(const std::filesystem::path& directory) {
   const auto dots = ccvt::stipple(image, 30);
   ccvt::write_svg(directory / "i.svg", dots);
   bits << dots.dots << dots.dot_radius << ccvt::render(dots).values;
+  const auto sites = made_up<Eigen::Matrix3Xf>(3, 20, 9);
+  ccvt::write_particles(directory / "p.gadget", sites, {.box_size = 8, .repeat = 2});
+  bits << ccvt::read_points<double>(directory / "p.gadget");
   bits.print("files");
 }
 
