@@ -24,6 +24,7 @@ constexpr std::uint64_t density_mass = 0x73616d71'00000000ULL;
 constexpr std::uint64_t density_place = 0x73616d72'00000000ULL;
 constexpr std::uint64_t function_tabulate = 0x73616d73'00000000ULL;
 constexpr std::uint64_t density_deal = 0x73616d74'00000000ULL;
+constexpr std::uint64_t surface = 0x73616d75'00000000ULL;
 
 // Metrics, with room.
 constexpr std::uint64_t integration_places = 0x696e7467'00000000ULL;

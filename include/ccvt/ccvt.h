@@ -20,6 +20,7 @@
 #include "ccvt/solver.h"        // IWYU pragma: export
 #include "ccvt/stipple.h"       // IWYU pragma: export
 #include "ccvt/summary.h"       // IWYU pragma: export
+#include "ccvt/surface.h"       // IWYU pragma: export
 #include "ccvt/tessellation.h"  // IWYU pragma: export
 #include "ccvt/types.h"         // IWYU pragma: export
 #include "ccvt/volume.h"        // IWYU pragma: export

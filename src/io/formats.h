@@ -26,7 +26,9 @@ inline constexpr std::array<std::string_view, 3> kTableFiles = {".npy", ".csv", 
 /// Read as volumes.
 inline constexpr std::array<std::string_view, 6> kVolumeFiles = {".nii",  ".nii.gz", ".nrrd",
                                                                  ".nhdr", ".npy",    ".raw"};
-/// Written as samples of a volume.
+/// Read as meshes.
+inline constexpr std::array<std::string_view, 2> kMeshFiles = {".ply", ".obj"};
+/// Written as samples of a volume or a surface.
 inline constexpr std::array<std::string_view, 6> kSampleFiles = {".ply", ".vtp", ".vtk",
                                                                  ".csv", ".txt", ".npy"};
 /// Written as a stippled picture, or as the centres of its dots.

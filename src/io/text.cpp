@@ -11,9 +11,6 @@ namespace ccvt::io {
 
 namespace {
 
-constexpr std::size_t kBlock = std::size_t{1} << 20;
-constexpr std::size_t kLongestLine = std::size_t{64} << 20;
-
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 bool is_separator(char c) { return c == ',' || c == ';'; }
 
@@ -69,40 +66,7 @@ const char* check_finite(double value) {
 
 }  // namespace
 
-TextRows::TextRows(const std::filesystem::path& path) : file_(path), buffer_(kBlock) {}
-
-bool TextRows::next_line(std::string_view& line) {
-  std::size_t searched = begin_;
-  for (;;) {
-    const std::size_t at = std::string_view(buffer_.data(), end_).find('\n', searched);
-    if (at != std::string_view::npos) {
-      line = {buffer_.data() + begin_, at - begin_};
-      begin_ = at + 1;
-      ++line_;
-      return true;
-    }
-    std::copy(buffer_.data() + begin_, buffer_.data() + end_, buffer_.data());
-    end_ -= begin_;
-    begin_ = 0;
-    searched = end_;
-    if (end_ == buffer_.size()) {
-      if (end_ >= kLongestLine) {
-        ++line_;
-        fail("is longer than 64 MiB; this is not a table of numbers");
-      }
-      buffer_.resize(2 * buffer_.size());
-    }
-    const std::size_t got = file_.read_some(buffer_.data() + end_, buffer_.size() - end_);
-    end_ += got;
-    if (got == 0) {
-      if (end_ == 0) return false;
-      line = {buffer_.data(), end_};
-      begin_ = end_;
-      ++line_;
-      return true;
-    }
-  }
-}
+TextRows::TextRows(const std::filesystem::path& path) : lines_(path, "a table of numbers") {}
 
 std::string TextRows::split(std::string_view line) {
   fields_.clear();
@@ -133,8 +97,8 @@ std::string TextRows::split(std::string_view line) {
 
 bool TextRows::next() {
   std::string_view line;
-  while (next_line(line)) {
-    if (line_ == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
+  while (lines_.next(line)) {
+    if (lines_.number() == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
     line = line.substr(0, line.find('#'));
     const std::string problem = split(line);
     if (fields_.empty()) continue;
@@ -148,23 +112,6 @@ bool TextRows::next() {
     return true;
   }
   return false;
-}
-
-std::uint64_t TextRows::count_lines() {
-  std::uint64_t lines = 0;
-  bool ended = true;
-  while (end_ > begin_) {
-    const std::string_view left(buffer_.data() + begin_, end_ - begin_);
-    lines += static_cast<std::uint64_t>(std::count(left.begin(), left.end(), '\n'));
-    ended = left.back() == '\n';
-    begin_ = 0;
-    end_ = file_.read_some(buffer_.data(), buffer_.size());
-  }
-  return lines + (ended ? 0U : 1U);
-}
-
-void TextRows::fail(const std::string& message) const {
-  file_.fail("line " + std::to_string(line_) + ": " + message);
 }
 
 const char* parse(std::string_view field, double& value) {

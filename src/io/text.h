@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "io/input_file.h"
+#include "io/lines.h"
 
 namespace ccvt::io {
 
@@ -23,26 +23,21 @@ class TextRows {
   /// What the header calls the columns; empty where there is none. After next().
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
   /// 1-based number of the line that the row is on.
-  [[nodiscard]] std::uint64_t line() const { return line_; }
+  [[nodiscard]] std::uint64_t line() const { return lines_.number(); }
   /// Counts the lines left in the file, by their ends; next() is then of no use any more.
-  std::uint64_t count_lines();
+  std::uint64_t count_lines() { return lines_.count_left(); }
 
   /// Throws InvalidInput(path: line N: message).
-  [[noreturn]] void fail(const std::string& message) const;
+  [[noreturn]] void fail(const std::string& message) const { lines_.fail(message); }
   /// Throws InvalidInput(path: message).
-  [[noreturn]] void fail_file(const std::string& message) const { file_.fail(message); }
-  [[nodiscard]] const InputFile& file() const { return file_; }
+  [[noreturn]] void fail_file(const std::string& message) const { file().fail(message); }
+  [[nodiscard]] const InputFile& file() const { return lines_.file(); }
 
  private:
-  bool next_line(std::string_view& line);
   /// Fills fields_; returns what is wrong with the line, or nothing.
   std::string split(std::string_view line);
 
-  InputFile file_;
-  std::vector<char> buffer_;
-  std::size_t begin_ = 0;
-  std::size_t end_ = 0;
-  std::uint64_t line_ = 0;
+  Lines lines_;
   bool first_ = true;
   std::vector<std::string_view> fields_;
   std::vector<std::string> names_;

@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "ccvt/problem.h"
+#include "ccvt/solver.h"
+#include "ccvt/surface.h"
+#include "number_text.h"
+#include "numbers.h"
+#include "parallel/loops.h"
+#include "point_count.h"
+#include "surface/draw.h"
+#include "surface/settle.h"
+#include "surface/shares.h"
+#include "surface/sheets.h"
+#include "surface/triangles.h"
+
+namespace ccvt {
+
+namespace {
+
+/// Sheets of fewer cells have none of their own.
+constexpr double kLeastCells = 8;
+
+/// The area of each triangle, and its integral of the density.
+struct Sizes {
+  std::vector<double> areas;
+  std::vector<double> masses;
+  double area = 0;
+  double mass = 0;
+};
+
+Sizes measure(const Triangles& triangles, const Arena& arena) {
+  constexpr std::size_t kGrain = std::size_t{1} << 12;
+  Sizes sizes;
+  sizes.areas.resize(triangles.count());
+  sizes.masses.resize(triangles.count());
+  arena.for_each(triangles.count(), kGrain, [&](std::size_t t) {
+    const Index triangle = static_cast<Index>(t);
+    sizes.areas[t] = area_vector(triangles.corners(triangle)).norm() / 2;
+    sizes.masses[t] = sizes.areas[t] * triangles.densities(triangle).mean();
+  });
+  const auto sum = [&](const std::vector<double>& values) {
+    return sum_of(arena, values.size(), kGrain, [&](std::size_t t) { return values[t]; });
+  };
+  sizes.area = sum(sizes.areas);
+  sizes.mass = sum(sizes.masses);
+  if (!(sizes.area > 0)) {
+    throw InvalidInput(
+        concat("mesh: none of its ", triangles.count(), " triangles has an area; needs one"));
+  }
+  if (!(sizes.mass > 0) || !std::isfinite(sizes.mass)) {
+    throw InvalidInput(concat("mesh: the integral of the density over the surface is ", sizes.mass,
+                              "; must be positive and finite"));
+  }
+  return sizes;
+}
+
+/// The points as they are tessellated, and what is known of them.
+template <class Scalar>
+struct Drawn {
+  Points<Scalar> lifted;
+  std::vector<Index> triangles;
+  std::vector<Index> groups;
+};
+
+/// `cell`: the mass of one. Spacing is that of the cell's own place, and never more than the
+/// extent of the surface.
+template <class Scalar>
+Drawn<Scalar> draw(const Triangles& triangles, const Sheets& sheets, const TriangleLine& line,
+                   Index count, double cell, const SurfaceOptions& options, const Arena& arena) {
+  const double weight = options.normal_weight;
+  const double most = triangles.extent().maxCoeff();
+  Drawn<Scalar> drawn;
+  drawn.lifted.resize(weight > 0 ? 6 : 3, count);
+  drawn.triangles.resize(static_cast<std::size_t>(count));
+  drawn.groups.resize(static_cast<std::size_t>(count));
+  const SurfaceDraws draws(triangles, line, count, options.tessellation.seed);
+  draws.visit(arena, [&](std::size_t number, const SurfacePoint& point) {
+    const Eigen::Matrix3d corners = triangles.corners(point.triangle);
+    auto column = drawn.lifted.col(static_cast<Eigen::Index>(number));
+    column.template head<3>() = (corners * point.shares).template cast<Scalar>();
+    if (weight > 0) {
+      const double density = triangles.densities(point.triangle).dot(point.shares);
+      const double spacing = std::min(std::sqrt(cell / density), most);
+      const double side = sheets.turned[static_cast<std::size_t>(point.triangle)] != 0 ? -1 : 1;
+      column.template tail<3>() =
+          (side * weight * spacing * area_vector(corners).normalized()).template cast<Scalar>();
+    }
+    drawn.triangles[number] = point.triangle;
+    drawn.groups[number] = point.group;
+  });
+  return drawn;
+}
+
+template <class Scalar>
+Problem<Scalar> make_problem(const Drawn<Scalar>& drawn, Index sites, int threads) {
+  Problem<Scalar> problem(drawn.lifted, sites, threads);
+  const std::vector<Index> capacities = share_capacities(drawn.groups, sites);
+  // Each starts in the middle of the stretch of the line that is as large as its cell.
+  Points<Scalar> initial(drawn.lifted.rows(), sites);
+  Index begin = 0;
+  for (Index s = 0; s < sites; ++s) {
+    const Index capacity = capacities[SiteNumber(s)];
+    initial.col(s) = drawn.lifted.col(begin + capacity / 2);
+    begin += capacity;
+  }
+  problem.set_capacities(capacities);
+  problem.set_initial_sites(initial);
+  return problem;
+}
+
+template <class Scalar>
+SurfaceSamples sample(const TriangleMesh& mesh, Index sites, const SurfaceOptions& options) {
+  mesh.validate();
+  options.validate();
+  const Index count = checked_point_count(sites, options.points_per_site);
+  const int threads = options.tessellation.threads;
+  Stop stop(options.tessellation.cancelled);
+  const Triangles triangles(mesh);
+  SurfaceSamples samples;
+  Sheets sheets;
+  Drawn<Scalar> drawn;
+  {
+    const Arena arena(threads, &stop);
+    const Sizes sizes = measure(triangles, arena);
+    sheets = find_sheets(mesh, sizes.areas, stop);
+    samples.area = sizes.area;
+    samples.mass = sizes.mass;
+    const double cell = sizes.mass / sites;
+    const TriangleLine line = line_up(triangles, sheets, sizes.masses, kLeastCells * cell);
+    drawn = draw<Scalar>(triangles, sheets, line, count, cell, options, arena);
+  }
+  Solver<Scalar> solver(make_problem(drawn, sites, threads), options.tessellation);
+  solver.run();
+
+  samples.scalar = sizeof(Scalar) == sizeof(float) ? ScalarType::float32 : ScalarType::float64;
+  samples.summary = solver.summary();
+  samples.sheets = sheets.count;
+  samples.turned = static_cast<Index>(
+      std::count_if(sheets.turned.begin(), sheets.turned.end(), [](auto t) { return t != 0; }));
+  samples.owners = solver.owners();
+  const Points<Scalar> centroids = solver.sites();
+  settle(triangles, sheets, view_points(drawn.lifted), drawn.triangles, view_points(centroids),
+         Arena(threads), samples);
+  if (!options.keep_points) {
+    samples.owners = {};
+    return samples;
+  }
+  samples.points =
+      drawn.lifted.template topRows<3>().template cast<double>().colwise() + triangles.middle();
+  samples.point_triangles = std::move(drawn.triangles);
+  return samples;
+}
+
+}  // namespace
+
+template <class Scalar>
+SurfaceSamples sample_surface(const TriangleMesh& mesh, Index sites,
+                              const SurfaceOptions& options) try {
+  return sample<Scalar>(mesh, sites, options);
+} catch (const Stopped&) {
+  throw Cancelled();
+}
+
+template CCVT_EXPORT SurfaceSamples sample_surface<float>(const TriangleMesh&, Index,
+                                                          const SurfaceOptions&);
+template CCVT_EXPORT SurfaceSamples sample_surface<double>(const TriangleMesh&, Index,
+                                                           const SurfaceOptions&);
+
+}  // namespace ccvt

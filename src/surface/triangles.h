@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <vector>
+
+#include "ccvt/surface.h"
+#include "surface/sheets.h"
+
+namespace ccvt {
+
+/// The triangles of a valid mesh, relative to the middle of the box around it.
+class Triangles {
+ public:
+  explicit Triangles(const TriangleMesh& mesh);
+
+  [[nodiscard]] std::size_t count() const {
+    return static_cast<std::size_t>(mesh_.triangles.cols());
+  }
+  [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
+  [[nodiscard]] const Eigen::Vector3d& middle() const { return middle_; }
+  /// Of the box, along each dimension.
+  [[nodiscard]] const Eigen::Vector3d& extent() const { return extent_; }
+
+  /// The corners, one a column.
+  [[nodiscard]] Eigen::Matrix3d corners(Index triangle) const;
+  /// Their densities.
+  [[nodiscard]] Eigen::Vector3d densities(Index triangle) const;
+  /// The sum of the corners in the world, each times its share.
+  [[nodiscard]] Eigen::Vector3d in_world(Index triangle, const Eigen::Vector3d& shares) const;
+
+ private:
+  const TriangleMesh& mesh_;
+  Eigen::Vector3d middle_;
+  Eigen::Vector3d extent_;
+};
+
+/// Twice the area, along the normal.
+inline Eigen::Vector3d area_vector(const Eigen::Matrix3d& corners) {
+  return (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
+}
+
+/// The point of a triangle that is nearest to another.
+struct Foot {
+  double squared = 0;      ///< the distance
+  Eigen::Vector3d shares;  ///< of the corners: barycentric coordinates
+};
+
+/// The nearest of the inside, if a perpendicular leads there, and the three edges. Triangles may be
+/// degenerate.
+Foot nearest_on_triangle(const Eigen::Matrix3d& corners, const Eigen::Vector3d& from);
+
+}  // namespace ccvt
