@@ -48,7 +48,7 @@ Options resolved(Options options, int dimension, bool warm) {
     options.initialization =
         dimension <= kBalancedDimensions ? Initialization::balanced : Initialization::coherent;
   }
-  if (warm) options.multilevel = false;
+  if (warm || options.hold_sites) options.multilevel = false;
   return options;
 }
 
@@ -204,7 +204,7 @@ template <class Scalar>
 std::optional<Depth> Solver<Scalar>::Implementation::descends() const {
   constexpr double kTimesAsManyOnFinest = 4;
   const double least = static_cast<double>(options.descent_points) * problem.site_count();
-  if (options.descent_points == 0 || options.pairs != PairSelection::meeting ||
+  if (options.hold_sites || options.descent_points == 0 || options.pairs != PairSelection::meeting ||
       state.cells.point_count() < least) {
     return {};
   }
@@ -243,6 +243,7 @@ void Solver<Scalar>::Implementation::place_sites() {
   state.tiling = Tiling::of_points(problem.site_count(), problem.point_count(), options.tile_sites);
   site_of = spatial_order(given, state.tiling.sites_per_tile(), arena);
   state.sites = SiteState(given.dimension, given.count());
+  state.sites.held = options.hold_sites;
   for (const SiteNumber k : state.sites.all()) {
     std::copy_n(given.at(site_of[k]), given.dimension, state.sites.at(k));
   }

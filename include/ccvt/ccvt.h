@@ -10,6 +10,7 @@
 #include "ccvt/lloyd.h"         // IWYU pragma: export
 #include "ccvt/metrics.h"       // IWYU pragma: export
 #include "ccvt/options.h"       // IWYU pragma: export
+#include "ccvt/point_cloud.h"   // IWYU pragma: export
 #include "ccvt/presets.h"       // IWYU pragma: export
 #include "ccvt/problem.h"       // IWYU pragma: export
 #include "ccvt/publication.h"   // IWYU pragma: export
@@ -18,5 +19,6 @@
 #include "ccvt/stipple.h"       // IWYU pragma: export
 #include "ccvt/summary.h"       // IWYU pragma: export
 #include "ccvt/tessellation.h"  // IWYU pragma: export
+#include "ccvt/thin.h"          // IWYU pragma: export
 #include "ccvt/types.h"         // IWYU pragma: export
 #include "ccvt/volume.h"        // IWYU pragma: export

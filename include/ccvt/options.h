@@ -83,6 +83,10 @@ struct CCVT_EXPORT Options {
   /// that ends so has reached is not the same each time.
   double time_limit = 0;
   Until until = Until::stable;
+  /// Sites stay where they start, see Problem::set_initial_sites(): only owners are made better, on
+  /// one level and by exchanges, and energies are those of the sites as they are. Stable then means
+  /// that no exchange of points between any two sites lowers the energy.
+  bool hold_sites = false;
 
   /// How points get their first owners, on each level.
   Initialization initialization = Initialization::automatic;

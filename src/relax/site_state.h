@@ -35,6 +35,8 @@ struct SiteState {
   std::vector<double> energy;
   /// Whether no coordinate difference between the site and a point of its cell needs wrapping.
   std::vector<std::uint8_t> compact;
+  /// Whether they stay where they are, whatever cells they get: Options::hold_sites.
+  bool held = false;
 };
 
 }  // namespace ccvt

@@ -109,11 +109,26 @@ bool move_wrapped(const Metric& metric, const Cells<Scalar>& cells, double* posi
   return changed;
 }
 
+/// The energy and the radius of a site that stays where it is.
+template <class Scalar>
+void measure_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& sites,
+                  SiteNumber site) {
+  const double* const position = sites.at(site);
+  const bool compact = !metric.periodic() || is_compact(metric, cells, position, site);
+  const kernels::Spread spread =
+      kernels::spread_around(cells.block(site), cells.size(site), metric.dimension(), position,
+                             compact ? nullptr : metric.extent());
+  sites.compact[site] = compact ? 1 : 0;
+  sites.energy[site] = spread.energy;
+  sites.radius[site] = upper_radius(spread.squared_radius, metric.dimension());
+}
+
 }  // namespace
 
 template <class Scalar>
 void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& sites,
                  SiteNumber site) {
+  if (sites.held) return measure_site(metric, cells, sites, site);
   const int dimension = metric.dimension();
   const Index count = cells.size(site);
   double* position = sites.at(site);

@@ -12,7 +12,7 @@ namespace ccvt {
 ///
 /// On a torus the centroid is that of the images of the points nearest to the site. Where moving
 /// the site makes other images nearest, it moves again, until none changes; each move lowers the
-/// energy.
+/// energy. Sites that are held do not move.
 template <class Scalar>
 void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& sites,
                  SiteNumber site);
