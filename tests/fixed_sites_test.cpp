@@ -95,6 +95,9 @@ TEST_CASE("with many points a site, by steps of all sites that move") {
   const auto pairs = ccvt::tessellate(problem, {.descent_points = 0});
   const auto steps = ccvt::tessellate(problem);
   CHECK(steps.summary.energy < 1.02 * pairs.summary.energy);
+  problem.set_fixed_sites(places<double>(uneven_box(2), 12));
+  check(problem);
+  problem.set_fixed_sites(places<double>(uneven_box(2), 4));
   const auto even = ccvt::tessellate(problem, {.until = ccvt::Until::blue_noise});
   CHECK(ownership_faults(problem, even.owners) == "");
   CHECK(even.sites.leftCols(4) == problem.fixed_sites().eigen());

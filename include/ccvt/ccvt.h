@@ -12,6 +12,7 @@
 #include "ccvt/metrics.h"       // IWYU pragma: export
 #include "ccvt/options.h"       // IWYU pragma: export
 #include "ccvt/particles.h"     // IWYU pragma: export
+#include "ccvt/point_cloud.h"   // IWYU pragma: export
 #include "ccvt/presets.h"       // IWYU pragma: export
 #include "ccvt/problem.h"       // IWYU pragma: export
 #include "ccvt/publication.h"   // IWYU pragma: export
@@ -22,5 +23,6 @@
 #include "ccvt/summary.h"       // IWYU pragma: export
 #include "ccvt/surface.h"       // IWYU pragma: export
 #include "ccvt/tessellation.h"  // IWYU pragma: export
+#include "ccvt/thin.h"          // IWYU pragma: export
 #include "ccvt/types.h"         // IWYU pragma: export
 #include "ccvt/volume.h"        // IWYU pragma: export

@@ -13,6 +13,7 @@
 #include "cli/argument_kinds.h"
 #include "cli/streams.h"
 #include "cli/surface.h"
+#include "cli/thin_arguments.h"
 #include "cli/usage_error.h"
 #include "cli/volume_values.h"
 
@@ -25,6 +26,7 @@ constexpr const char* kExamples =
     "  ccvt stipple photo.png --sites 20000 -o dots.svg\n"
     "  ccvt volume head.nii.gz --sites 20000 -o samples.ply --preview samples.png\n"
     "  ccvt surface bunny.obj --sites 5000 -o samples.ply --preview bunny.png\n"
+    "  ccvt thin scan.ply --sites 20000 -o thin.ply\n"
     "  ccvt sample --dim 2 --sites 1024 --periodic -o sites.npy\n"
     "  ccvt sample --dim 3 --sites 262144 --periodic --box-size 100 -o load.hdf5\n"
     "  ccvt tessellate points.csv --sites 100 -o sites.csv --owners-out owners.csv\n"
@@ -354,12 +356,14 @@ int run_command_line(int argc, const char* const* argv) {
   EncodeArguments encode;
   VolumeArguments volume;
   SurfaceArguments surface;
+  ThinArguments thin;
   const std::vector<std::pair<const CLI::App*, std::function<int()>>> commands = {
       {add_sample(app, sample), [&] { return run_sample(sample); }},
       {add_tessellate(app, tessellate), [&] { return run_tessellate(tessellate); }},
       {add_stipple(app, stipple), [&] { return run_stipple(stipple); }},
       {add_volume(app, volume), [&] { return run_volume(volume); }},
       {add_surface(app, surface), [&] { return run_surface(surface); }},
+      {add_thin(app, thin), [&] { return run_thin(thin); }},
       {add_analyze(app, analyze), [&] { return run_analyze(analyze); }},
       {add_quantize(app, quantize), [&] { return run_quantize(quantize); }},
       {add_encode(app, encode), [&] { return run_encode(encode); }},

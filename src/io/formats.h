@@ -23,6 +23,8 @@ inline constexpr std::array<std::string_view, 5> kSiteFiles = {".npy", ".csv", "
                                                                ".hdf5"};
 /// Written as points; read and written as whole numbers.
 inline constexpr std::array<std::string_view, 3> kTableFiles = {".npy", ".csv", ".txt"};
+/// Written as points that were chosen from others.
+inline constexpr std::array<std::string_view, 4> kThinFiles = {".ply", ".csv", ".txt", ".npy"};
 /// Read as volumes.
 inline constexpr std::array<std::string_view, 6> kVolumeFiles = {".nii",  ".nii.gz", ".nrrd",
                                                                  ".nhdr", ".npy",    ".raw"};
