@@ -20,3 +20,4 @@
 #include "ccvt/tessellation.h"  // IWYU pragma: export
 #include "ccvt/types.h"         // IWYU pragma: export
 #include "ccvt/volume.h"        // IWYU pragma: export
+#include "ccvt/weighted.h"      // IWYU pragma: export

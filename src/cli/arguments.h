@@ -12,6 +12,7 @@
 #include "ccvt/sampling.h"
 #include "ccvt/types.h"
 #include "ccvt/volume.h"
+#include "cli/mass_arguments.h"
 
 namespace ccvt::cli {
 
@@ -50,6 +51,7 @@ struct TessellateArguments : CommonArguments {
   bool periodic = false;
   std::vector<double> box;  ///< all lower bounds, then all upper bounds; empty: none
   std::filesystem::path owners_out;
+  MassArguments mass;
 };
 
 struct StippleArguments : CommonArguments {
