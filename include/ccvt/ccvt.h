@@ -26,3 +26,4 @@
 #include "ccvt/thin.h"          // IWYU pragma: export
 #include "ccvt/types.h"         // IWYU pragma: export
 #include "ccvt/volume.h"        // IWYU pragma: export
+#include "ccvt/weighted.h"      // IWYU pragma: export

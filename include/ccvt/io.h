@@ -140,6 +140,10 @@ void write_points(const std::filesystem::path& path, const Columns<Scalar>& poin
 /// At least one. Throws InvalidInput for those that do not fit Index.
 CCVT_EXPORT std::vector<Index> read_indices(const std::filesystem::path& path);
 
+/// Numbers, such as masses: one a line, or of any real type and shape (#,) or (#, 1). At least one,
+/// all finite; 64-bit whole numbers of shape (#,) are rounded.
+CCVT_EXPORT std::vector<double> read_numbers(const std::filesystem::path& path);
+
 /// One a line, or int32 of shape (#owners,).
 CCVT_EXPORT void write_owners(const std::filesystem::path& path, std::span<const Index> owners);
 

@@ -111,16 +111,19 @@ CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
       ->excludes("--sites");
   add_fixed_sites(*command, arguments.fixed_sites);
   add_file(*command, "--capacities", arguments.capacities,
-           "How many points each site owns, summing to the number of points [equal]",
+           "How many points each site owns, summing to the number of points, or, with masses, how "
+           "much mass [equal]",
            io::kTableFiles);
   add_spaces(*command, arguments);
+  add_masses(*command, arguments.mass);
   add_box(*command, arguments.box, "The box that holds the points");
   add_common(*command, arguments, io::kTableFiles, "as the points are stored; text: float64",
              "stable");
   add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too",
            io::kTableFiles);
   command->footer(
-      "Example: ccvt tessellate points.csv --sites 100 --periodic --box 0 0 1 1 -o sites.csv");
+      "Examples: ccvt tessellate points.csv --sites 100 --periodic --box 0 0 1 1 -o sites.csv\n"
+      "          ccvt tessellate stars.csv --mass-column m --sites 100 -o sites.csv");
   return command;
 }
 

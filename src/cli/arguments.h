@@ -12,6 +12,7 @@
 #include "ccvt/sampling.h"
 #include "ccvt/types.h"
 #include "ccvt/volume.h"
+#include "cli/mass_arguments.h"
 #include "cli/particle_arguments.h"
 
 namespace ccvt::cli {
@@ -57,6 +58,7 @@ struct TessellateArguments : CommonArguments {
   bool whiten = false;
   std::vector<double> box;  ///< all lower bounds, then all upper bounds; empty: none
   std::filesystem::path owners_out;
+  MassArguments mass;
 };
 
 struct StippleArguments : CommonArguments {

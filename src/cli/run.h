@@ -49,9 +49,21 @@ PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptio
 /// `message` with what is no letter replaced, and a line end: one line, whatever names it holds.
 std::string one_line(std::string message);
 
+/// How far the masses of cells are from their capacities.
+struct MassFigures {
+  std::string method;
+  double total = 0;
+  double largest_error = 0;   ///< of a cell, in the units of the masses
+  Index worst_site = 0;       ///< whose that is
+  double error_bound = 0;     ///< infinite: there is none
+  double relative_error = 0;  ///< the root mean square, relative to capacities
+  Index shared_points = 0;
+};
+
 /// Writes the summary file, if there is to be one.
 void write_summary(const CommonArguments& common, const Summary& summary,
-                   const std::optional<PutBack>& put_back = {});
+                   const std::optional<PutBack>& put_back = {},
+                   const std::optional<MassFigures>& masses = {});
 
 /// Prints warnings on the standard error output, a line each, unless `quiet`.
 void warn(bool quiet, const std::vector<std::string>& warnings);

@@ -11,6 +11,7 @@
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
+#include "cli/tessellate_masses.h"
 
 namespace ccvt::cli {
 
@@ -125,7 +126,11 @@ int run_tessellate(const TessellateArguments& arguments) {
       .add_input("--initial-sites", arguments.initial_sites)
       .add_input("--fixed-sites", arguments.fixed_sites)
       .add_input("--capacities", arguments.capacities)
+      .add_input("--masses", arguments.mass.file)
       .check();
+  if (check_masses(arguments, header)) {
+    return run_with_masses(arguments, header, make_domain(arguments, header.dimension));
+  }
   return arguments.scalar.value_or(header.scalar) == ScalarType::float32
              ? tessellate_file<float>(arguments, header)
              : tessellate_file<double>(arguments, header);

@@ -1,0 +1,100 @@
+#include "weighted/mass_cells.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "exact/grouping.h"
+#include "relax/update.h"
+#include "schedule/tiling.h"
+#include "weighted/centre_of_mass.h"
+#include "weighted/mass_sum.h"
+
+namespace ccvt {
+namespace {
+
+constexpr std::size_t kPointsPerGrain = 4096;
+
+}  // namespace
+
+template <class Scalar>
+MassCells<Scalar>::MassCells(const Metric& metric, PointsView<Scalar> points,
+                             std::span<const double> masses, std::span<const double> capacities,
+                             std::span<const Index> owners, SiteState sites,
+                             double coordinate_bound, const Arena& arena)
+    : metric_(metric),
+      points_(points),
+      masses_(masses),
+      capacities_(capacities),
+      sites_(std::move(sites)),
+      coordinate_bound_(coordinate_bound),
+      members_(capacities.size()),
+      held_(capacities.size(), 0.0),
+      margin_(capacities.size(), 0.0) {
+  for (const double mass : masses) heaviest_ = std::max(heaviest_, mass);
+  const Grouping groups(owners, capacities.size());
+  const std::size_t sites_per_grain = 1 + kPointsPerGrain * members_.size() / owners.size();
+  for_each_site(arena, members_.size(), sites_per_grain, [&](SiteNumber s) {
+    std::vector<PointNumber> own;
+    for (const PointNumber p : groups.of(s)) {
+      if (masses_[p] > 0) own.push_back(p);
+    }
+    set_members(s, std::move(own));
+    update(s);
+  });
+}
+
+template <class Scalar>
+void MassCells<Scalar>::set_members(SiteNumber site, std::vector<PointNumber> members) {
+  std::sort(members.begin(), members.end(), [&](PointNumber a, PointNumber b) {
+    return masses_[a] != masses_[b] ? masses_[a] < masses_[b] : a < b;
+  });
+  members_[site] = std::move(members);
+  weigh(site);
+}
+
+template <class Scalar>
+void MassCells<Scalar>::weigh(SiteNumber site) {
+  MassSum sum;
+  for (const PointNumber p : members_[site]) sum.add(masses_[p]);
+  held_[site] = sum.value();
+}
+
+template <class Scalar>
+void MassCells<Scalar>::move(PointNumber point, SiteNumber from, SiteNumber to) {
+  std::vector<PointNumber> left = std::move(members_[from]);
+  left.erase(std::find(left.begin(), left.end(), point));
+  std::vector<PointNumber> more = std::move(members_[to]);
+  more.push_back(point);
+  set_members(from, std::move(left));
+  set_members(to, std::move(more));
+}
+
+template <class Scalar>
+void MassCells<Scalar>::update(SiteNumber site) {
+  sites_.energy[site] = sites_.radius[site] = margin_[site] = 0;
+  if (members_[site].empty()) return;
+  const MassSpread spread = rest_at_centre(
+      metric_, members_[site], [&](PointNumber p) { return at(p); },
+      [&](PointNumber p) { return masses_[p]; }, held_[site], sites_.at(site));
+  sites_.energy[site] = spread.energy;
+  sites_.radius[site] = upper_radius(spread.squared_radius, metric_.dimension());
+  const auto count = static_cast<double>(members_[site].size());
+  constexpr double kRounded = 4;  // of a mean of weighted points, and of where it is measured from
+  margin_[site] =
+      kRounded * held_[site] *
+      (energy_of_rounding(metric_, coordinate_bound_, count, sites_.radius[site]) / count);
+}
+
+template <class Scalar>
+std::vector<Index> MassCells<Scalar>::owners() const {
+  std::vector<Index> owners(static_cast<std::size_t>(points_.count), -1);
+  for (const SiteNumber s : sites_.all()) {
+    for (const PointNumber p : members_[s]) owners[p] = s.index();
+  }
+  return owners;
+}
+
+template class MassCells<float>;
+template class MassCells<double>;
+
+}  // namespace ccvt

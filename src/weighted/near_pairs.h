@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "relax/meeting_pairs.h"
+
+namespace ccvt {
+
+/// The pairs of cells that may exchange points: those whose bounding spheres meet. Where these are
+/// very many, as in many dimensions, each site and the nearest ones, as they are at the first call.
+class NearPairs {
+ public:
+  /// Of each site.
+  static constexpr int kNearest = 32;
+
+  /// For where sites and their radii are now; in order, each once, some of which do not meet yet.
+  std::vector<Pair> list(const Metric& metric, const SiteState& sites, const Arena& arena);
+
+ private:
+  MeetingPairs meeting_;
+  std::vector<Pair> nearest_;
+};
+
+}  // namespace ccvt
