@@ -13,6 +13,7 @@ constexpr std::uint64_t joining_order = 3;
 
 // Thinning.
 constexpr std::uint64_t thin_spacing = 32;
+
 // Points with masses.
 constexpr std::uint64_t mass_offset = 8;
 
