@@ -2,6 +2,7 @@
 #ifdef CCVT_PROGRAM
 
 #include <doctest/doctest.h>
+#include <sys/resource.h>
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -58,6 +59,24 @@ TEST_CASE("particles: sample writes a load, analyze takes its box from it") {
   const Ran other = run(directory, "analyze one.gadget a.gadget -o out");
   CHECK(other.status == 2);
   CHECK(other.errors.find("a.gadget: fills another box than one.gadget") != std::string::npos);
+}
+
+TEST_CASE("particles: a file that cannot grow is told, and nothing is left") {
+  const TemporaryDirectory directory;
+  std::vector<std::string> names = {"p.gadget"};
+#ifdef CCVT_TEST_HDF5
+  names.emplace_back("p.hdf5");
+#endif
+  for (const std::string& name : names) {
+    CAPTURE(name);
+    const Ran ran = run(directory, kLine + "-q --repeat 20 -o " + name, [] {
+      const struct rlimit limit = {500000, 500000};
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+    });
+    CHECK(ran.status == 1);
+    CHECK(ran.errors == "ccvt: error: " + name + ": cannot be written: File too large\n");
+    CHECK(directory.entries() == 0);
+  }
 }
 
 TEST_CASE("particles: bad usage: one line, status 2, nothing written") {

@@ -198,7 +198,9 @@ CLI::App* add_analyze(CLI::App& app, AnalyzeArguments& arguments) {
               ". Files after one without a name are runs of it")
       ->type_name("NAME=FILE");
   add_flag(*command, "--periodic", arguments.periodic, "Opposite faces of the box are one");
-  add_box(*command, arguments.box, "The box that the points fill [the unit box]");
+  add_box(*command, arguments.box,
+          "The box that the points fill [the unit box; of .gadget and .hdf5 the periodic one they "
+          "name]");
   add_number<double>(*command, "--max-frequency", arguments.max_frequency,
                      "Up to which frequency, in units of n^(1/D) in the unit box [2]", "F",
                      {.least = 0, .most = 1000, .open_below = true});

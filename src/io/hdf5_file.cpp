@@ -10,9 +10,6 @@ namespace ccvt::io {
 
 namespace {
 
-/// So much is on its way to the disk at most: nobody can stop a process that waits for it.
-constexpr std::size_t kMostUnsynchronized = std::size_t{1} << 24;
-
 std::mutex& session_mutex() {
   static std::mutex mutex;
   return mutex;
@@ -28,15 +25,11 @@ Hdf5Session::Hdf5Session() : lock_(session_mutex()) {
 Hdf5Session::~Hdf5Session() { H5Eset_auto2(H5E_DEFAULT, printer_, client_); }
 
 Hdf5Output::Hdf5Output(std::filesystem::path target)
-    : unfinished_(std::move(target)), descriptor_(unfinished_.take_descriptor()) {
-  errno = 0;
-  const Hdf5Handle access = checked(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-#if H5_VERSION_GE(1, 10, 7)
-  // Nobody else knows the file, and some file systems have no locks.
-  check(H5Pset_file_locking(access.id(), false, true) >= 0);
-#endif
-  file_ = checked(H5Fcreate(unfinished_.path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()),
-                  H5Fclose);
+    : unfinished_(std::move(target)),
+      descriptor_(unfinished_.take_descriptor()),
+      sink_(descriptor_),
+      file_(sink_.create()) {
+  check(static_cast<bool>(file_));
 }
 
 Hdf5Output::~Hdf5Output() {
@@ -45,12 +38,12 @@ Hdf5Output::~Hdf5Output() {
 }
 
 void Hdf5Output::check(bool good) const {
-  if (!good) unfinished_.fail(errno != 0 ? errno : EIO);
+  if (!good || sink_.error() != 0) unfinished_.fail(sink_.error() != 0 ? sink_.error() : ENOMEM);
 }
 
-Hdf5Handle Hdf5Output::checked(hid_t id, herr_t (*close)(hid_t)) const {
+Hdf5Handle Hdf5Output::checked(hid_t id, herr_t (*closer)(hid_t)) const {
   check(id >= 0);
-  return {id, close};
+  return {id, closer};
 }
 
 Hdf5Handle Hdf5Output::group(const char* name) {
@@ -59,7 +52,6 @@ Hdf5Handle Hdf5Output::group(const char* name) {
 
 void Hdf5Output::attribute(const Hdf5Handle& group, const char* name, hid_t type,
                            const std::vector<hsize_t>& shape, const void* values) {
-  errno = 0;
   const Hdf5Handle space =
       shape.empty()
           ? checked(H5Screate(H5S_SCALAR), H5Sclose)
@@ -72,7 +64,6 @@ void Hdf5Output::attribute(const Hdf5Handle& group, const char* name, hid_t type
 
 Hdf5Handle Hdf5Output::dataset(const Hdf5Handle& group, const char* name, hid_t type,
                                const std::vector<hsize_t>& shape, const void* fill) {
-  errno = 0;
   const Hdf5Handle space =
       checked(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
   const Hdf5Handle creation = checked(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
@@ -88,7 +79,6 @@ Hdf5Handle Hdf5Output::dataset(const Hdf5Handle& group, const char* name, hid_t 
 
 void Hdf5Output::rows(const Hdf5Handle& dataset, hid_t type, std::uint64_t first, hsize_t width,
                       std::size_t count, const void* values) {
-  errno = 0;
   const hsize_t start[] = {first, 0};
   const hsize_t size[] = {width > 0 ? count / width : count, width};
   const Hdf5Handle there = checked(H5Dget_space(dataset.id()), H5Sclose);
@@ -97,22 +87,10 @@ void Hdf5Output::rows(const Hdf5Handle& dataset, hid_t type, std::uint64_t first
   check(H5Dwrite(dataset.id(), type, here.id(), there.id(), H5P_DEFAULT, values) >= 0);
 }
 
-void Hdf5Output::synchronize_at_times() {
-  if (unsynchronized_ < kMostUnsynchronized) return;
-  check(H5Fflush(file_.id(), H5F_SCOPE_LOCAL) >= 0);
-  synchronize();
-}
-
-void Hdf5Output::synchronize() {
-  // Some file systems have nothing to synchronize with.
-  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOSYS) unfinished_.fail(errno);
-  unsynchronized_ = 0;
-}
-
 void Hdf5Output::commit() {
-  errno = 0;
-  check(file_.close());
-  synchronize();
+  const bool closed = file_.close();
+  sink_.synchronize();
+  check(closed);
   if (::close(std::exchange(descriptor_, -1)) != 0) unfinished_.fail(errno);
   publish(std::move(unfinished_));
 }

@@ -13,36 +13,11 @@
 #include <utility>
 #include <vector>
 
+#include "io/hdf5_handle.h"
+#include "io/hdf5_sink.h"
 #include "io/unfinished_file.h"
 
-/// The only place, with hdf5_particles.cpp, that includes HDF5.
 namespace ccvt::io {
-
-/// Something of HDF5's that is open.
-class Hdf5Handle {
- public:
-  Hdf5Handle() = default;
-  Hdf5Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  Hdf5Handle(Hdf5Handle&& other) noexcept
-      : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
-  Hdf5Handle& operator=(Hdf5Handle&& other) noexcept {
-    std::swap(id_, other.id_);
-    std::swap(close_, other.close_);
-    return *this;
-  }
-  Hdf5Handle(const Hdf5Handle&) = delete;
-  Hdf5Handle& operator=(const Hdf5Handle&) = delete;
-  ~Hdf5Handle() { close(); }
-
-  [[nodiscard]] explicit operator bool() const { return id_ >= 0; }
-  [[nodiscard]] hid_t id() const { return id_; }
-  /// False when that fails.
-  bool close() noexcept { return id_ < 0 || close_(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
-
- private:
-  hid_t id_ = H5I_INVALID_HID;
-  herr_t (*close_)(hid_t) = nullptr;
-};
 
 /// While one lives, HDF5 prints no errors in this thread, and no other thread of ours is in HDF5,
 /// which need not be built for several.
@@ -102,8 +77,6 @@ class Hdf5Output {
   void rows(const Hdf5Handle& dataset, std::uint64_t first, hsize_t width,
             std::span<const Number> values) {
     rows(dataset, hdf5_type<Number>(), first, width, values.size(), values.data());
-    unsynchronized_ += values.size_bytes();
-    synchronize_at_times();
   }
 
   /// Closes the file, and publishes it; what is open of it must have been closed.
@@ -116,17 +89,15 @@ class Hdf5Output {
                      const std::vector<hsize_t>& shape, const void* fill);
   void rows(const Hdf5Handle& dataset, hid_t type, std::uint64_t first, hsize_t width,
             std::size_t count, const void* values);
-  void synchronize_at_times();
-  void synchronize();
-  /// Throws unless what HDF5 has done is good.
+  /// Throws unless what HDF5 has done is good, and has come to the disk as far as is known.
   void check(bool good) const;
-  Hdf5Handle checked(hid_t id, herr_t (*close)(hid_t)) const;
+  Hdf5Handle checked(hid_t id, herr_t (*closer)(hid_t)) const;
 
   UnfinishedFile unfinished_;
   int descriptor_;
   Hdf5Session session_;
+  Hdf5Sink sink_;
   Hdf5Handle file_;
-  std::size_t unsynchronized_ = 0;
 };
 
 }  // namespace ccvt::io
