@@ -89,6 +89,8 @@ fuzz() {  # seconds for each kind of file
   local seconds=$1 corpus=build/asan-ubsan/corpus
   python3 tests/fuzz/volume_corpus.py "$corpus/volumes" &&
     fuzz_from "$corpus/volumes" "$seconds" volume_fuzzer -malloc_limit_mb=64 &&
+    python3 tests/fuzz/mesh_corpus.py "$corpus/meshes" &&
+    fuzz_from "$corpus/meshes" "$seconds" mesh_fuzzer -malloc_limit_mb=64 &&
     build/asan-ubsan/tests/image_seeds "$corpus/pictures" &&
     fuzz_from "$corpus/pictures" "$seconds" image_fuzzer -malloc_limit_mb=512
 }

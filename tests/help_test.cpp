@@ -10,6 +10,7 @@
 
 #include "ccvt/io.h"
 #include "ccvt/particles.h"
+#include "ccvt/surface.h"
 #include "ccvt/volume.h"
 #include "support/files.h"
 #include "support/message.h"
@@ -22,8 +23,8 @@ namespace fs = std::filesystem;
 
 /// All extensions that anything here reads or writes, and some that nothing does.
 const std::vector<std::string> kExtensions = {
-    ".npy", ".csv", ".txt", ".ply", ".fvecs", ".bvecs", ".nii", ".nii.gz", ".nrrd",   ".nhdr",
-    ".raw", ".vtp", ".vtk", ".svg", ".png",   ".jpg",   ".dat", ".gz",     ".gadget", ".hdf5"};
+    ".npy", ".csv", ".txt", ".ply", ".fvecs", ".bvecs", ".nii", ".nii.gz", ".nrrd", ".nhdr", ".raw",
+    ".vtp", ".vtk", ".svg", ".png", ".jpg",   ".dat",   ".gz",  ".gadget", ".hdf5", ".obj"};
 
 /// What the help of a command says about one option or argument.
 std::string help_of(const TemporaryDirectory& directory, const std::string& command,
@@ -72,6 +73,7 @@ TEST_CASE("help lists the extensions that readers and writers take, and no other
   const auto read_as_points = [](const fs::path& path) { read_points<float>(path); };
   const auto read_as_indices = [](const fs::path& path) { read_indices(path); };
   const auto read_as_volume = [](const fs::path& path) { inspect_volume(path); };
+  const auto read_as_mesh = [](const fs::path& path) { read_mesh(path); };
   const auto write_as_points = [](const fs::path& path) {
     write_points(path, Points<float>::Zero(2, 2).eval());
   };
@@ -114,6 +116,9 @@ TEST_CASE("help lists the extensions that readers and writers take, and no other
       {"volume", "--mask", read_as_volume},
       {"volume", "--output", write_as_samples},
       {"volume", "--preview", write_as_picture},
+      {"surface", "MESH", read_as_mesh},
+      {"surface", "--output", write_as_samples},
+      {"surface", "--preview", write_as_picture},
       {"quantize", "VECTORS", read_as_points},
       {"quantize", "--seeding", read_as_points},
       {"quantize", "--capacities", read_as_indices},

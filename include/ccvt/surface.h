@@ -53,11 +53,12 @@ struct CCVT_EXPORT SurfaceOptions {
   /// Points drawn on the surface for each site. At least 1.
   Index points_per_site = 256;
   /// The points that are tessellated have six coordinates: where they are, and the normal of their
-  /// triangle times `normal_weight` times the local spacing of the sites. So sheets that lie near
-  /// each other, or on each other, but face apart, are far apart, and share no cell. On a smooth
-  /// surface the normal changes little over a cell, and so does this. 0: positions alone. Not
-  /// negative, at most 100.
-  double normal_weight = 0.5;
+  /// triangle times `normal_weight` times the local spacing of the sites, the square root of a
+  /// cell's area. So sheets that lie near each other, or on each other, but face apart, are far
+  /// apart, and share no cell. On a smooth surface the normal changes little over a cell, and so
+  /// does this. Weights below 2 are come to by way of 2, with which cells become full of points of
+  /// one sheet. 0: positions alone. Not negative, at most 100.
+  double normal_weight = 0.7;
   /// Whether SurfaceSamples hold the points that were drawn, their triangles and their owners.
   bool keep_points = false;
   /// Its seed also fixes the points that are drawn, and its threads draw them. Until blue_noise, as
@@ -88,13 +89,14 @@ struct SurfaceSamples {
   /// The local spacing, sqrt(2 * mean |p - c|^2) over the points p of a cell with the centroid c:
   /// of a flat disk with uniform points it is the radius.
   std::vector<double> radii;
-  /// Of the triangles that are drawn from, and the integral of the density over them.
+  /// Of all triangles, and the integral of the density over them.
   double area = 0;
   double mass = 0;
   /// A sheet is what hangs together by edges that two triangles share, vertices at the same place
-  /// being one. Sheets of eight cells and more have sites of their own, whole numbers, so that no
-  /// cell reaches into another sheet: capacities of different sheets then differ by a share of 1 /
-  /// (2 * #sites of the sheet) at most. All smaller sheets together are treated as one.
+  /// being one. Sheets of eight cells and more get whole numbers of sites, so that no cell has to
+  /// reach into another sheet: capacities of different sheets then differ, by a share of 1 / (2 *
+  /// #sites of the sheet), and a few by a point or two more. All smaller sheets together are
+  /// treated as one.
   Index sheets = 0;
   /// Triangles that face the other way than most, by area, of their sheet: their normals are those
   /// of the rest. A sheet with one side only, such as a Möbius strip, keeps a seam.
@@ -110,7 +112,8 @@ struct SurfaceSamples {
   std::vector<Index> owners;
   /// What was computed in.
   ScalarType scalar = ScalarType::float32;
-  /// Of the tessellation in six dimensions, or three where normal_weight is 0.
+  /// Of the tessellation in six dimensions, or three where normal_weight is 0; where that took two
+  /// turns, of the second, but for seconds_total.
   Summary summary;
 };
 

@@ -14,6 +14,7 @@
 #include "parallel/loops.h"
 #include "point_count.h"
 #include "surface/draw.h"
+#include "surface/gather.h"
 #include "surface/settle.h"
 #include "surface/shares.h"
 #include "surface/sheets.h"
@@ -25,6 +26,9 @@ namespace {
 
 /// Sheets of fewer cells have none of their own.
 constexpr double kLeastCells = 8;
+/// See tessellate_in_turn().
+constexpr double kFirstWeight = 2;
+constexpr double kFirstTolerance = 1e-3;
 
 /// The area of each triangle, and its integral of the density.
 struct Sizes {
@@ -72,14 +76,14 @@ struct Drawn {
 /// extent of the surface.
 template <class Scalar>
 Drawn<Scalar> draw(const Triangles& triangles, const Sheets& sheets, const TriangleLine& line,
-                   Index count, double cell, const SurfaceOptions& options, const Arena& arena) {
-  const double weight = options.normal_weight;
+                   Index count, double cell, double weight, std::uint64_t seed,
+                   const Arena& arena) {
   const double most = triangles.extent().maxCoeff();
   Drawn<Scalar> drawn;
   drawn.lifted.resize(weight > 0 ? 6 : 3, count);
   drawn.triangles.resize(static_cast<std::size_t>(count));
   drawn.groups.resize(static_cast<std::size_t>(count));
-  const SurfaceDraws draws(triangles, line, count, options.tessellation.seed);
+  const SurfaceDraws draws(triangles, line, count, seed);
   draws.visit(arena, [&](std::size_t number, const SurfacePoint& point) {
     const Eigen::Matrix3d corners = triangles.corners(point.triangle);
     auto column = drawn.lifted.col(static_cast<Eigen::Index>(number));
@@ -97,21 +101,62 @@ Drawn<Scalar> draw(const Triangles& triangles, const Sheets& sheets, const Trian
   return drawn;
 }
 
+/// Sites that start in the middle of stretches of the line that are as large as their cells.
 template <class Scalar>
-Problem<Scalar> make_problem(const Drawn<Scalar>& drawn, Index sites, int threads) {
-  Problem<Scalar> problem(drawn.lifted, sites, threads);
-  const std::vector<Index> capacities = share_capacities(drawn.groups, sites);
-  // Each starts in the middle of the stretch of the line that is as large as its cell.
-  Points<Scalar> initial(drawn.lifted.rows(), sites);
+Points<Scalar> spread(const Points<Scalar>& points, const std::vector<Index>& capacities) {
+  Points<Scalar> sites(points.rows(), std::ssize(capacities));
   Index begin = 0;
-  for (Index s = 0; s < sites; ++s) {
-    const Index capacity = capacities[SiteNumber(s)];
-    initial.col(s) = drawn.lifted.col(begin + capacity / 2);
-    begin += capacity;
+  for (const SiteNumber s : sites_below(capacities.size())) {
+    sites.col(s.index()) = points.col(begin + capacities[s] / 2);
+    begin += capacities[s];
   }
+  return sites;
+}
+
+/// What a tessellation comes to.
+template <class Scalar>
+struct Outcome {
+  Points<Scalar> sites;
+  std::vector<Index> owners;
+  Summary summary;
+};
+
+template <class Scalar>
+Outcome<Scalar> finish(const Problem<Scalar>& problem, const Options& options) {
+  Result<Scalar> result = tessellate(problem, options);
+  return {std::move(result.sites), std::move(result.owners), std::move(result.summary)};
+}
+
+/// Tessellates points that have been drawn with the normal weight `first`. Where another is wanted,
+/// `last`, the normals are then made those of that weight, and the run goes on from there: with
+/// large ones no points flow from sheet to sheet while cells become full, and with small ones
+/// curved surfaces are sampled evenly.
+template <class Scalar>
+Outcome<Scalar> tessellate_in_turn(Drawn<Scalar>& drawn, Index sites, double first, double last,
+                                   const Options& options) {
+  const std::vector<Index> capacities = share_capacities(drawn.groups, sites);
+  Problem<Scalar> problem(drawn.lifted, sites, options.threads);
   problem.set_capacities(capacities);
-  problem.set_initial_sites(initial);
-  return problem;
+  problem.set_initial_sites(spread(drawn.lifted, capacities));
+  if (first == last) return finish(problem, options);
+
+  Options start = options;
+  start.energy_tolerance = std::max(start.energy_tolerance, kFirstTolerance);
+  Outcome<Scalar> begun = finish(problem, start);
+  gather_groups(view_points(drawn.lifted), view_points(begun.sites), drawn.groups, begun.owners);
+  drawn.lifted.template bottomRows<3>() *= static_cast<Scalar>(last / first);
+  Problem<Scalar> next(drawn.lifted, sites, options.threads);
+  std::vector<Index> gathered(capacities.size(), 0);
+  for (const Index owner : begun.owners) ++gathered[SiteNumber(owner)];
+  next.set_capacities(std::move(gathered));
+  next.set_initial_owners(std::move(begun.owners));
+  Options rest = options;
+  if (rest.time_limit > 0) {
+    rest.time_limit = std::max(rest.time_limit - begun.summary.seconds_total, 1e-3);
+  }
+  Outcome<Scalar> ended = finish(next, rest);
+  ended.summary.seconds_total += begun.summary.seconds_total;
+  return ended;
 }
 
 template <class Scalar>
@@ -122,6 +167,8 @@ SurfaceSamples sample(const TriangleMesh& mesh, Index sites, const SurfaceOption
   const int threads = options.tessellation.threads;
   Stop stop(options.tessellation.cancelled);
   const Triangles triangles(mesh);
+  const double drawn_weight =
+      options.normal_weight > 0 ? std::max(options.normal_weight, kFirstWeight) : 0;
   SurfaceSamples samples;
   Sheets sheets;
   Drawn<Scalar> drawn;
@@ -133,19 +180,19 @@ SurfaceSamples sample(const TriangleMesh& mesh, Index sites, const SurfaceOption
     samples.mass = sizes.mass;
     const double cell = sizes.mass / sites;
     const TriangleLine line = line_up(triangles, sheets, sizes.masses, kLeastCells * cell);
-    drawn = draw<Scalar>(triangles, sheets, line, count, cell, options, arena);
+    drawn = draw<Scalar>(triangles, sheets, line, count, cell, drawn_weight,
+                         options.tessellation.seed, arena);
   }
-  Solver<Scalar> solver(make_problem(drawn, sites, threads), options.tessellation);
-  solver.run();
+  Outcome<Scalar> outcome =
+      tessellate_in_turn(drawn, sites, drawn_weight, options.normal_weight, options.tessellation);
 
   samples.scalar = sizeof(Scalar) == sizeof(float) ? ScalarType::float32 : ScalarType::float64;
-  samples.summary = solver.summary();
+  samples.summary = std::move(outcome.summary);
   samples.sheets = sheets.count;
   samples.turned = static_cast<Index>(
       std::count_if(sheets.turned.begin(), sheets.turned.end(), [](auto t) { return t != 0; }));
-  samples.owners = solver.owners();
-  const Points<Scalar> centroids = solver.sites();
-  settle(triangles, sheets, view_points(drawn.lifted), drawn.triangles, view_points(centroids),
+  samples.owners = std::move(outcome.owners);
+  settle(triangles, sheets, view_points(drawn.lifted), drawn.triangles, view_points(outcome.sites),
          Arena(threads), samples);
   if (!options.keep_points) {
     samples.owners = {};
