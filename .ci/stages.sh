@@ -92,7 +92,9 @@ fuzz() {  # seconds for each kind of file
     python3 tests/fuzz/mesh_corpus.py "$corpus/meshes" &&
     fuzz_from "$corpus/meshes" "$seconds" mesh_fuzzer -malloc_limit_mb=64 &&
     build/asan-ubsan/tests/image_seeds "$corpus/pictures" &&
-    fuzz_from "$corpus/pictures" "$seconds" image_fuzzer -malloc_limit_mb=512
+    fuzz_from "$corpus/pictures" "$seconds" image_fuzzer -malloc_limit_mb=512 &&
+    python3 tests/fuzz/cloud_corpus.py "$corpus/clouds" &&
+    fuzz_from "$corpus/clouds" "$seconds" cloud_fuzzer -malloc_limit_mb=64
 }
 
 fuzz_from() {  # corpus, seconds, fuzzer, its options

@@ -10,6 +10,7 @@
 
 #include "ccvt/io.h"
 #include "ccvt/particles.h"
+#include "ccvt/point_cloud.h"
 #include "ccvt/surface.h"
 #include "ccvt/volume.h"
 #include "support/files.h"
@@ -95,6 +96,11 @@ TEST_CASE("help lists the extensions that readers and writers take, and no other
     samples.weights = samples.radii = {1.0};
     write_samples(path, samples);
   };
+  const auto write_as_cloud = [](const fs::path& path) {
+    PointCloud cloud;
+    cloud.points = Points<double>::Zero(3, 1);
+    write_point_cloud(path, cloud, std::vector<Index>{0}, std::vector<Index>{1});
+  };
   const auto write_as_picture = [](const fs::path& path) { write_png(path, Image{1, 1, {0.5F}}); };
   struct Case {
     std::string command;
@@ -126,6 +132,10 @@ TEST_CASE("help lists the extensions that readers and writers take, and no other
       {"quantize", "--codes-out", write_as_owners},
       {"quantize", "--weights-out", write_as_points},
       {"quantize", "--image-out", write_as_picture},
+      {"thin", "POINTS", read_as_points},
+      {"thin", "--output", write_as_cloud},
+      {"thin", "--indices-out", write_as_owners},
+      {"thin", "--owners-out", write_as_owners},
       {"encode", "VECTORS", read_as_points},
       {"encode", "--codebook", read_as_points},
       {"encode", "--weights", read_as_points},

@@ -14,7 +14,7 @@
 namespace ccvt {
 
 /// The points of a file, and all that it says of each, to be written again.
-struct CCVT_EXPORT PointCloud {
+struct PointCloud {
   /// What holds the coordinates exactly.
   ScalarType scalar = ScalarType::float64;
   /// #dimensions by #points.

@@ -32,7 +32,7 @@ struct CCVT_EXPORT ThinOptions {
 };
 
 /// Some of the points, evenly spread as dense as all of them, and what each stands for.
-struct CCVT_EXPORT Thinning {
+struct Thinning {
   /// n numbers of points, ascending, all different.
   std::vector<Index> chosen;
   /// Of each of the m points, for which of the chosen ones it counts: in 0..n-1. A chosen point

@@ -19,10 +19,10 @@ using Place = Number<struct OfHomePlaces>;
 /// hold about as many points each, however dense the cloud is, in any dimension.
 template <class Scalar>
 struct Homes {
-  Groups<PointNumber> points;    ///< by home; places are in its items
-  Buffer<Scalar> coordinates;    ///< by place
+  Groups<PointNumber> points;       ///< by home; places are in its items
+  Buffer<Scalar> coordinates;       ///< by place
   std::vector<SiteNumber> home_of;  ///< by place
-  SiteState centres;             ///< and a radius around each that holds the home's points
+  SiteState centres;                ///< and a radius around each that holds the home's points
   /// Of each home: how near two chosen points must be to repel each other, see Repulsion.
   std::vector<double> reach;
   /// Of each home: those with points within their common reach of its points, itself among them.

@@ -48,11 +48,12 @@ Repulsion<Scalar>::Repulsion(const Homes<Scalar>& homes, std::vector<Place> chos
                              const Arena& arena)
     : homes_(homes),
       arena_(arena),
+      chosen_(std::move(chosen)),
+      at_(chosen_.size() * homes.dimension()),
       taken_(homes.home_of.size(), 0),
       first_in_(homes.count(), SiteNumber::none()),
       next_in_(homes.count(), SiteNumber::none()),
       is_restless_(homes.count(), 0) {
-  chosen_ = std::move(chosen);
   for (const SiteNumber s : sites_below(chosen_.size())) enter(s, chosen_[s]);
 }
 
@@ -60,6 +61,7 @@ template <class Scalar>
 void Repulsion<Scalar>::enter(SiteNumber site, Place place) {
   const SiteNumber home = homes_.home_of[place];
   chosen_[site] = place;
+  std::copy_n(homes_.at(place), homes_.dimension(), at_.data() + site * homes_.dimension());
   taken_[place] = 1;
   next_in_[site] = std::exchange(first_in_[home], site);
 }
@@ -89,8 +91,7 @@ double Repulsion<Scalar>::repelled(Place place, SiteNumber site) const {
   for_each_near(home, [&](SiteNumber other, SiteNumber near) {
     if (other == site) return;
     const double reach = homes_.reach_of(home, near);
-    const double squared =
-        squared_distance(homes_.at(place), homes_.at(chosen_[other]), homes_.dimension());
+    const double squared = squared_distance(homes_.at(place), at(other), homes_.dimension());
     if (squared < reach * reach) sum += weight(squared, reach);
   });
   return sum;
@@ -104,11 +105,11 @@ void Repulsion<Scalar>::gather(SiteNumber home, SiteNumber site, Others& others)
   others.reach.clear();
   for_each_near(home, [&](SiteNumber other, SiteNumber near) {
     if (other == site) return;
-    const Scalar* const at = homes_.at(chosen_[other]);
+    const Scalar* const there = at(other);
     const double reach = homes_.reach_of(home, near);
     const double farthest = (homes_.centres.radius[home] + reach) * (1 + 1e-12);
-    if (squared_distance(at, homes_.centres.at(home), dimension) > farthest * farthest) return;
-    others.coordinates.insert(others.coordinates.end(), at, at + dimension);
+    if (squared_distance(there, homes_.centres.at(home), dimension) > farthest * farthest) return;
+    others.coordinates.insert(others.coordinates.end(), there, there + dimension);
     others.reach.push_back(reach);
   });
 }

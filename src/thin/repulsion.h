@@ -59,6 +59,9 @@ class Repulsion {
     std::vector<double> reach;
   };
 
+  [[nodiscard]] const Scalar* at(SiteNumber site) const {
+    return at_.data() + site * homes_.dimension();
+  }
   [[nodiscard]] double repelled_by(const Others& others, const Scalar* at, double most) const;
   [[nodiscard]] double repelled(Place place, SiteNumber site) const;
   void gather(SiteNumber home, SiteNumber site, Others& others) const;
@@ -76,6 +79,7 @@ class Repulsion {
   const Homes<Scalar>& homes_;
   const Arena& arena_;
   std::vector<Place> chosen_;
+  std::vector<Scalar> at_;            ///< where they are, one after the other
   std::vector<std::uint8_t> taken_;   ///< by place
   std::vector<SiteNumber> first_in_;  ///< by home: the last site that came; none() where empty
   std::vector<SiteNumber> next_in_;   ///< by site: another one in the same home

@@ -17,6 +17,8 @@
 #include "number_text.h"
 #include "numbers.h"
 #include "parallel/loops.h"
+#include "relax/site_order.h"
+#include "relax/site_state.h"
 #include "thin/homes.h"
 #include "thin/lift.h"
 #include "thin/owners.h"
@@ -26,8 +28,14 @@ namespace ccvt {
 namespace {
 
 constexpr std::size_t kPointsPerGrain = std::size_t{1} << 14;
+constexpr Index kSitesPerTile = 64;
 /// Seconds in which points may get owners when the time is over.
 constexpr double kLeastTime = 0.01;
+
+void count(Thinning& result) {
+  result.counts.assign(result.chosen.size(), 0);
+  for (const Index owner : result.owners) ++result.counts[SiteNumber(owner)];
+}
 
 /// One run of thin(): sites have the numbers of the tessellation until they are sorted.
 template <class Scalar>
@@ -52,6 +60,7 @@ class Thinner {
 
  private:
   [[nodiscard]] Options options_now() const;
+  void number_by_place(Thinning& result);
   void choose_nearest(PointsView<Scalar> centres, Thinning& result) const;
   [[nodiscard]] std::vector<Place> places_of(const Homes<Scalar>& homes,
                                              const std::vector<Index>& chosen) const;
@@ -116,10 +125,32 @@ std::vector<Place> Thinner<Scalar>::places_of(const Homes<Scalar>& homes,
   return places;
 }
 
+/// Gives sites numbers that are near each other where they are: what is looked up together then
+/// lies together.
+template <class Scalar>
+void Thinner<Scalar>::number_by_place(Thinning& result) {
+  SiteState sites(points_.dimension, sites_);
+  for (const SiteNumber s : sites.all()) {
+    std::copy_n(centres_.col(s.index()).data(), points_.dimension, sites.at(s));
+  }
+  const std::vector<SiteNumber> old = spatial_order(sites, kSitesPerTile, arena_);
+  const Points<Scalar> centres = centres_;
+  const std::vector<Index> chosen = result.chosen;
+  std::vector<Index> rank(old.size());
+  for (const SiteNumber s : sites.all()) {
+    rank[old[s]] = s.index();
+    centres_.col(s.index()) = centres.col(old[s].index());
+    result.chosen[s] = chosen[old[s]];
+  }
+  for (Index& owner : result.owners) owner = rank[SiteNumber(owner)];
+  count(result);
+}
+
 /// Moves the chosen points apart.
 template <class Scalar>
 void Thinner<Scalar>::spread(Thinning& result) {
   try {
+    number_by_place(result);
     const Homes<Scalar> homes =
         make_homes(metric_, points_, result.owners, view_points(centres_), arena_);
     Repulsion<Scalar> repulsion(homes, places_of(homes, result.chosen), arena_);
@@ -169,11 +200,6 @@ void Thinner<Scalar>::make_cells(Thinning& result) {
   if (ended == Termination::cancelled || ended == Termination::time_limit) {
     result.summary.termination = ended;
   }
-}
-
-void count(Thinning& result) {
-  result.counts.assign(result.chosen.size(), 0);
-  for (const Index owner : result.owners) ++result.counts[SiteNumber(owner)];
 }
 
 /// Gives sites their numbers in the order of the points chosen.

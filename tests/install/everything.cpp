@@ -11,6 +11,7 @@
 #include <ccvt/metrics.h>
 #include <ccvt/options.h>
 #include <ccvt/particles.h>
+#include <ccvt/point_cloud.h>
 #include <ccvt/presets.h>
 #include <ccvt/problem.h>
 #include <ccvt/publication.h>
@@ -19,6 +20,7 @@
 #include <ccvt/stipple.h>
 #include <ccvt/summary.h>
 #include <ccvt/tessellation.h>
+#include <ccvt/thin.h>
 #include <ccvt/types.h>
 #include <ccvt/version.h>
 #include <ccvt/volume.h>
@@ -141,6 +143,20 @@ void codebooks(const std::filesystem::path& directory) {
   bits.print("codebook");
 }
 
+void thinnings(const std::filesystem::path& directory) {
+  Bits bits;
+  const auto points = made_up<Eigen::Matrix3Xd>(3, 300, 10);
+  ccvt::ThinOptions options;
+  options.tessellation.threads = 2;
+  const ccvt::Thinning few = ccvt::thin(points, 60, options, points);
+  bits << few.chosen << few.owners << few.counts << few.energy << few.spacing;
+  ccvt::write_points(directory / "cloud.npy", points);
+  const ccvt::PointCloud cloud = ccvt::read_point_cloud(directory / "cloud.npy");
+  ccvt::write_point_cloud(directory / "cloud.ply", cloud, few.chosen, few.counts);
+  bits << ccvt::read_points<double>(directory / "cloud.ply");
+  bits.print("thinnings");
+}
+
 void figures() {
   Bits bits;
   const auto points = made_up<Eigen::Matrix2Xd>(2, 200, 6);
@@ -213,6 +229,7 @@ int main() {
   tessellations<double, 4>("double 4D");
   samplings();
   codebooks(directory);
+  thinnings(directory);
   figures();
   files(directory);
   refusals();
