@@ -52,7 +52,9 @@ TEST_CASE("the curve goes through all points, and from neighbour to neighbour") 
       CAPTURE(dimension);
       CAPTURE(name_of(layout));
       CHECK(sorted == numbers(3000));
-      if (dimension > 3 || layout == Layout::one_place) continue;
+      // The others are given along a line, or have hardly any places.
+      const bool spread = layout == Layout::random || layout == Layout::clusters;
+      if (dimension > 3 || !spread) continue;
       // A curve through n points in the unit cube is about n^(1 - 1/D) long, not n.
       CHECK(length_of(points, order) < 0.3 * length_of(points, numbers(3000)) + 1e-9);
     }
@@ -143,11 +145,15 @@ TEST_CASE("balancing keeps the bound from whatever owners, also with cells witho
     if (seed % 3 != 0) {
       for (double& mass : masses) mass = std::pow(1 - random.uniform(), -0.7);
     }
-    double total = 0;
     for (int turn = 0; turn < 200; ++turn) {
-      total = std::accumulate(masses.begin(), masses.end(), 0.0);
-      for (double& mass : masses) mass = std::min(mass, total / sites * (1 - 1e-13));
+      const double sum = std::accumulate(masses.begin(), masses.end(), 0.0);
+      for (double& mass : masses) mass = std::min(mass, sum / sites * (1 - 1e-13));
     }
+    if (*std::max_element(masses.begin(), masses.end()) * sites >
+        std::accumulate(masses.begin(), masses.end(), 0.0)) {
+      masses.assign(masses.size(), 1.0);  // as with a point a site
+    }
+    const double total = std::accumulate(masses.begin(), masses.end(), 0.0);
     const std::vector<double> capacities(static_cast<std::size_t>(sites), total / sites);
     std::vector<Index> owners(static_cast<std::size_t>(count), 0);
     for (Index& owner : owners) {

@@ -27,13 +27,13 @@ MassCells<Scalar>::MassCells(const Metric& metric, PointsView<Scalar> points,
       capacities_(capacities),
       sites_(std::move(sites)),
       coordinate_bound_(coordinate_bound),
-      members_(capacities.size()),
+      cells_(capacities.size()),
       held_(capacities.size(), 0.0),
       margin_(capacities.size(), 0.0) {
   for (const double mass : masses) heaviest_ = std::max(heaviest_, mass);
   const Grouping groups(owners, capacities.size());
-  const std::size_t sites_per_grain = 1 + kPointsPerGrain * members_.size() / owners.size();
-  for_each_site(arena, members_.size(), sites_per_grain, [&](SiteNumber s) {
+  const std::size_t sites_per_grain = 1 + kPointsPerGrain * cells_.size() / owners.size();
+  for_each_site(arena, cells_.size(), sites_per_grain, [&](SiteNumber s) {
     std::vector<PointNumber> own;
     for (const PointNumber p : groups.of(s)) {
       if (masses_[p] > 0) own.push_back(p);
@@ -48,22 +48,27 @@ void MassCells<Scalar>::set_members(SiteNumber site, std::vector<PointNumber> me
   std::sort(members.begin(), members.end(), [&](PointNumber a, PointNumber b) {
     return masses_[a] != masses_[b] ? masses_[a] < masses_[b] : a < b;
   });
-  members_[site] = std::move(members);
-  weigh(site);
-}
-
-template <class Scalar>
-void MassCells<Scalar>::weigh(SiteNumber site) {
+  Cell& cell = cells_[site];
+  const std::size_t count = members.size();
+  const std::size_t width = metric_.coordinate_count();
+  cell.points = std::move(members);
+  cell.masses.resize(count);
+  cell.coordinates.resize(count * width);
   MassSum sum;
-  for (const PointNumber p : members_[site]) sum.add(masses_[p]);
+  for (std::size_t k = 0; k < count; ++k) {
+    cell.masses[k] = masses_[cell.points[k]];
+    sum.add(cell.masses[k]);
+    const Scalar* const x = at(cell.points[k]);
+    for (std::size_t d = 0; d < width; ++d) cell.coordinates[d * count + k] = x[d];
+  }
   held_[site] = sum.value();
 }
 
 template <class Scalar>
 void MassCells<Scalar>::move(PointNumber point, SiteNumber from, SiteNumber to) {
-  std::vector<PointNumber> left = std::move(members_[from]);
+  std::vector<PointNumber> left = std::move(cells_[from].points);
   left.erase(std::find(left.begin(), left.end(), point));
-  std::vector<PointNumber> more = std::move(members_[to]);
+  std::vector<PointNumber> more = std::move(cells_[to].points);
   more.push_back(point);
   set_members(from, std::move(left));
   set_members(to, std::move(more));
@@ -72,13 +77,13 @@ void MassCells<Scalar>::move(PointNumber point, SiteNumber from, SiteNumber to) 
 template <class Scalar>
 void MassCells<Scalar>::update(SiteNumber site) {
   sites_.energy[site] = sites_.radius[site] = margin_[site] = 0;
-  if (members_[site].empty()) return;
+  if (cells_[site].points.empty()) return;
   const MassSpread spread = rest_at_centre(
-      metric_, members_[site], [&](PointNumber p) { return at(p); },
+      metric_, cells_[site].points, [&](PointNumber p) { return at(p); },
       [&](PointNumber p) { return masses_[p]; }, held_[site], sites_.at(site));
   sites_.energy[site] = spread.energy;
   sites_.radius[site] = upper_radius(spread.squared_radius, metric_.dimension());
-  const auto count = static_cast<double>(members_[site].size());
+  const auto count = static_cast<double>(cells_[site].points.size());
   constexpr double kRounded = 4;  // of a mean of weighted points, and of where it is measured from
   margin_[site] =
       kRounded * held_[site] *
@@ -89,7 +94,7 @@ template <class Scalar>
 std::vector<Index> MassCells<Scalar>::owners() const {
   std::vector<Index> owners(static_cast<std::size_t>(points_.count), -1);
   for (const SiteNumber s : sites_.all()) {
-    for (const PointNumber p : members_[s]) owners[p] = s.index();
+    for (const PointNumber p : cells_[s].points) owners[p] = s.index();
   }
   return owners;
 }

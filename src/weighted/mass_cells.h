@@ -26,16 +26,23 @@ class MassCells {
 
   [[nodiscard]] const Metric& metric() const { return metric_; }
   [[nodiscard]] const SiteState& sites() const { return sites_; }
-  [[nodiscard]] std::size_t site_count() const { return members_.size(); }
+  [[nodiscard]] std::size_t site_count() const { return cells_.size(); }
   [[nodiscard]] const Scalar* at(PointNumber point) const { return points_[point.index()]; }
   [[nodiscard]] double mass(PointNumber point) const { return masses_[point]; }
   [[nodiscard]] double heaviest() const { return heaviest_; }
   /// What errors stay below: the mass of the heaviest point, less what rounding could hide.
   [[nodiscard]] double error_bound() const { return heaviest_ * (1 - 1e-9); }
 
-  /// The points of a cell, by mass, those of equal mass by number.
+  /// The points of a cell, by mass, those of equal mass by number; and their masses.
   [[nodiscard]] std::span<const PointNumber> members(SiteNumber site) const {
-    return members_[site];
+    return cells_[site].points;
+  }
+  [[nodiscard]] std::span<const double> masses(SiteNumber site) const {
+    return cells_[site].masses;
+  }
+  /// Their coordinates: one stream for each dimension.
+  [[nodiscard]] const Scalar* block(SiteNumber site) const {
+    return cells_[site].coordinates.data();
   }
   [[nodiscard]] double capacity(SiteNumber site) const { return capacities_[site]; }
   /// The mass of a cell, and what it is too heavy by.
@@ -55,7 +62,11 @@ class MassCells {
   [[nodiscard]] std::vector<Index> owners() const;
 
  private:
-  void weigh(SiteNumber site);
+  struct Cell {
+    std::vector<PointNumber> points;
+    std::vector<double> masses;
+    std::vector<Scalar> coordinates;
+  };
 
   const Metric& metric_;
   PointsView<Scalar> points_;
@@ -64,7 +75,7 @@ class MassCells {
   SiteState sites_;
   double coordinate_bound_;
   double heaviest_ = 0;
-  std::vector<std::vector<PointNumber>> members_;
+  std::vector<Cell> cells_;
   std::vector<double> held_;
   std::vector<double> margin_;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -33,49 +34,76 @@ class MassPair {
   bool even_out(MassCells<Scalar>& cells, SiteNumber i, SiteNumber j);
 
  private:
-  struct Member {
+  /// A member of the two cells: those of i come first.
+  using Member = std::size_t;
+  struct Window {
+    double low;
+    double high;
+  };
+  struct Place {
     double key;
-    double mass;
-    double reach;  ///< to which the rounding of the key is relative
-    PointNumber point;
-    bool in_first;  ///< in cell i, not j
+    Member member;
   };
   /// The first `place` of the sorted members go to i.
   struct Cut {
     std::size_t place = 0;
     double first_error = 0;  ///< of cell i then
   };
-  struct Window {
-    double low;
-    double high;
-  };
   /// Members of i and j that change places; the number of members for none.
   struct Exchange {
-    std::size_t from_first;
-    std::size_t from_second;
+    Member from_first;
+    Member from_second;
     double gain;
   };
 
   void look(const MassCells<Scalar>& cells, SiteNumber i, SiteNumber j);
-  void sort_light(double heaviest);
-  [[nodiscard]] Window window(const MassCells<Scalar>& cells, SiteNumber i, SiteNumber j) const;
+  void find_keys(SiteNumber site);
+  [[nodiscard]] Window window() const;
+  [[nodiscard]] bool in_first(Member k) const { return k < first_masses_.size(); }
+  [[nodiscard]] double mass(Member k) const {
+    return in_first(k) ? first_masses_[k] : second_masses_[k - first_masses_.size()];
+  }
+  [[nodiscard]] PointNumber point(Member k) const;
+  /// To which the rounding of what a member's move saves is relative.
+  [[nodiscard]] double reach(Member k) const;
+  /// What it saves to move the member.
+  [[nodiscard]] double saved(Member k) const {
+    return in_first(k) ? mass(k) * keys_[k] : -mass(k) * keys_[k];
+  }
+
+  [[nodiscard]] bool before(const Place& a, const Place& b) const;
+  void sort_all();
+  void sort_border(double heaviest, const Window& window);
+  void keep_light(double heaviest);
+  void find_base();
   bool cheapest_cut(const Window& window, Cut& cut) const;
   void nearest_cut(double error, Cut& cut) const;
   [[nodiscard]] bool gains(const Cut& cut) const;
-  [[nodiscard]] Exchange best_exchange(const Window& window) const;
+  void keep_promising();
+  [[nodiscard]] Exchange best_exchange(const Window& window);
   [[nodiscard]] bool gains(const Exchange& exchange) const;
-  Index apply(MassCells<Scalar>& cells, SiteNumber i, SiteNumber j, const Cut& cut);
-  Index apply(MassCells<Scalar>& cells, SiteNumber i, SiteNumber j, const Exchange& exchange);
-  Index give(MassCells<Scalar>& cells, SiteNumber i, SiteNumber j);
+  void stay();
+  Index apply(MassCells<Scalar>& cells, const Cut& cut);
+  Index apply(MassCells<Scalar>& cells, const Exchange& exchange);
+  Index give(MassCells<Scalar>& cells);
 
-  std::vector<Member> members_;         ///< of i by mass, then of j by mass
-  std::size_t in_first_ = 0;            ///< members of i
-  std::vector<std::uint32_t> sorted_;   ///< those light enough, by key
-  std::vector<std::uint8_t> to_first_;  ///< of each member: to whom it goes
-  double first_base_ = 0;  ///< the error of i when it owns none of those that are sorted
-  double first_error_ = 0;
+  // Of the pair that is looked at:
+  const MassCells<Scalar>* cells_ = nullptr;
+  SiteNumber i_, j_;
+  std::span<const double> first_masses_, second_masses_;
   double slack_ = 0;
   double margin_ = 0;
+  std::vector<double> keys_;
+  double highest_in_first_ = 0;  ///< key
+  double lowest_in_second_ = 0;
+
+  std::vector<Place> sorted_;  ///< by key, those that a cut may move
+  double first_base_ = 0;      ///< the error of i when it owns none of these
+  std::vector<Place> next_;
+  std::vector<Member> promising_;  ///< members that may be part of the best exchange, of i first
+  std::size_t promising_in_first_ = 0;
+  std::vector<std::size_t> queue_;
+  std::vector<std::uint8_t> to_first_;  ///< of each member: to whom it goes
 };
 
 extern template class MassPair<float>;

@@ -16,6 +16,10 @@ class NearPairs {
   /// For where sites and their radii are now; in order, each once, some of which do not meet yet.
   std::vector<Pair> list(const Metric& metric, const SiteState& sites, const Arena& arena);
 
+  /// Pairs of cells that lie side by side, whatever strays they own: the Gabriel graph of the
+  /// sites, or, where that would take long, each site and the 8 nearest.
+  std::vector<Pair> side_by_side(const Metric& metric, const SiteState& sites, const Arena& arena);
+
  private:
   MeetingPairs meeting_;
   std::vector<Pair> nearest_;

@@ -42,6 +42,7 @@ class MassRun {
   void own_whole();
   bool sweep(WholePoints<Scalar>& whole);
   void take_sites(const SiteState& sites, std::vector<double> masses, double energy);
+  void own_massless(const SiteState& sites);
   void weigh();
   [[nodiscard]] bool is_whole() const { return options_.method == MassMethod::whole; }
   void end(Termination termination);
@@ -87,11 +88,7 @@ void MassRun<Scalar>::draw_units() {
   for (const PointNumber p : points_below(inputs_.masses.size())) {
     if (inputs_.masses[p] > 0) order.push_back(p);
   }
-  try {
-    order = curve_order(problem_.points(), std::move(order), arena_);
-  } catch (const Stopped&) {
-    throw Cancelled();
-  }
+  order = curve_order(problem_.points(), std::move(order), arena_);
   units_ = units_along(order, inputs_.masses, inputs_.total, unit_count_, options_.relaxation.seed);
 }
 
@@ -168,6 +165,7 @@ void MassRun<Scalar>::share() {
   std::vector<double> masses =
       move_to_shares(metric_, problem_.points(), result_.shares, arena_, sites_);
   take_sites(sites_, std::move(masses), total_energy(sites_, arena_));
+  own_massless(sites_);
   for (std::size_t k = 0; k < result_.shares.size(); ++k) {
     MassShare& share = result_.shares[k];
     share.mass /= inputs_.scale;
@@ -188,7 +186,7 @@ bool MassRun<Scalar>::sweep(WholePoints<Scalar>& whole) {
   }
   const double before = summary.energy;
   const auto done = whole.sweep();
-  summary.energy = whole.energy() / inputs_.scale;
+  summary.energy = done.energy / inputs_.scale;
   summary.pairs += done.pairs;
   summary.swaps += done.swaps;
   summary.exchanged += done.exchanged;
@@ -259,7 +257,16 @@ void MassRun<Scalar>::own_whole() {
   for (const SiteNumber s : owned.sites().all()) masses[s] = owned.held(s);
   take_sites(owned.sites(), std::move(masses), whole.energy());
   result_.owners = owned.owners();
-  own_by_nearest(metric_, problem_.points(), box_, owned.sites(), arena_, result_.owners);
+  own_massless(owned.sites());
+}
+
+/// Gives points without mass to the nearest site.
+template <class Scalar>
+void MassRun<Scalar>::own_massless(const SiteState& sites) {
+  for (std::size_t p = 0; p < inputs_.masses.size(); ++p) {
+    if (!(inputs_.masses[p] > 0)) result_.owners[p] = -1;
+  }
+  own_by_nearest(metric_, problem_.points(), box_, sites, arena_, result_.owners);
 }
 
 /// How far masses are from capacities.
@@ -353,7 +360,11 @@ std::string MassResult<Scalar>::brief_error() const {
 template <class Scalar>
 MassResult<Scalar> tessellate_masses(PointsView<Scalar> points, std::span<const double> masses,
                                      Index sites, const MassOptions& options) {
-  return MassRun<Scalar>(points, masses, sites, options).run();
+  try {
+    return MassRun<Scalar>(points, masses, sites, options).run();
+  } catch (const Stopped&) {  // before there is anything
+    throw Cancelled();
+  }
 }
 
 template CCVT_EXPORT std::string MassResult<float>::brief_error() const;

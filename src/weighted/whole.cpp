@@ -15,8 +15,6 @@ namespace {
 /// Passes in which neighbouring cells even out their errors, before and after they are settled.
 constexpr int kPasses = 12;
 constexpr std::size_t kSitesPerGrain = 16;
-/// With more pairs a site the graph of all pairs does for settling.
-constexpr std::size_t kPairsForGabriel = 32;
 
 }  // namespace
 
@@ -44,11 +42,11 @@ Index WholePoints<Scalar>::update() {
   return std::accumulate(changed_.begin(), changed_.end(), Index{0});
 }
 
-/// One pass over all pairs. Returns whether anything has changed.
+/// One pass over these pairs. Returns whether anything has changed.
 template <class Scalar>
-bool WholePoints<Scalar>::even_out() {
+bool WholePoints<Scalar>::even_out(const std::vector<Pair>& pairs) {
   std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
-  for_pairs(near_.list(cells_.metric(), cells_.sites(), arena_), [&](const Pair& pair, int worker) {
+  for_pairs(pairs, [&](const Pair& pair, int worker) {
     const auto [i, j] = pair;
     if (scratch_[worker].even_out(cells_, i, j)) changed_[i] = changed_[j] = 1;
   });
@@ -66,19 +64,14 @@ bool WholePoints<Scalar>::settled() const {
 template <class Scalar>
 void WholePoints<Scalar>::balance() {
   const Stop::Pause pause(stop_);
-  for (int pass = 0; pass < kPasses && even_out(); ++pass) {
+  const std::vector<Pair> pairs = near_.side_by_side(cells_.metric(), cells_.sites(), arena_);
+  for (int pass = 0; pass < kPasses && even_out(pairs); ++pass) {
   }
   if (!settled()) {
-    const std::vector<Pair> near = near_.list(cells_.metric(), cells_.sites(), arena_);
+    settle(cells_, SiteGraph(cells_.site_count(), pairs, arena_));
     std::fill(changed_.begin(), changed_.end(), std::uint8_t{1});
-    if (near.size() <= kPairsForGabriel * cells_.site_count()) {
-      const Buffer<Pair> edges = gabriel_pairs(cells_.metric(), cells_.sites(), near, arena_);
-      settle(cells_, SiteGraph(cells_.site_count(), edges.span(), arena_));
-    } else {
-      settle(cells_, SiteGraph(cells_.site_count(), near, arena_));
-    }
     update();
-    for (int pass = 0; pass < kPasses && even_out(); ++pass) {
+    for (int pass = 0; pass < kPasses && even_out(pairs); ++pass) {
     }
   }
   std::fill(changed_.begin(), changed_.end(), std::uint8_t{1});
@@ -131,6 +124,7 @@ typename WholePoints<Scalar>::Sweep WholePoints<Scalar>::sweep() {
   }
   const Stop::Pause pause(stop_);
   done.changed = update();
+  done.energy = energy();
   return done;
 }
 

@@ -32,6 +32,7 @@ class WholePoints {
     std::int64_t swaps = 0;
     std::int64_t exchanged = 0;
     Index changed = 0;     ///< cells
+    double energy = 0;     ///< afterwards
     bool stopped = false;  ///< between two pairs
   };
   /// One pass over the pairs of which a cell has changed since the last one; sites then move to the
@@ -43,7 +44,7 @@ class WholePoints {
  private:
   template <class Visit>
   void for_pairs(const std::vector<Pair>& pairs, const Visit& visit);
-  bool even_out();
+  bool even_out(const std::vector<Pair>& pairs);
   [[nodiscard]] bool settled() const;
   [[nodiscard]] bool meet(const Pair& pair) const;
   Index update();
