@@ -19,11 +19,15 @@ inline Box search_box(const Domain& domain, const Box& bounding_box) {
   return domain.is_periodic() ? torus_of(domain) : bounding_box;
 }
 
-/// On the absolute values of all coordinates of points and sites.
+/// On the absolute values of all coordinates in it.
+inline double largest_coordinate(const Box& box) {
+  return std::max(box.lower.eigen().cwiseAbs().maxCoeff(), box.upper.eigen().cwiseAbs().maxCoeff());
+}
+
+/// The same of points and sites.
 template <class Scalar>
 double largest_coordinate(const Problem<Scalar>& problem, const Box& bounding_box) {
-  double largest = std::max(bounding_box.lower.eigen().cwiseAbs().maxCoeff(),
-                            bounding_box.upper.eigen().cwiseAbs().maxCoeff());
+  double largest = largest_coordinate(bounding_box);
   const Columns<Scalar>& fixed = problem.fixed_sites();
   if (fixed.size() > 0) largest = std::max(largest, double{fixed.eigen().cwiseAbs().maxCoeff()});
   return largest;
