@@ -54,7 +54,8 @@ class MassRun {
   Stop stop_;
   Arena arena_;
   Metric metric_;
-  Box box_;
+  Box box_;                         ///< of the points
+  Box around_;                      ///< where sites are looked for
   std::vector<PointNumber> units_;  ///< the point of each
   std::vector<Index> unit_owners_;
   SiteState sites_;
@@ -79,7 +80,8 @@ MassRun<Scalar>::MassRun(PointsView<Scalar> points, std::span<const double> mass
       stop_(options.relaxation.cancelled, options.relaxation.time_limit),
       arena_(options.relaxation.threads, &stop_),
       metric_(points.dimension, options.domain),
-      box_(bounding_box(problem_, arena_)) {}
+      box_(bounding_box(problem_, arena_)),
+      around_(search_box(problem_.domain(), box_)) {}
 
 /// A unit point at each part of the mass along a curve through the points.
 template <class Scalar>
@@ -160,7 +162,7 @@ template <class Scalar>
 void MassRun<Scalar>::share() {
   const Stop::Pause pause(stop_);
   result_.owners = owners_of_most(units_, unit_owners_, inputs_.masses.size());
-  own_by_nearest(metric_, problem_.points(), box_, sites_, arena_, result_.owners);
+  own_by_nearest(metric_, problem_.points(), around_, sites_, arena_, result_.owners);
   result_.shares = shares_of(units_, unit_owners_, result_.owners, inputs_.masses);
   std::vector<double> masses =
       move_to_shares(metric_, problem_.points(), result_.shares, arena_, sites_);
@@ -229,7 +231,7 @@ void MassRun<Scalar>::own_whole() {
   const auto cells = [&] {
     const Stop::Pause pause(stop_);
     std::vector<Index> owners = owners_of_most(units_, unit_owners_, inputs_.masses.size());
-    own_by_nearest(metric_, problem_.points(), box_, sites_, arena_, owners);
+    own_by_nearest(metric_, problem_.points(), around_, sites_, arena_, owners);
     return MassCells<Scalar>(metric_, problem_.points(), inputs_.masses, inputs_.capacities, owners,
                              sites_, largest_coordinate(box_), arena_);
   };
