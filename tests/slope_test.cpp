@@ -97,7 +97,9 @@ TEST_CASE("slope: shells are the lengths of whole-number vectors, as far as they
 }
 
 TEST_CASE("slope: the fit is unbiased, and its error tells how far off it is") {
-  for (const auto& [slope, sets] : {std::pair{4.0, 1}, {0.0, 1}, {2.5, 10}}) {
+  for (const auto& row : {std::pair{4.0, 1}, {0.0, 1}, {2.5, 10}}) {
+    const double slope = row.first;
+    const int sets = row.second;
     CAPTURE(slope);
     CAPTURE(sets);
     Random random(7, 1);

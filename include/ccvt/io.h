@@ -29,8 +29,8 @@
 ///               digits as it takes to read the same bits back.
 ///   .ply        Read only: the vertices of a PLY file, ascii or binary of either byte order: x and
 ///               y, and z if there is one. Other properties and elements are skipped.
-///   .gadget,    Particles of simulations, in one file, all types: see particles.h. Positions are the
-///   .hdf5       points, float32 or float64.
+///   .gadget,    Particles of simulations, in one file: see particles.h. The points are the
+///   .hdf5       positions of all types, float32 or float64.
 ///   .png, .jpg  Pictures.
 ///
 /// ReadOptions::columns says which columns are coordinates where this is not what is meant.
