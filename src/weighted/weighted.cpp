@@ -268,7 +268,7 @@ void MassRun<Scalar>::own_massless(const SiteState& sites) {
   for (std::size_t p = 0; p < inputs_.masses.size(); ++p) {
     if (!(inputs_.masses[p] > 0)) result_.owners[p] = -1;
   }
-  own_by_nearest(metric_, problem_.points(), box_, sites, arena_, result_.owners);
+  own_by_nearest(metric_, problem_.points(), around_, sites, arena_, result_.owners);
 }
 
 /// How far masses are from capacities.
