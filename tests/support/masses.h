@@ -116,7 +116,7 @@ struct PairOracle {
     const Real middle = (first_error + second) / 2;
     Real mass = 0;
     for (const Point& point : points) mass += point.mass;
-    const Real slack = 0.9L * mass / static_cast<Real>(points.size());
+    const Real slack = 0.5L * mass / static_cast<Real>(points.size());
     const Real largest = std::max({std::abs(first_error), std::abs(second), slack});
     const Real room =
         std::max(std::abs(first_error - middle), std::min(slack, largest - std::abs(middle)));
