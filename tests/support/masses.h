@@ -191,7 +191,7 @@ inline std::string stability_faults(const Points<double>& points, const std::vec
       const Real allowed = 1e-11L * pair.reach;
       const std::string name = std::to_string(i) + " and " + std::to_string(j);
       if (pair.best_cut(1e300) > allowed) return "a cut of " + name;
-      if (pair.best_cut(static_cast<double>(pair.high - pair.low) * (1 - 1e-9)) > allowed) {
+      if (pair.best_cut(static_cast<double>(pair.high - pair.low) * (1 + 1e-9)) > allowed) {
         return "a light cut of " + name;
       }
       if (pair.best_exchange() > allowed) return "an exchange of " + name;
