@@ -2,12 +2,15 @@
 // points, and unit points drawn at random.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <functional>
+#include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ccvt/io.h"
@@ -108,6 +111,12 @@ std::vector<Index> owners_of_draws(const Weighted& data, Index sites, Index poin
   return owners;
 }
 
+std::string percent(double share) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g %%", 100 * share);
+  return text;
+}
+
 void print_row(const char* how, const Figures& figures, const std::string& bound) {
   std::printf("| %s | %.4f | %.3g %% | %.3g %% | %s | %.2f |\n", how, figures.energy,
               100 * figures.largest, 100 * figures.mean, bound.c_str(), figures.seconds);
@@ -146,11 +155,11 @@ void compare(const Weighted& data, Index sites) {
       const Figures figures = timed(data, sites, [&] {
         auto result = ccvt::tessellate_masses(data.points, data.masses, sites, options);
         if (method == ccvt::MassMethod::whole) {
-          bound = std::to_string(100 * result.mass_error_bound * sites / result.total_mass) + " %";
+          bound = percent(result.mass_error_bound * sites / result.total_mass);
         }
         char line[300];
         std::snprintf(line, sizeof line,
-                      "%s, %d iterations, masses of shares: energy %.4f, largest error %.3g %%, "
+                      "%s, %d iterations; own energy %.4f, largest error %.3g %%, "
                       "root mean square %.3g %%; units %.2f s, the rest %.2f s",
                       to_string(result.summary.termination), result.summary.iterations,
                       result.summary.normalized_energy,
@@ -219,15 +228,97 @@ Weighted particles(Index count, double exponent, std::uint64_t seed) {
   return data;
 }
 
+/// Clouds of points in the plane with masses of a heavy tail, each a disc as large as its mass, in
+/// the colour of its cell; centres of mass are black.
+void draw(const std::string& file) {
+  constexpr int kWidth = 1200;
+  constexpr int kHeight = 600;
+  constexpr Index kPoints = 5000;
+  constexpr Index kSites = 60;
+  ccvt::Random random(4);
+  Points<float> points(2, kPoints);
+  std::vector<double> masses;
+  for (Index p = 0; p < kPoints; ++p) {
+    const double cloud = random.uniform() < 0.6 ? 1 : 0;
+    const double radius = 260 * std::pow(random.uniform(), 0.5 + cloud);
+    const double angle = 6.283185307179586 * random.uniform();
+    const double x = (cloud > 0 ? 330 : 860) + radius * (cloud > 0 ? 1.1 : 1.25) * std::cos(angle);
+    points.col(p) << static_cast<float>(x), static_cast<float>(300 + radius * std::sin(angle));
+    masses.push_back(std::min(150.0, std::pow(1 - random.uniform(), -1 / 1.3)));
+  }
+  const auto result = ccvt::tessellate_masses(points, masses, kSites);
+  std::printf("%s, %s\n", result.summary.brief().c_str(), result.brief_error().c_str());
+  constexpr int kFine = 3;  // subpixels
+  std::vector<std::array<float, 3>> fine(static_cast<std::size_t>(kWidth) * kHeight * kFine * kFine,
+                                         {1, 1, 1});
+  const auto disc = [&](double x, double y, double radius, const std::array<float, 3>& colour) {
+    const auto range = [&](double at, int most) {
+      return std::pair(std::max(0, static_cast<int>((at - radius) * kFine)),
+                       std::min(most * kFine - 1, static_cast<int>((at + radius) * kFine)));
+    };
+    const auto [left, right] = range(x, kWidth);
+    const auto [top, bottom] = range(y, kHeight);
+    for (int v = top; v <= bottom; ++v) {
+      for (int u = left; u <= right; ++u) {
+        if (std::hypot((u + 0.5) / kFine - x, (v + 0.5) / kFine - y) > radius) continue;
+        fine[static_cast<std::size_t>(v) * kWidth * kFine + static_cast<std::size_t>(u)] = colour;
+      }
+    }
+  };
+  std::vector<std::size_t> order(masses.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return masses[a] > masses[b]; });
+  for (const std::size_t p : order) {
+    const auto k = static_cast<Eigen::Index>(p);
+    std::array<float, 3> colour{};
+    for (std::size_t c = 0; c < 3; ++c) {  // a hue for each cell, by the golden angle
+      const double hue = 2.399963 * result.owners[p] - 2.0943951 * static_cast<double>(c);
+      const double light = 0.5 + 0.13 * (result.owners[p] % 3);
+      colour[c] = static_cast<float>(std::clamp(light + 0.32 * std::cos(hue), 0.0, 1.0));
+    }
+    disc(static_cast<double>(points(0, k)), static_cast<double>(points(1, k)),
+         1.3 * std::sqrt(masses[p]), colour);
+  }
+  for (Index s = 0; s < kSites; ++s) {
+    const double x = static_cast<double>(result.sites(0, s));
+    const double y = static_cast<double>(result.sites(1, s));
+    disc(x, y, 5.5, {1, 1, 1});
+    disc(x, y, 4, {0, 0, 0});
+  }
+  ccvt::ColourImage image{kWidth, kHeight, {}};
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        float sum = 0;
+        for (int v = y * kFine; v < (y + 1) * kFine; ++v) {
+          for (int u = x * kFine; u < (x + 1) * kFine; ++u) {
+            sum +=
+                fine[static_cast<std::size_t>(v) * kWidth * kFine + static_cast<std::size_t>(u)][c];
+          }
+        }
+        image.rgb.push_back(static_cast<std::uint8_t>(std::lround(255 * sum / (kFine * kFine))));
+      }
+    }
+  }
+  ccvt::write_png(file, image);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "all";
   const std::string file = argc > 2 ? argv[2] : "tests/data/camera.png";
-  const std::vector<std::string> known{"all", "picture", "particles"};
+  const std::vector<std::string> known{"all", "picture", "particles", "draw"};
   if (std::find(known.begin(), known.end(), what) == known.end()) {
-    std::fprintf(stderr, "usage: weighted_benchmark [all|picture|particles] [PICTURE]\n");
+    std::fprintf(stderr,
+                 "usage: weighted_benchmark [all|picture|particles] [PICTURE]\n"
+                 "       weighted_benchmark draw FIGURE.png\n");
     return 2;
+  }
+  if (what == "draw") {
+    draw(argc > 2 ? argv[2] : "masses.png");
+    return 0;
   }
   std::printf("ccvt %s, %s\n\n", CCVT_VERSION, __VERSION__);
   const bool all = what == "all";

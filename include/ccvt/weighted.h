@@ -110,7 +110,7 @@ struct MassResult {
 /// cut of the points of both, in the order of their squared distance to one site less that to the
 /// other; such a cut of the lighter points; and moving one point or exchanging two. Of all three it
 /// may do only what leaves |error of one - error of the other| and the larger of the two no larger
-/// than they were, or than 0.9 of the mean mass of the points of both. `stable`: no pair whose
+/// than they were, or than half the mean mass of the points of both. `stable`: no pair whose
 /// bounding spheres meet has anything left to do, and every site is the centre of mass of its cell.
 /// That happens after finitely many sweeps, as each lowers the energy. (Where more than 64 n, and
 /// more than a million, pairs of spheres meet, as in many dimensions, a pair is a site and one of

@@ -54,14 +54,57 @@ void MassCells<Scalar>::set_members(SiteNumber site, std::vector<PointNumber> me
   cell.points = std::move(members);
   cell.masses.resize(count);
   cell.coordinates.resize(count * width);
-  MassSum sum;
   for (std::size_t k = 0; k < count; ++k) {
     cell.masses[k] = masses_[cell.points[k]];
-    sum.add(cell.masses[k]);
     const Scalar* const x = at(cell.points[k]);
     for (std::size_t d = 0; d < width; ++d) cell.coordinates[d * count + k] = x[d];
   }
+  weigh(site);
+}
+
+template <class Scalar>
+void MassCells<Scalar>::weigh(SiteNumber site) {
+  MassSum sum;
+  for (const double mass : cells_[site].masses) sum.add(mass);
   held_[site] = sum.value();
+}
+
+template <class Scalar>
+typename MassCells<Scalar>::Cell MassCells<Scalar>::merged(
+    SiteNumber i, SiteNumber j, std::span<const std::size_t> which) const {
+  const Cell& first = cells_[i];
+  const Cell& second = cells_[j];
+  const std::size_t own = first.points.size();
+  const std::size_t others = second.points.size();
+  const std::size_t count = which.size();
+  Cell cell;
+  cell.points.resize(count);
+  cell.masses.resize(count);
+  cell.coordinates.resize(count * metric_.coordinate_count());
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t from = which[k];
+    cell.points[k] = from < own ? first.points[from] : second.points[from - own];
+    cell.masses[k] = from < own ? first.masses[from] : second.masses[from - own];
+  }
+  for (std::size_t d = 0; d < metric_.coordinate_count(); ++d) {
+    const Scalar* const here = first.coordinates.data() + d * own;
+    const Scalar* const there = second.coordinates.data() + d * others;
+    Scalar* const to = cell.coordinates.data() + d * count;
+    for (std::size_t k = 0; k < count; ++k) {
+      to[k] = which[k] < own ? here[which[k]] : there[which[k] - own];
+    }
+  }
+  return cell;
+}
+
+template <class Scalar>
+void MassCells<Scalar>::regroup(SiteNumber i, SiteNumber j, std::span<const std::size_t> to_first,
+                                std::span<const std::size_t> to_second) {
+  Cell first = merged(i, j, to_first);
+  cells_[j] = merged(i, j, to_second);
+  cells_[i] = std::move(first);
+  weigh(i);
+  weigh(j);
 }
 
 template <class Scalar>

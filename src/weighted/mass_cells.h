@@ -54,6 +54,10 @@ class MassCells {
   /// Gives a cell other points, in any order. The site stays where it is: see update().
   void set_members(SiteNumber site, std::vector<PointNumber> members);
   void move(PointNumber point, SiteNumber from, SiteNumber to);
+  /// Gives both of two cells new members, by mass as in members(): numbers below as many as i has
+  /// are places in cell i, those from there on in cell j.
+  void regroup(SiteNumber i, SiteNumber j, std::span<const std::size_t> to_first,
+               std::span<const std::size_t> to_second);
   /// Moves a site to the centre of mass of its cell, and renews its energy and radius. On a torus
   /// the centre is that of the images nearest to it, as in update_site(). An empty cell's stays.
   void update(SiteNumber site);
@@ -67,6 +71,8 @@ class MassCells {
     std::vector<double> masses;
     std::vector<Scalar> coordinates;
   };
+  [[nodiscard]] Cell merged(SiteNumber i, SiteNumber j, std::span<const std::size_t> which) const;
+  void weigh(SiteNumber site);
 
   const Metric& metric_;
   PointsView<Scalar> points_;

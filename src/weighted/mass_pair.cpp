@@ -317,15 +317,21 @@ Index MassPair<Scalar>::apply(MassCells<Scalar>& cells, const Exchange& exchange
 
 template <class Scalar>
 Index MassPair<Scalar>::give(MassCells<Scalar>& cells) {
-  std::vector<PointNumber> first;
-  std::vector<PointNumber> second;
+  const std::size_t count = first_masses_.size();
+  const auto by_mass = [&](Member a, Member b) {
+    return mass(a) != mass(b) ? mass(a) < mass(b) : point(a) < point(b);
+  };
+  groups_[0].clear();
+  groups_[1].clear();
   Index moved = 0;
-  for (Member k = 0; k < keys_.size(); ++k) {
-    (to_first_[k] != 0 ? first : second).push_back(point(k));
-    if (in_first(k) != (to_first_[k] != 0)) ++moved;
+  for (Member a = 0, b = count; a < count || b < keys_.size();) {
+    const bool from_first = b == keys_.size() || (a < count && by_mass(a, b));
+    const Member k = from_first ? a++ : b++;
+    const bool goes_first = to_first_[k] != 0;
+    groups_[goes_first ? 0 : 1].push_back(k);
+    if (goes_first != from_first) ++moved;
   }
-  cells.set_members(i_, std::move(first));
-  cells.set_members(j_, std::move(second));
+  cells.regroup(i_, j_, groups_[0], groups_[1]);
   return moved;
 }
 

@@ -1,6 +1,7 @@
 #include "ccvt/weighted.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -12,7 +13,6 @@
 #include "number_text.h"
 #include "point_count.h"
 #include "relax/update.h"
-#include "stopwatch.h"
 #include "weighted/curve_order.h"
 #include "weighted/inputs.h"
 #include "weighted/shares.h"
@@ -44,9 +44,13 @@ class MassRun {
   void take_sites(const SiteState& sites, std::vector<double> masses, double energy);
   void own_massless(const SiteState& sites);
   void weigh();
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
   [[nodiscard]] bool is_whole() const { return options_.method == MassMethod::whole; }
   void end(Termination termination);
 
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   const MassOptions& options_;
   Problem<Scalar> problem_;  ///< the points, checked
   Index unit_count_;
@@ -202,7 +206,7 @@ bool MassRun<Scalar>::sweep(WholePoints<Scalar>& whole) {
   record.exchanged = done.exchanged;
   record.active_sites = done.changed;
   record.energy = summary.energy;
-  record.seconds = summary.seconds_total;
+  record.seconds = seconds();
   const double last = summary.iterations_log.empty() ? 0 : summary.iterations_log.back().progress;
   const double resting = 1 - static_cast<double>(done.changed) / summary.sites;
   record.progress = std::max(last, kProgressOfUnits + (1 - kProgressOfUnits) * resting);
@@ -304,29 +308,25 @@ void MassRun<Scalar>::weigh() {
 
 template <class Scalar>
 MassResult<Scalar> MassRun<Scalar>::run() {
-  double seconds = 0;
-  double seconds_masses = 0;
-  {
-    const Stopwatch total(seconds);
-    draw_units();
-    tessellate_units();
-    result_.summary.points = problem_.point_count();
-    const Stopwatch masses(seconds_masses);
-    if (is_whole()) {
-      own_whole();
-    } else {
-      share();
-    }
-    weigh();
-  }
+  draw_units();
+  tessellate_units();
   Summary& summary = result_.summary;
+  summary.points = problem_.point_count();
+  const double before = seconds();
+  if (is_whole()) {
+    own_whole();
+  } else {
+    share();
+  }
+  weigh();
+  const double all = seconds();
   PhaseRecord phase;
   phase.name = "masses";
-  phase.seconds = seconds_masses;
+  phase.seconds = all - before;
   summary.phases.push_back(phase);
-  summary.seconds_initialization += seconds - summary.seconds_total - seconds_masses;
-  summary.seconds_relaxation += seconds_masses;
-  summary.seconds_total = seconds;
+  summary.seconds_initialization += before - summary.seconds_total;
+  summary.seconds_relaxation += all - before;
+  summary.seconds_total = all;
   return std::move(result_);
 }
 

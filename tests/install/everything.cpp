@@ -24,6 +24,7 @@
 #include <ccvt/types.h>
 #include <ccvt/version.h>
 #include <ccvt/volume.h>
+#include <ccvt/weighted.h>
 
 #include <cstdint>
 #include <cstdio>
@@ -104,6 +105,9 @@ void tessellations(const char* what) {
   bits << double(cells.cell(3)[0]) << ccvt::capacity_error(owners, 50);
   bits << ccvt::lloyd(points, 50, {.threads = 2}).sites;
   bits << ccvt::energy(points, sites, owners);
+  const std::vector<double> masses(owners.size(), 0.5);
+  const auto weighed = ccvt::tessellate_masses(points, masses, 50);
+  bits << weighed.sites << weighed.owners << weighed.largest_mass_error;
   bits.print(what);
 }
 

@@ -116,7 +116,7 @@ struct PairOracle {
     const Real middle = (first_error + second) / 2;
     Real mass = 0;
     for (const Point& point : points) mass += point.mass;
-    const Real slack = 0.9L * mass / static_cast<Real>(points.size());
+    const Real slack = 0.5L * mass / static_cast<Real>(points.size());
     const Real largest = std::max({std::abs(first_error), std::abs(second), slack});
     const Real room =
         std::max(std::abs(first_error - middle), std::min(slack, largest - std::abs(middle)));
@@ -191,7 +191,7 @@ inline std::string stability_faults(const Points<double>& points, const std::vec
       const Real allowed = 1e-11L * pair.reach;
       const std::string name = std::to_string(i) + " and " + std::to_string(j);
       if (pair.best_cut(1e300) > allowed) return "a cut of " + name;
-      if (pair.best_cut(static_cast<double>(pair.high - pair.low) * (1 - 1e-9)) > allowed) {
+      if (pair.best_cut(static_cast<double>(pair.high - pair.low) * (1 + 1e-9)) > allowed) {
         return "a light cut of " + name;
       }
       if (pair.best_exchange() > allowed) return "an exchange of " + name;
