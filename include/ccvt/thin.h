@@ -13,8 +13,9 @@ namespace ccvt {
 /// How points are thinned.
 struct CCVT_EXPORT ThinOptions {
   /// How much the directions of normals count, where there are any: what faces the opposite way is
-  /// as far away as 2 * normal_weight spacings of the chosen points. Finite, at least 0.
-  double normal_weight = 1;
+  /// as far away as 2 * normal_weight spacings of the chosen points. With much more than the
+  /// default, noise in normals brings chosen points near each other. Finite, at least 0.
+  double normal_weight = 0.5;
   /// Chosen points are moved apart, and cells are made anew around them. Without, each is the point
   /// nearest to the centroid of its cell: faster, but neighbours come near each other where cells
   /// have few points.

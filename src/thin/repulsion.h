@@ -65,8 +65,8 @@ class Repulsion {
   [[nodiscard]] double repelled_by(const Others& others, const Scalar* at, double most) const;
   [[nodiscard]] double repelled(Place place, SiteNumber site) const;
   void gather(SiteNumber home, SiteNumber site, Others& others) const;
-  void weigh(SiteNumber site, Others& scratch, std::vector<Move>& moves) const;
-  void weigh_gap(SiteNumber home, Others& scratch, std::vector<Gap>& gaps) const;
+  void weigh(SiteNumber site, Others& others, std::vector<Move>& moves) const;
+  void weigh_gap(SiteNumber home, Others& others, std::vector<Gap>& gaps) const;
   void round();
   bool fill_gaps();
   bool make(const Move& move, double least_gain);
