@@ -1,4 +1,3 @@
-#include "ccvt/solver.h"
 #include "ccvt/thin.h"
 
 #include <doctest/doctest.h>
@@ -11,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "ccvt/solver.h"
 #include "random.h"
 #include "support/generate.h"
 #include "support/message.h"

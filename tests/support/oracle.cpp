@@ -53,8 +53,8 @@ std::vector<Real> centroid(const Problem<Scalar>& problem, Real coordinates,
   std::vector<Real> result;
   for (int d = 0; d < problem.dimension(); ++d) {
     const bool periodic = domain.has_box() && domain.is_periodic(d);
-    const Real origin = periodic ? static_cast<Real>(near[d])
-                                 : static_cast<Real>(points[cell.front()][d]);
+    const Real origin =
+        periodic ? static_cast<Real>(near[d]) : static_cast<Real>(points[cell.front()][d]);
     const Real rounding =
         4 * static_cast<Real>(std::numeric_limits<Scalar>::epsilon()) * coordinates;
     Real sum = 0;
