@@ -17,6 +17,8 @@ constexpr double kLeastGain = 1e-4;
 constexpr double kLeastJump = 0.1;
 /// What repels a site so little is no matter: of a pair at nine tenths of its reach.
 constexpr double kLeastRepulsion = 1e-8;
+/// Rounds of jumps; a tenth of them is usual.
+constexpr int kMostFillings = 100;
 /// How far a site looks, of its home's reach. With few points a home there is little to look at.
 constexpr double kHop = 1;
 constexpr double kShortHop = 0.5;
@@ -233,7 +235,8 @@ bool Repulsion<Scalar>::fill_gaps() {
   std::sort(crowded.begin(), crowded.end(), by_gain);
   bool jumped = false;
   for (std::size_t k = 0; k < std::min(gaps.size(), crowded.size()); ++k) {
-    if (gaps[k].repelled >= crowded[k].gain * (1 - kLeastJump)) break;
+    const double now = crowded[k].gain;
+    if (now < kLeastRepulsion || gaps[k].repelled >= now * (1 - kLeastJump)) break;
     if (!make({0, crowded[k].site, gaps[k].place}, kLeastJump)) continue;
     ++jumps_;
     jumped = true;
@@ -246,9 +249,10 @@ bool Repulsion<Scalar>::run() {
   for (const SiteNumber s : sites_below(chosen_.size())) restless_.push_back(s);
   std::fill(is_restless_.begin(), is_restless_.end(), std::uint8_t{1});
   try {
+    int fillings = 0;
     do {
       while (!restless_.empty()) round();
-    } while (fill_gaps());
+    } while (fillings++ < kMostFillings && fill_gaps());
   } catch (const Stopped&) {
     return false;
   }

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <numeric>
-#include <string>
 #include <utility>
 #include <vector>
 
