@@ -66,7 +66,7 @@ Header header_of(const ParticleLoad& load, bool wide) {
   header.put(kFiles, std::int32_t{1});
   header.put(kBoxSize, load.options().box_size);
   header.put(kHubble, 1.0);
-  header.put(kDoublePrecision, std::int32_t{wide});
+  header.put(kDoublePrecision, std::int32_t{wide ? 1 : 0});
   return header;
 }
 
