@@ -62,6 +62,11 @@ faiss_lists() {
   /usr/bin/python3 tests/faiss/ivf.py build/release/bin/ccvt
 }
 
+# Particle loads, as another reader of HDF5 sees them.
+hdf5_loads() {
+  /usr/bin/python3 tests/hdf5/load.py build/release/bin/ccvt
+}
+
 # A user's program under all kinds of flags, with the libraries that the tests installed.
 consumers() {
   local work=build/release/tests/install
@@ -71,7 +76,7 @@ consumers() {
 
 developer_packages() {
   cmake/install-packages.sh \
-    chromium clang clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev python3 python3-faiss
+    chromium clang clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev python3 python3-faiss python3-h5py
 }
 
 format() {
@@ -87,7 +92,9 @@ fuzz() {  # seconds for each kind of file
     python3 tests/fuzz/mesh_corpus.py "$corpus/meshes" &&
     fuzz_from "$corpus/meshes" "$seconds" mesh_fuzzer -malloc_limit_mb=64 &&
     build/asan-ubsan/tests/image_seeds "$corpus/pictures" &&
-    fuzz_from "$corpus/pictures" "$seconds" image_fuzzer -malloc_limit_mb=512
+    fuzz_from "$corpus/pictures" "$seconds" image_fuzzer -malloc_limit_mb=512 &&
+    python3 tests/fuzz/cloud_corpus.py "$corpus/clouds" &&
+    fuzz_from "$corpus/clouds" "$seconds" cloud_fuzzer -malloc_limit_mb=64
 }
 
 fuzz_from() {  # corpus, seconds, fuzzer, its options

@@ -13,6 +13,7 @@ find_package(ZLIB 1.2 REQUIRED GLOBAL)
 find_package(PNG 1.6 REQUIRED GLOBAL)
 find_package(JPEG REQUIRED GLOBAL)
 include(cmake/flann.cmake)
+include(cmake/hdf5.cmake)
 
 if(CCVT_BUILD_CLI)
   find_package(CLI11 2 REQUIRED CONFIG)

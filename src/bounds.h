@@ -4,6 +4,7 @@
 
 #include "ccvt/problem.h"
 #include "geometry/coordinate_range.h"
+#include "geometry/torus.h"
 
 namespace ccvt {
 
@@ -13,9 +14,23 @@ Box bounding_box(const Problem<Scalar>& problem, const Arena& arena) {
   return problem.domain().has_box() ? problem.domain().box() : box_around(problem.points(), arena);
 }
 
+/// Where sites are looked for: the torus, or else the bounding box.
+inline Box search_box(const Domain& domain, const Box& bounding_box) {
+  return domain.is_periodic() ? torus_of(domain) : bounding_box;
+}
+
 /// On the absolute values of all coordinates in it.
 inline double largest_coordinate(const Box& box) {
   return std::max(box.lower.eigen().cwiseAbs().maxCoeff(), box.upper.eigen().cwiseAbs().maxCoeff());
+}
+
+/// The same of points and sites.
+template <class Scalar>
+double largest_coordinate(const Problem<Scalar>& problem, const Box& bounding_box) {
+  double largest = largest_coordinate(bounding_box);
+  const Columns<Scalar>& fixed = problem.fixed_sites();
+  if (fixed.size() > 0) largest = std::max(largest, double{fixed.eigen().cwiseAbs().maxCoeff()});
+  return largest;
 }
 
 }  // namespace ccvt

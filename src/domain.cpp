@@ -9,7 +9,8 @@
 
 namespace ccvt {
 
-Domain::Domain(Box box, bool periodic) : box_(std::move(box)), periodic_(periodic) {
+Domain::Domain(Box box, std::vector<bool> periodic)
+    : box_(std::move(box)), periodic_(std::move(periodic)) {
   if (box_.lower.size() != box_.upper.size() || box_.lower.size() == 0) {
     throw InvalidInput("box: the lower corner has " + std::to_string(box_.lower.size()) +
                        " coordinates and the upper one " + std::to_string(box_.upper.size()) +
@@ -25,8 +26,23 @@ Domain::Domain(Box box, bool periodic) : box_(std::move(box)), periodic_(periodi
   }
 }
 
-Domain Domain::euclidean(Box box) { return {std::move(box), false}; }
+Domain Domain::euclidean(Box box) {
+  std::vector<bool> along(static_cast<std::size_t>(box.lower.size()), false);
+  return {std::move(box), std::move(along)};
+}
 
-Domain Domain::periodic(Box box) { return {std::move(box), true}; }
+Domain Domain::periodic(Box box) {
+  std::vector<bool> along(static_cast<std::size_t>(box.lower.size()), true);
+  return {std::move(box), std::move(along)};
+}
+
+Domain Domain::periodic(Box box, const std::vector<bool>& along) {
+  if (std::ssize(along) != box.lower.size()) {
+    throw InvalidInput("along: has " + std::to_string(along.size()) + " entries, the box " +
+                       std::to_string(box.lower.size()) +
+                       " dimensions: there must be one for each");
+  }
+  return {std::move(box), along};
+}
 
 }  // namespace ccvt

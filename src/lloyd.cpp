@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "bounds.h"
 #include "ccvt/capacity.h"
 #include "cell_sizes.h"
 #include "normalize.h"
@@ -58,7 +59,8 @@ class Lloyd {
   Stop stop_;
   Arena arena_;
   Metric metric_;
-  Box box_;
+  Box box_;     ///< of the points
+  Box around_;  ///< where sites are looked for
   double coordinate_bound_;
   SiteState sites_;
   std::vector<Index> owners_;
@@ -78,8 +80,8 @@ Lloyd<Scalar>::Lloyd(const Problem<Scalar>& problem, const Options& options)
       arena_(options.threads, &stop_),
       metric_(problem.dimension(), problem.domain()),
       box_(problem.bounding_box()),
-      coordinate_bound_(std::max(box_.lower.eigen().cwiseAbs().maxCoeff(),
-                                 box_.upper.eigen().cwiseAbs().maxCoeff())),
+      around_(search_box(problem.domain(), box_)),
+      coordinate_bound_(largest_coordinate(problem, box_)),
       bounds_(metric_, problem.points(), arena_),
       cells_(metric_) {
   summary_.dimension = problem.dimension();
@@ -137,7 +139,7 @@ void Lloyd<Scalar>::assign_first() {
 template <class Scalar>
 void Lloyd<Scalar>::assign_all() {
   const Buffer<SiteNumber> nearest =
-      NearestSites<Scalar>(metric_, sites_, box_, arena_).owners(problem_.points(), arena_);
+      NearestSites<Scalar>(metric_, sites_, around_, arena_).owners(problem_.points(), arena_);
   arena_.for_each(owners_.size(), kPointsPerGrain,
                   [&](std::size_t p) { owners_[p] = nearest[p].index(); });
 }
@@ -152,7 +154,7 @@ Buffer<OwnerChange> Lloyd<Scalar>::changes() {
 template <class Scalar>
 Buffer<OwnerChange> Lloyd<Scalar>::changes_of_all() {
   const Buffer<SiteNumber> nearest =
-      NearestSites<Scalar>(metric_, sites_, box_, arena_).owners(problem_.points(), arena_);
+      NearestSites<Scalar>(metric_, sites_, around_, arena_).owners(problem_.points(), arena_);
   const auto gains = [&](PointNumber point) {
     const Scalar* const x = problem_.points()[point.index()];
     const double own = metric_.squared_distance(x, sites_.at(SiteNumber(owners_[point])));

@@ -52,7 +52,8 @@ void require_scale(const Domain& domain) {
   };
   check("lower", box.lower);
   check("upper", box.upper);
-  for (int d = 0; d < box.dimension() && domain.is_periodic(); ++d) {
+  for (int d = 0; d < box.dimension(); ++d) {
+    if (!domain.is_periodic(d)) continue;
     const double extent = box.upper[d] - box.lower[d];
     if (extent >= kSmallestExtent<Scalar>) continue;
     throw InvalidInput("domain: the extent of its box in dimension " + std::to_string(d) + " is " +
@@ -125,6 +126,22 @@ Problem<Scalar>& Problem<Scalar>::set_initial_sites(Columns<Scalar> sites) {
 }
 
 template <class Scalar>
+Problem<Scalar>& Problem<Scalar>::set_fixed_sites(Columns<Scalar> sites) {
+  if (sites.cols() > site_count()) {
+    throw InvalidInput("fixed_sites: there are " + std::to_string(sites.cols()) +
+                       " of them, but the problem has " + std::to_string(site_count()) +
+                       " sites in all");
+  }
+  if (sites.cols() > 0 && sites.rows() != dimension()) {
+    throw InvalidInput("fixed_sites: they have " + std::to_string(sites.rows()) +
+                       " dimensions, the points have " + std::to_string(dimension()));
+  }
+  require_moderate("fixed_sites", view_points(sites));
+  fixed_sites_ = std::move(sites);
+  return *this;
+}
+
+template <class Scalar>
 Problem<Scalar>& Problem<Scalar>::set_initial_owners(std::vector<Index> owners) {
   if (std::cmp_not_equal(owners.size(), point_count())) {
     throw InvalidInput("initial_owners: there are " + std::to_string(owners.size()) + " for " +
@@ -163,6 +180,8 @@ template CCVT_EXPORT Problem<float>& Problem<float>::set_capacities(std::vector<
 template CCVT_EXPORT Problem<double>& Problem<double>::set_capacities(std::vector<Index>);
 template CCVT_EXPORT Problem<float>& Problem<float>::set_initial_sites(Columns<float>);
 template CCVT_EXPORT Problem<double>& Problem<double>::set_initial_sites(Columns<double>);
+template CCVT_EXPORT Problem<float>& Problem<float>::set_fixed_sites(Columns<float>);
+template CCVT_EXPORT Problem<double>& Problem<double>::set_fixed_sites(Columns<double>);
 template CCVT_EXPORT Problem<float>& Problem<float>::set_initial_owners(std::vector<Index>);
 template CCVT_EXPORT Problem<double>& Problem<double>::set_initial_owners(std::vector<Index>);
 template CCVT_EXPORT Box Problem<float>::bounding_box() const;

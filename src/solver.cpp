@@ -42,13 +42,14 @@ const char* name_of(Initialization initialization) {
   return "unknown";
 }
 
-Options resolved(Options options, int dimension, bool warm) {
+/// `one_level`: when levels have nothing to give, as owners are there or no site moves.
+Options resolved(Options options, int dimension, bool one_level) {
   options.validate();
   if (options.initialization == Initialization::automatic) {
     options.initialization =
         dimension <= kBalancedDimensions ? Initialization::balanced : Initialization::coherent;
   }
-  if (warm) options.multilevel = false;
+  if (one_level) options.multilevel = false;
   return options;
 }
 
@@ -84,7 +85,8 @@ struct Solver<Scalar>::Implementation {
   RunRecord record;
   Arena arena;
   Metric metric;
-  Box box;
+  Box box;     ///< of the points
+  Box around;  ///< where sites are looked for
 
   /// The solver numbers sites by where they are: site_of[k] is the caller's number of site k.
   std::vector<SiteNumber> site_of;
@@ -102,7 +104,8 @@ template <class Scalar>
 Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Options given_options)
     : problem(std::move(given_problem)),
       warm(!problem.initial_owners().empty()),
-      options(resolved(std::move(given_options), problem.dimension(), warm)),
+      options(resolved(std::move(given_options), problem.dimension(),
+                       warm || problem.fixed_sites().cols() == problem.site_count())),
       stop(options.cancelled, options.time_limit),
       record(options),
       arena(options.threads, &stop, &record.clock()),
@@ -239,12 +242,16 @@ template <class Scalar>
 void Solver<Scalar>::Implementation::place_sites() {
   const auto charge = arena.phase(Phase::sites);
   box = bounding_box(problem, arena);
+  around = search_box(problem.domain(), box);
   const SiteState given = initial_sites(problem, metric, options.seed, arena);
   state.tiling = Tiling::of_points(problem.site_count(), problem.point_count(), options.tile_sites);
   site_of = spatial_order(given, state.tiling.sites_per_tile(), arena);
   state.sites = SiteState(given.dimension, given.count());
   for (const SiteNumber k : state.sites.all()) {
     std::copy_n(given.at(site_of[k]), given.dimension, state.sites.at(k));
+  }
+  for (const SiteNumber k : state.sites.all()) {
+    if (!given.fixed.empty()) state.sites.fixed.push_back(given.fixed[site_of[k]]);
   }
 }
 
@@ -280,7 +287,7 @@ void Solver<Scalar>::Implementation::join(const JoiningPoints& joining, std::spa
   switch (options.initialization) {
     case Initialization::automatic:  // decided by resolved()
     case Initialization::balanced:
-      return join_balanced(metric, state.sites, box, joining, near, arena, filling);
+      return join_balanced(metric, state.sites, around, joining, near, arena, filling);
     case Initialization::coherent:
       return join_coherent(metric, state.sites, joining.all(arena), options.seed, filling, arena);
     case Initialization::random:
@@ -327,7 +334,7 @@ void Solver<Scalar>::Implementation::deal(const Cells<Scalar>& owned,
       "the run ended before all points had joined: " + std::to_string(points - joined) + " of " +
       std::to_string(points) +
       " went to sites that had room, and sites are not at the centroids of their cells");
-  dealt = deal_rest(metric, state.sites, box, problem.points(), levels.back().capacities, owned,
+  dealt = deal_rest(metric, state.sites, around, problem.points(), levels.back().capacities, owned,
                     filled);
   level = levels.size() - 1;
   state.cells = {};
@@ -343,7 +350,7 @@ void Solver<Scalar>::Implementation::deal(const Cells<Scalar>& owned,
 template <class Scalar>
 void Solver<Scalar>::Implementation::begin_level() {
   relaxer = std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, state.sites.count(),
-                                              largest_coordinate(box));
+                                              largest_coordinate(problem, box));
   {
     const Stop::Pause pause(stop);
     update_all(metric, state, arena);

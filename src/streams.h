@@ -11,6 +11,12 @@ constexpr std::uint64_t initial_sites = 1;
 constexpr std::uint64_t levels = 2;
 constexpr std::uint64_t joining_order = 3;
 
+// Thinning.
+constexpr std::uint64_t thin_spacing = 32;
+
+// Points with masses.
+constexpr std::uint64_t mass_offset = 8;
+
 // Codebooks.
 constexpr std::uint64_t codebook_sample = 16;
 constexpr std::uint64_t codebook_seeding = 17;

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -44,10 +45,11 @@ TEST_CASE("analyze: files, figures and tables are those of the library") {
     CHECK(entry.file_size() > 100);
   }
   std::sort(names.begin(), names.end());
-  CHECK(names == std::vector<std::string>{"anisotropy.svg", "metrics.json", "pair_correlation.svg",
-                                          "points.svg", "points_2.svg", "radial.csv", "radial.svg",
-                                          "radial_2.csv", "report.html", "spectrum.png",
-                                          "spectrum_2.png"});
+  CHECK(names ==
+        std::vector<std::string>{"anisotropy.svg", "low_frequency.csv", "low_frequency_2.csv",
+                                 "metrics.json", "pair_correlation.svg", "points.svg",
+                                 "points_2.svg", "power_law.svg", "radial.csv", "radial.svg",
+                                 "radial_2.csv", "report.html", "spectrum.png", "spectrum_2.png"});
   const Analysis expected = analyze(runs);
   const auto json = json_of(directory / "out/metrics.json");
   CHECK(json["points"] == 150);
@@ -57,6 +59,17 @@ TEST_CASE("analyze: files, figures and tables are those of the library") {
   CHECK(json["min_distance"] == expected.distances.smallest);
   CHECK(json["mean_distance"] == expected.distances.mean);
   CHECK(json["low_frequency_power"] == expected.spectrum.low_frequency_power);
+  CHECK(json["low_frequency_slope"] == expected.spectrum.low_frequency_slope);
+  CHECK(json["low_frequency_slope_error"] == expected.spectrum.low_frequency_slope_error);
+  const auto& shells = expected.spectrum.low_shells;
+  REQUIRE(json["low_frequency_shells"]["power"].size() == shells.size());
+  CHECK(json["low_frequency_shells"]["power"][1] == shells[1].power);
+  const auto low = read_points<double>(directory / "out/low_frequency.csv");
+  REQUIRE(low.cols() == static_cast<Eigen::Index>(shells.size()));
+  CHECK(low(0, 1) == shells[1].frequency);
+  CHECK(low(3, 1) ==
+        doctest::Approx(expected.spectrum.low_frequency_scale *
+                        std::pow(shells[1].frequency, expected.spectrum.low_frequency_slope)));
   CHECK(json["spectral_peak"] == expected.spectrum.peak);
   CHECK(json["effective_nyquist"] == expected.spectrum.effective_nyquist);
   CHECK(json["oscillation"] == expected.spectrum.oscillation);

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "ccvt/io.h"
+#include "ccvt/particles.h"
+#include "ccvt/point_cloud.h"
 #include "ccvt/surface.h"
 #include "ccvt/volume.h"
 #include "support/files.h"
@@ -22,8 +24,8 @@ namespace fs = std::filesystem;
 
 /// All extensions that anything here reads or writes, and some that nothing does.
 const std::vector<std::string> kExtensions = {
-    ".npy", ".csv", ".txt", ".ply", ".fvecs", ".bvecs", ".nii", ".nii.gz", ".nrrd", ".nhdr",
-    ".raw", ".vtp", ".vtk", ".svg", ".png",   ".jpg",   ".dat", ".gz",     ".obj"};
+    ".npy", ".csv", ".txt", ".ply", ".fvecs", ".bvecs", ".nii", ".nii.gz", ".nrrd", ".nhdr", ".raw",
+    ".vtp", ".vtk", ".svg", ".png", ".jpg",   ".dat",   ".gz",  ".gadget", ".hdf5", ".obj"};
 
 /// What the help of a command says about one option or argument.
 std::string help_of(const TemporaryDirectory& directory, const std::string& command,
@@ -76,6 +78,14 @@ TEST_CASE("help lists the extensions that readers and writers take, and no other
   const auto write_as_points = [](const fs::path& path) {
     write_points(path, Points<float>::Zero(2, 2).eval());
   };
+  const auto write_as_sites = [](const fs::path& path) {
+    try {
+      check_particles(path, 2, 4, {});
+    } catch (const InvalidInput& error) {
+      if (std::string(error.what()).find("unknown extension") == std::string::npos) throw;
+      write_points(path, Points<float>::Zero(2, 2).eval());
+    }
+  };
   const auto write_as_owners = [](const fs::path& path) {
     write_owners(path, std::vector<Index>{1});
   };
@@ -86,6 +96,11 @@ TEST_CASE("help lists the extensions that readers and writers take, and no other
     samples.weights = samples.radii = {1.0};
     write_samples(path, samples);
   };
+  const auto write_as_cloud = [](const fs::path& path) {
+    PointCloud cloud;
+    cloud.points = Points<double>::Zero(3, 1);
+    write_point_cloud(path, cloud, std::vector<Index>{0}, std::vector<Index>{1});
+  };
   const auto write_as_picture = [](const fs::path& path) { write_png(path, Image{1, 1, {0.5F}}); };
   struct Case {
     std::string command;
@@ -93,7 +108,7 @@ TEST_CASE("help lists the extensions that readers and writers take, and no other
     std::function<void(const fs::path&)> use;
   };
   const Case cases[] = {
-      {"sample", "--output", write_as_points},
+      {"sample", "--output", write_as_sites},
       {"sample", "--points-out", write_as_points},
       {"sample", "--owners-out", write_as_owners},
       {"tessellate", "POINTS", read_as_points},
@@ -117,6 +132,10 @@ TEST_CASE("help lists the extensions that readers and writers take, and no other
       {"quantize", "--codes-out", write_as_owners},
       {"quantize", "--weights-out", write_as_points},
       {"quantize", "--image-out", write_as_picture},
+      {"thin", "POINTS", read_as_points},
+      {"thin", "--output", write_as_cloud},
+      {"thin", "--indices-out", write_as_owners},
+      {"thin", "--owners-out", write_as_owners},
       {"encode", "VECTORS", read_as_points},
       {"encode", "--codebook", read_as_points},
       {"encode", "--weights", read_as_points},

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <vector>
 
 #include "ccvt/columns.h"
 #include "ccvt/export.h"
@@ -23,7 +25,8 @@ struct Box {
   [[nodiscard]] double volume() const { return extent().prod(); }
 };
 
-/// Where distances are measured: Euclidean space, or a periodic box (a flat torus).
+/// Where distances are measured: Euclidean space, or a box that is periodic in all or in some
+/// dimensions (a flat torus, a tube, a slab).
 ///
 /// A box also fixes the volume that normalizes the energy; without one, the bounding box of the
 /// points is used.
@@ -41,16 +44,36 @@ class CCVT_EXPORT Domain {
   /// Throws InvalidInput unless every extent is positive and finite.
   static Domain periodic(Box box);
 
-  [[nodiscard]] bool is_periodic() const { return periodic_; }
+  /// A box of which some dimensions are periodic: `along` says of each dimension whether the two
+  /// faces across it are glued; along the others distances are Euclidean, and faces are borders.
+  ///
+  ///     ccvt::Domain::periodic(box, {true, true, false})  // a slab
+  ///
+  /// Throws InvalidInput unless every extent is positive and finite, and `along` has one entry for
+  /// each dimension.
+  static Domain periodic(Box box, const std::vector<bool>& along);
+
+  /// Whether there is a dimension that is periodic.
+  [[nodiscard]] bool is_periodic() const {
+    return std::find(periodic_.begin(), periodic_.end(), true) != periodic_.end();
+  }
+  /// Whether that dimension of the box is; false where there is no box.
+  [[nodiscard]] bool is_periodic(int dimension) const {
+    return has_box() && periodic_[static_cast<std::size_t>(dimension)];
+  }
+  /// Whether some dimensions are periodic, and others are not.
+  [[nodiscard]] bool is_partly_periodic() const {
+    return is_periodic() && std::find(periodic_.begin(), periodic_.end(), false) != periodic_.end();
+  }
   [[nodiscard]] bool has_box() const { return box_.dimension() > 0; }
   /// The box; of dimension 0 for plain Euclidean space.
   [[nodiscard]] const Box& box() const { return box_; }
 
  private:
-  Domain(Box box, bool periodic);
+  Domain(Box box, std::vector<bool> periodic);
 
   Box box_;
-  bool periodic_ = false;
+  std::vector<bool> periodic_;  ///< of each dimension of the box
 };
 
 }  // namespace ccvt

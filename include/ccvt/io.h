@@ -29,6 +29,8 @@
 ///               digits as it takes to read the same bits back.
 ///   .ply        Read only: the vertices of a PLY file, ascii or binary of either byte order: x and
 ///               y, and z if there is one. Other properties and elements are skipped.
+///   .gadget,    Particles of simulations, in one file: see particles.h. The points are the
+///   .hdf5       positions of all types, float32 or float64.
 ///   .png, .jpg  Pictures.
 ///
 /// ReadOptions::columns says which columns are coordinates where this is not what is meant.
@@ -74,6 +76,9 @@ struct PointsHeader {
   std::vector<std::string> columns = {};
   /// Its other columns, where nobody said which are coordinates.
   std::vector<std::string> left_out = {};
+  /// Of particles: the extents of the periodic box, from 0, that they fill; empty when the file
+  /// says nothing of one.
+  std::vector<double> box = {};
 };
 
 struct ReadOptions {
@@ -134,6 +139,10 @@ void write_points(const std::filesystem::path& path, const Columns<Scalar>& poin
 /// Whole numbers, such as capacities or owners: one a line, or of any integer type and shape (#,).
 /// At least one. Throws InvalidInput for those that do not fit Index.
 CCVT_EXPORT std::vector<Index> read_indices(const std::filesystem::path& path);
+
+/// Numbers, such as masses: one a line, or of any real type and shape (#,) or (#, 1). At least one,
+/// all finite; 64-bit whole numbers of shape (#,) are rounded.
+CCVT_EXPORT std::vector<double> read_numbers(const std::filesystem::path& path);
 
 /// One a line, or int32 of shape (#owners,).
 CCVT_EXPORT void write_owners(const std::filesystem::path& path, std::span<const Index> owners);

@@ -51,9 +51,21 @@ class CCVT_EXPORT Problem {
     return set_initial_sites(Columns<Scalar>(sites));
   }
   Problem& set_initial_sites(Columns<Scalar> sites);
+  /// Sites that stay where they are: 0..k-1, of `sites`, #dimensions by k, k <= n, as moderate as
+  /// points, two of them at one place or not. They own points as the others do, as many as their
+  /// capacities, but do not move to the centroids of their cells; the others find places around
+  /// them. Default: none. Of initial sites, the first k then count for nothing. In a periodic
+  /// domain the images in the box are meant.
+  template <class Derived>
+  Problem& set_fixed_sites(const Eigen::DenseBase<Derived>& sites) {
+    static_assert(!std::is_integral_v<typename Derived::Scalar>,
+                  "ccvt: sites must be float or double: convert them by sites.cast<float>()");
+    return set_fixed_sites(Columns<Scalar>(sites));
+  }
+  Problem& set_fixed_sites(Columns<Scalar> sites);
   /// A warm start: the owner of every point, in 0..n-1, each site owning as many points as its
-  /// capacity; capacities that are not equal must be set first. Sites start at the centroids of the
-  /// cells.
+  /// capacity; capacities that are not equal must be set first. Sites that are not fixed start at
+  /// the centroids of the cells.
   Problem& set_initial_owners(std::vector<Index> owners);
 
   [[nodiscard]] const PointsView<Scalar>& points() const { return points_; }
@@ -64,6 +76,8 @@ class CCVT_EXPORT Problem {
   [[nodiscard]] const std::vector<Index>& capacities() const { return capacities_; }
   /// Empty unless set.
   [[nodiscard]] const Columns<Scalar>& initial_sites() const { return initial_sites_; }
+  /// Of as many columns as there are such; empty unless set.
+  [[nodiscard]] const Columns<Scalar>& fixed_sites() const { return fixed_sites_; }
   /// Empty unless set.
   [[nodiscard]] const std::vector<Index>& initial_owners() const { return initial_owners_; }
   /// The domain's box, or the bounding box of the points.
@@ -75,6 +89,7 @@ class CCVT_EXPORT Problem {
   Domain domain_;
   std::vector<Index> capacities_;
   Columns<Scalar> initial_sites_;
+  Columns<Scalar> fixed_sites_;
   std::vector<Index> initial_owners_;
 };
 

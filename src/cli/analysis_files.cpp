@@ -13,6 +13,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double kLowFrequency = 0.25;  ///< up to here the power is fitted
+constexpr double kLeastDrawn = 1e-12;   ///< on a logarithmic axis; less is what rounding leaves
+
 /// The least number of the form {1, 2, 5} 10^k / 2 that is not below `value`.
 double rounded_up(double value) {
   const double power = std::pow(10, std::floor(std::log10(value)));
@@ -28,6 +31,29 @@ Curve radial_curve(const AnalyzedSet& set, double SpectrumRing::*value) {
   for (const SpectrumRing& ring : set.analysis.spectrum.rings) {
     curve.x.push_back(ring.middle());
     curve.y.push_back(ring.*value);
+  }
+  return curve;
+}
+
+/// Of what does not exist, a field of CSV is empty.
+std::string field(double value) { return std::isfinite(value) ? concat(value) : ""; }
+
+/// The fitted power at low frequency.
+double fitted(const Spectrum& spectrum, double frequency) {
+  return spectrum.low_frequency_scale * std::pow(frequency, spectrum.low_frequency_slope);
+}
+
+/// Shells at low frequency, and rings from there on.
+Curve power_law_curve(const AnalyzedSet& set) {
+  Curve curve;
+  curve.name = set.name;
+  const auto add = [&](double x, double y) {
+    curve.x.push_back(x);
+    curve.y.push_back(y >= kLeastDrawn ? y : NAN);
+  };
+  for (const LowShell& shell : set.analysis.spectrum.low_shells) add(shell.frequency, shell.power);
+  for (const SpectrumRing& ring : set.analysis.spectrum.rings) {
+    if (ring.lower >= kLowFrequency * (1 - 1e-12)) add(ring.middle(), ring.power);
   }
   return curve;
 }
@@ -57,6 +83,13 @@ std::vector<Figure> figures_of(const Analysis& analysis) {
        analysis.distances.mean},
       {"low_frequency_power", "low-frequency power",
        "Mean power for 0 < |f| < 0.25 n^(1/D); 1 for white noise", spectrum.low_frequency_power},
+      {"low_frequency_slope", "low-frequency slope",
+       "Slope of log power over log frequency in that range; 0 for white noise, 4 at best for "
+       "cells "
+       "of exactly equal mass",
+       spectrum.low_frequency_slope},
+      {"low_frequency_slope_error", "error of the slope", "Its standard error",
+       spectrum.low_frequency_slope_error},
       {"spectral_peak", "spectral peak", "Highest radially averaged power", spectrum.peak},
       {"spectral_peak_frequency", "peak frequency", "Where the peak is, in units of n^(1/D)",
        spectrum.peak_frequency},
@@ -113,6 +146,14 @@ Json metrics_of(const AnalyzedSet& set) {
     radial["anisotropy_db"].push_back(ring.anisotropy_db);
   }
   json["radial"] = radial;
+  Json low = {
+      {"frequency", Json::array()}, {"frequencies", Json::array()}, {"power", Json::array()}};
+  for (const LowShell& shell : analysis.spectrum.low_shells) {
+    low["frequency"].push_back(shell.frequency);
+    low["frequencies"].push_back(shell.frequencies);
+    low["power"].push_back(shell.power);
+  }
+  json["low_frequency_shells"] = low;
   Json pairs = {{"distance", Json::array()}, {"value", analysis.pairs.value}};
   for (std::size_t k = 0; k < analysis.pairs.value.size(); ++k) {
     pairs["distance"].push_back((static_cast<double>(k) + 0.5) * analysis.pairs.bin_width);
@@ -123,12 +164,57 @@ Json metrics_of(const AnalyzedSet& set) {
 
 std::string radial_csv(const Analysis& analysis) {
   std::string csv = "frequency,power,anisotropy_db\n";
-  // Of what does not exist, the field is empty.
-  const auto field = [](double value) { return std::isfinite(value) ? concat(value) : ""; };
   for (const SpectrumRing& ring : analysis.spectrum.rings) {
     csv += field(ring.middle()) + "," + field(ring.power) + "," + field(ring.anisotropy_db) + "\n";
   }
   return csv;
+}
+
+std::string low_frequency_csv(const Analysis& analysis) {
+  std::string csv = "frequency,frequencies,power,fit\n";
+  for (const LowShell& shell : analysis.spectrum.low_shells) {
+    csv += field(shell.frequency) + "," + field(shell.frequencies) + "," + field(shell.power) +
+           "," + field(fitted(analysis.spectrum, shell.frequency)) + "\n";
+  }
+  return csv;
+}
+
+std::string power_law_svg(const std::vector<AnalyzedSet>& sets) {
+  Chart chart;
+  chart.logarithmic = true;
+  chart.title = "Power on logarithmic axes";
+  chart.x_label = "frequency / n^(1/D)";
+  chart.y_label = "power";
+  chart.x_least = chart.x_most = sets.front().analysis.spectrum.max_frequency;
+  for (std::size_t s = 0; s < sets.size(); ++s) {
+    const Spectrum& spectrum = sets[s].analysis.spectrum;
+    chart.curves.push_back(power_law_curve(sets[s]));
+    chart.curves.back().colour = static_cast<int>(s);
+    for (const double x : chart.curves.back().x) chart.x_least = std::min(chart.x_least, x);
+    if (!std::isfinite(spectrum.low_frequency_slope)) continue;
+    Curve line;
+    line.name = sets[s].name + ": slope " + decimal_text(spectrum.low_frequency_slope, 2) +
+                " \xC2\xB1 " + decimal_text(spectrum.low_frequency_slope_error, 2);
+    line.x = {spectrum.low_shells.front().frequency, kLowFrequency};
+    for (const double x : line.x) line.y.push_back(fitted(spectrum, x));
+    line.colour = static_cast<int>(s);
+    line.dashed = true;
+    chart.curves.push_back(std::move(line));
+  }
+  if (!(chart.x_least < chart.x_most)) chart.x_least = chart.x_most / 2;
+  chart.guides.push_back({1, "white noise"});
+  double least = 0.1;
+  double most = 2;
+  for (const Curve& curve : chart.curves) {
+    for (const double y : curve.y) {
+      if (!std::isfinite(y) || y < kLeastDrawn) continue;
+      least = std::min(least, y);
+      most = std::max(most, y);
+    }
+  }
+  chart.y_least = std::pow(10, std::floor(std::log10(least)));
+  chart.y_most = std::pow(10, std::ceil(std::log10(most)));
+  return draw(chart);
 }
 
 std::string radial_svg(const std::vector<AnalyzedSet>& sets) {

@@ -33,6 +33,12 @@ nlohmann::ordered_json metrics_of(const AnalyzedSet& set);
 /// frequency,power,anisotropy_db: a line a ring.
 std::string radial_csv(const Analysis& analysis);
 
+/// frequency,frequencies,power,fit: a line a shell at low frequency.
+std::string low_frequency_csv(const Analysis& analysis);
+
+/// Power over frequency on logarithmic axes, shells at low frequency and rings from there on, and
+/// the fitted lines.
+std::string power_law_svg(const std::vector<AnalyzedSet>& sets);
 std::string radial_svg(const std::vector<AnalyzedSet>& sets);
 std::string anisotropy_svg(const std::vector<AnalyzedSet>& sets);
 std::string pair_correlation_svg(const std::vector<AnalyzedSet>& sets);

@@ -81,9 +81,10 @@ std::vector<fs::path> files_of_report(const Directory& directory, std::size_t se
     files.push_back(file_of_set(directory, "spectrum", ".png", s));
     files.push_back(file_of_set(directory, "points", ".svg", s));
     files.push_back(file_of_set(directory, "radial", ".csv", s));
+    files.push_back(file_of_set(directory, "low_frequency", ".csv", s));
   }
-  for (const char* const name :
-       {"radial.svg", "anisotropy.svg", "pair_correlation.svg", "metrics.json", "report.html"}) {
+  for (const char* const name : {"radial.svg", "power_law.svg", "anisotropy.svg",
+                                 "pair_correlation.svg", "metrics.json", "report.html"}) {
     files.push_back(directory / name);
   }
   return files;
@@ -118,13 +119,30 @@ void check_unit_box(const fs::path& path, const Points<double>& points) {
   }
 }
 
+/// The box that points fill: what the user says, or their file, or the unit box, which is what
+/// `ccvt sample` fills. A box that only the file tells is periodic.
+Domain domain_of(const AnalyzeArguments& arguments, const PointsHeader& header) {
+  if (arguments.box.empty() && !header.box.empty()) {
+    return Domain::periodic({Coordinates::constant(3, 0), Coordinates(header.box)});
+  }
+  const Box box = arguments.box.empty() ? Box::unit(header.dimension)
+                                        : make_box(arguments.box, header.dimension,
+                                                   arguments.sets.front().files.front().string());
+  return arguments.periodic ? Domain::periodic(box) : Domain::euclidean(box);
+}
+
+/// The box of the last run read is that of the first.
+void check_same_box(const AnalyzedSet& set, const fs::path& path) {
+  const Domain& first = set.runs.front().domain();
+  const Domain& last = set.runs.back().domain();
+  if (first.box().upper == last.box().upper && first.is_periodic() == last.is_periodic()) return;
+  throw InvalidInput(path.string() + ": fills another box than " + set.files.front() +
+                     "; files that are averaged must agree");
+}
+
 AnalyzedSet read_set(const AnalyzeArguments& arguments, const PointFiles& given, int dimension) {
   AnalyzedSet set;
   set.name = given.name;
-  // The unit box is what `ccvt sample` fills.
-  const Box box = arguments.box.empty() ? Box::unit(dimension)
-                                        : make_box(arguments.box, dimension,
-                                                   arguments.sets.front().files.front().string());
   for (const fs::path& path : given.files) {
     const PointsHeader header = inspect_and_tell(path, arguments.reading, arguments.quiet);
     check_memory(path.string(), header.count, header.dimension, sizeof(double));
@@ -140,17 +158,17 @@ AnalyzedSet read_set(const AnalyzeArguments& arguments, const PointFiles& given,
                          std::to_string(set.runs.front().count()) +
                          "; files that are averaged must agree");
     }
-    if (arguments.box.empty()) check_unit_box(path, points);
+    const Domain domain = domain_of(arguments, header);
+    if (arguments.box.empty() && header.box.empty()) check_unit_box(path, points);
     if (header.scalar == ScalarType::float32) {
       const std::string warning = coarse_coordinates<float>(
-          "points", view_points(points), spacing_in_box(box, static_cast<Index>(points.cols())));
+          "points", view_points(points),
+          spacing_in_box(domain.box(), static_cast<Index>(points.cols())));
       if (!warning.empty()) warn(arguments.quiet, {path.string() + ": " + warning});
     }
     set.files.push_back(path.string());
-    blame(path, [&] {
-      set.runs.emplace_back(std::move(points),
-                            arguments.periodic ? Domain::periodic(box) : Domain::euclidean(box));
-    });
+    blame(path, [&] { set.runs.emplace_back(std::move(points), domain); });
+    check_same_box(set, path);
   }
   return set;
 }
@@ -185,8 +203,11 @@ void write_all(const AnalyzeArguments& arguments, const Directory& directory,
     spectra.push_back(contents_of(outputs.unpublished(picture)));
     write_text(file_of_set(directory, "points", ".svg", s), svg_file(points_svg(sets[s])));
     write_text(file_of_set(directory, "radial", ".csv", s), radial_csv(sets[s].analysis));
+    write_text(file_of_set(directory, "low_frequency", ".csv", s),
+               low_frequency_csv(sets[s].analysis));
   }
   write_text(directory / "radial.svg", svg_file(radial_svg(sets)));
+  write_text(directory / "power_law.svg", svg_file(power_law_svg(sets)));
   write_text(directory / "anisotropy.svg", svg_file(anisotropy_svg(sets)));
   write_text(directory / "pair_correlation.svg", svg_file(pair_correlation_svg(sets)));
   write_text(directory / "metrics.json", metrics_json(sets));

@@ -13,6 +13,7 @@
 #include "cli/argument_kinds.h"
 #include "cli/streams.h"
 #include "cli/surface.h"
+#include "cli/thin_arguments.h"
 #include "cli/usage_error.h"
 #include "cli/volume_values.h"
 
@@ -25,7 +26,9 @@ constexpr const char* kExamples =
     "  ccvt stipple photo.png --sites 20000 -o dots.svg\n"
     "  ccvt volume head.nii.gz --sites 20000 -o samples.ply --preview samples.png\n"
     "  ccvt surface bunny.obj --sites 5000 -o samples.ply --preview bunny.png\n"
+    "  ccvt thin scan.ply --sites 20000 -o thin.ply\n"
     "  ccvt sample --dim 2 --sites 1024 --periodic -o sites.npy\n"
+    "  ccvt sample --dim 3 --sites 262144 --periodic --box-size 100 -o load.hdf5\n"
     "  ccvt tessellate points.csv --sites 100 -o sites.csv --owners-out owners.csv\n"
     "  ccvt analyze sites.npy --periodic -o report\n"
     "\n"
@@ -35,6 +38,12 @@ constexpr const char* kExamples =
     "once, and nothing is written; else the tessellation or codebook reached so far is written,\n"
     "unless a second Ctrl-C comes, which quits at once.";
 
+void add_fixed_sites(CLI::App& command, std::filesystem::path& target) {
+  add_file(command, "--fixed-sites", target,
+           "Sites that stay where they are; they count among --sites, and come first",
+           io::kPointFiles);
+}
+
 CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
   auto* const command =
       app.add_subcommand("sample", "Sites spread evenly over the unit box [0, 1]^D");
@@ -43,6 +52,7 @@ CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
   add_sites(*command, arguments.sites, "Number of sites", true);
   add_points_per_site(*command, arguments.points_per_site);
   add_flag(*command, "--periodic", arguments.periodic, "Opposite faces of the box are one");
+  add_fixed_sites(*command, arguments.fixed_sites);
   static const std::map<std::string, Distribution> names = {{"white", Distribution::white},
                                                             {"jittered", Distribution::jittered},
                                                             {"square", Distribution::square},
@@ -59,12 +69,36 @@ CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
             return "'" + name + "' is not one of white, jittered, square, hexagonal";
           },
           ""));
-  add_common(*command, arguments, io::kTableFiles, "float32");
+  add_common(*command, arguments, io::kSiteFiles, "float32");
   add_file(*command, "--points-out", arguments.points_out, "Write the points too", io::kTableFiles);
   add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too",
            io::kTableFiles);
-  command->footer("Example: ccvt sample --dim 2 --sites 1024 --periodic -o sites.npy");
+  add_particles(*command, arguments.particles);
+  command->footer(
+      "Examples: ccvt sample --dim 2 --sites 1024 --periodic -o sites.npy\n"
+      "          ccvt sample --dim 3 --sites 262144 --periodic --box-size 100 -o load.hdf5");
   return command;
+}
+
+/// What distances are.
+void add_spaces(CLI::App& command, TessellateArguments& arguments) {
+  constexpr double infinity = std::numeric_limits<double>::max();
+  add_flag(command, "--periodic", arguments.periodic, "Opposite faces of --box are one");
+  add_parsed(
+      command, "--periodic-along", arguments.periodic_along,
+      [](const std::string& text, std::vector<int>& values) {
+        return parse_list(text, 0, Range<int>{.least = 1}, values);
+      },
+      "The same along some dimensions only, from 1", "D,D..");
+  add_parsed(
+      command, "--units", arguments.units,
+      [](const std::string& text, std::vector<double>& values) {
+        return parse_list(text, 0, Range<double>{.least = 0, .most = infinity, .open_below = true},
+                          values);
+      },
+      "What coordinates are multiplied by where distances are measured [1]", "F,F..");
+  add_flag(command, "--whiten", arguments.whiten,
+           "Distances in units of the points' spread along each direction (Mahalanobis)");
 }
 
 CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
@@ -75,17 +109,21 @@ CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
   add_file(*command, "--initial-sites", arguments.initial_sites, "Where the sites start",
            io::kPointFiles)
       ->excludes("--sites");
+  add_fixed_sites(*command, arguments.fixed_sites);
   add_file(*command, "--capacities", arguments.capacities,
-           "How many points each site owns, summing to the number of points [equal]",
+           "How many points each site owns, summing to the number of points, or, with masses, how "
+           "much mass [equal]",
            io::kTableFiles);
-  add_flag(*command, "--periodic", arguments.periodic, "Opposite faces of --box are one");
+  add_spaces(*command, arguments);
+  add_masses(*command, arguments.mass);
   add_box(*command, arguments.box, "The box that holds the points");
   add_common(*command, arguments, io::kTableFiles, "as the points are stored; text: float64",
              "stable");
   add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too",
            io::kTableFiles);
   command->footer(
-      "Example: ccvt tessellate points.csv --sites 100 --periodic --box 0 0 1 1 -o sites.csv");
+      "Examples: ccvt tessellate points.csv --sites 100 --periodic --box 0 0 1 1 -o sites.csv\n"
+      "          ccvt tessellate stars.csv --mass-column m --sites 100 -o sites.csv");
   return command;
 }
 
@@ -160,7 +198,9 @@ CLI::App* add_analyze(CLI::App& app, AnalyzeArguments& arguments) {
               ". Files after one without a name are runs of it")
       ->type_name("NAME=FILE");
   add_flag(*command, "--periodic", arguments.periodic, "Opposite faces of the box are one");
-  add_box(*command, arguments.box, "The box that the points fill [the unit box]");
+  add_box(*command, arguments.box,
+          "The box that the points fill [the unit box; of .gadget and .hdf5 the periodic one they "
+          "name]");
   add_number<double>(*command, "--max-frequency", arguments.max_frequency,
                      "Up to which frequency, in units of n^(1/D) in the unit box [2]", "F",
                      {.least = 0, .most = 1000, .open_below = true});
@@ -321,12 +361,14 @@ int run_command_line(int argc, const char* const* argv) {
   EncodeArguments encode;
   VolumeArguments volume;
   SurfaceArguments surface;
+  ThinArguments thin;
   const std::vector<std::pair<const CLI::App*, std::function<int()>>> commands = {
       {add_sample(app, sample), [&] { return run_sample(sample); }},
       {add_tessellate(app, tessellate), [&] { return run_tessellate(tessellate); }},
       {add_stipple(app, stipple), [&] { return run_stipple(stipple); }},
       {add_volume(app, volume), [&] { return run_volume(volume); }},
       {add_surface(app, surface), [&] { return run_surface(surface); }},
+      {add_thin(app, thin), [&] { return run_thin(thin); }},
       {add_analyze(app, analyze), [&] { return run_analyze(analyze); }},
       {add_quantize(app, quantize), [&] { return run_quantize(quantize); }},
       {add_encode(app, encode), [&] { return run_encode(encode); }},

@@ -12,6 +12,8 @@
 #include "ccvt/sampling.h"
 #include "ccvt/types.h"
 #include "ccvt/volume.h"
+#include "cli/mass_arguments.h"
+#include "cli/particle_arguments.h"
 
 namespace ccvt::cli {
 
@@ -36,9 +38,11 @@ struct SampleArguments : CommonArguments {
   Index sites = 0;
   Index points_per_site = 256;
   bool periodic = false;
+  std::filesystem::path fixed_sites;  ///< empty: none
   Distribution distribution = Distribution::jittered;
   std::filesystem::path points_out;
   std::filesystem::path owners_out;
+  ParticleArguments particles;  ///< where the sites go into a file of particles
 };
 
 struct TessellateArguments : CommonArguments {
@@ -46,10 +50,15 @@ struct TessellateArguments : CommonArguments {
   ReadOptions reading;                  ///< of the points
   Index sites = 0;                      ///< 0: as many as there are initial sites
   std::filesystem::path initial_sites;  ///< empty: drawn from the points
+  std::filesystem::path fixed_sites;    ///< empty: none
   std::filesystem::path capacities;     ///< empty: equal
   bool periodic = false;
+  std::vector<int> periodic_along;  ///< dimensions from 1; empty: all or none
+  std::vector<double> units;        ///< of each dimension; empty: 1
+  bool whiten = false;
   std::vector<double> box;  ///< all lower bounds, then all upper bounds; empty: none
   std::filesystem::path owners_out;
+  MassArguments mass;
 };
 
 struct StippleArguments : CommonArguments {

@@ -24,6 +24,36 @@ double tick_step(double span) {
   return power * (share >= 5 ? 5 : share >= 2 ? 2 : 1);
 }
 
+/// "0.05"; of less than a hundredth "10" and a raised "-7", in UTF-8. `value` has one digit.
+std::string decade_text(double value) {
+  if (value > 0.999e-2) return decimal_text(value, 3);
+  const char* const raised[] = {"\xE2\x81\xB0", "\xC2\xB9",     "\xC2\xB2",     "\xC2\xB3",
+                                "\xE2\x81\xB4", "\xE2\x81\xB5", "\xE2\x81\xB6", "\xE2\x81\xB7",
+                                "\xE2\x81\xB8", "\xE2\x81\xB9"};
+  const double power = std::floor(std::log10(value) + 1e-9);
+  const double digit = std::round(value / std::pow(10, power));
+  std::string label = (digit > 1 ? decimal_text(digit, 0) + "\xC2\xB7" : "") + "10\xE2\x81\xBB";
+  for (const char c : decimal_text(-power, 0)) label += raised[c - '0'];
+  return label;
+}
+
+/// Where the lines of a logarithmic axis are: 1, 2 and 5 times powers of ten where there are few
+/// powers, else powers alone, as many as have room.
+std::vector<double> logarithmic_ticks(double least, double most) {
+  std::vector<double> ticks;
+  const double decades = std::log10(most / least);
+  const int step = std::max(1, static_cast<int>(std::ceil(decades / 10)));
+  const int first = static_cast<int>(std::floor(std::log10(least) + 1e-9));
+  for (int power = first; std::pow(10, power) <= most * (1 + 1e-9); power += step) {
+    for (const double digit : {1.0, 2.0, 5.0}) {
+      const double tick = digit * std::pow(10, power);
+      if (digit > 1 && decades > 3) break;
+      if (tick >= least * (1 - 1e-9) && tick <= most * (1 + 1e-9)) ticks.push_back(tick);
+    }
+  }
+  return ticks;
+}
+
 class Drawing {
  public:
   explicit Drawing(const Chart& chart) : chart_(chart) {
@@ -43,7 +73,10 @@ class Drawing {
       }
     }
     for (std::size_t c = 0; c < chart_.curves.size(); ++c) {
-      const std::string style = "curve c" + std::to_string(c % kColours);
+      const int colour = chart_.curves[c].colour;
+      const std::size_t number = colour < 0 ? c : static_cast<std::size_t>(colour);
+      const std::string style = "curve c" + std::to_string(number % kColours) +
+                                (chart_.curves[c].dashed ? " dashed" : "");
       curve(chart_.curves[c], style);
       legend(style, chart_.curves[c].name, y);
     }
@@ -53,12 +86,16 @@ class Drawing {
 
  private:
   static std::string number(double value) { return decimal_text(value, 2); }
+  /// How far `value` is from one bound to the other.
+  [[nodiscard]] double share(double value, double least, double most) const {
+    if (chart_.logarithmic) return std::log(value / least) / std::log(most / least);
+    return (value - least) / (most - least);
+  }
   [[nodiscard]] double at_x(double x) const {
-    return kLeft + (kWidth - kLeft - kRight) * x / chart_.x_most;
+    return kLeft + (kWidth - kLeft - kRight) * share(x, chart_.x_least, chart_.x_most);
   }
   [[nodiscard]] double at_y(double y) const {
-    const double share = (y - chart_.y_least) / (chart_.y_most - chart_.y_least);
-    return kTop + kPlotHeight * (1 - share);
+    return kTop + kPlotHeight * (1 - share(y, chart_.y_least, chart_.y_most));
   }
 
   void line(const std::string& style, double x0, double y0, double x1, double y1) {
@@ -71,19 +108,28 @@ class Drawing {
             more + ">" + escaped(words) + "</text>\n";
   }
 
+  [[nodiscard]] std::vector<double> ticks(double least, double most) const {
+    if (chart_.logarithmic) return logarithmic_ticks(least, most);
+    std::vector<double> ticks;
+    const double step = tick_step(most - least);
+    const double first = std::ceil(least / step - 1e-9);
+    for (int i = 0; (first + i) * step <= most + 1e-9 * step; ++i)
+      ticks.push_back((first + i) * step);
+    return ticks;
+  }
+  [[nodiscard]] std::string tick_text(double value) const {
+    return chart_.logarithmic ? decade_text(value) : decimal_text(value, 3);
+  }
+
   void axes() {
     const double bottom = kTop + kPlotHeight;
-    const double x_step = tick_step(chart_.x_most);
-    for (int i = 0; i * x_step <= chart_.x_most * (1 + 1e-9); ++i) {
-      line("grid", at_x(i * x_step), kTop, at_x(i * x_step), bottom);
-      text(at_x(i * x_step), bottom + 18, "middle", decimal_text(i * x_step, 3));
+    for (const double x : ticks(chart_.x_least, chart_.x_most)) {
+      line("grid", at_x(x), kTop, at_x(x), bottom);
+      text(at_x(x), bottom + 18, "middle", tick_text(x));
     }
-    const double y_step = tick_step(chart_.y_most - chart_.y_least);
-    const double first = std::ceil(chart_.y_least / y_step - 1e-9);
-    for (int i = 0; (first + i) * y_step <= chart_.y_most + 1e-9 * y_step; ++i) {
-      const double y = (first + i) * y_step;
+    for (const double y : ticks(chart_.y_least, chart_.y_most)) {
       line("grid", kLeft, at_y(y), kWidth - kRight, at_y(y));
-      text(kLeft - 6, at_y(y) + 5, "end", decimal_text(y, 3));
+      text(kLeft - 6, at_y(y) + 5, "end", tick_text(y));
     }
     text((kLeft + kWidth - kRight) / 2, bottom + 40, "middle", chart_.x_label);
     const std::string middle = number(kTop + kPlotHeight / 2);
@@ -95,7 +141,7 @@ class Drawing {
     std::string path;
     bool pen_down = false;
     for (std::size_t i = 0; i < curve.x.size(); ++i) {
-      if (!std::isfinite(curve.y[i])) {
+      if (!std::isfinite(curve.y[i]) || (chart_.logarithmic && !(curve.y[i] > 0))) {
         pen_down = false;
         continue;
       }
@@ -158,6 +204,7 @@ std::string svg_style() {
          ".ccvt .grid{stroke:#e4e4e7}\n"
          ".ccvt .guide{stroke:#71717a;stroke-width:1.5;stroke-dasharray:5 4}\n"
          ".ccvt .curve{fill:none;stroke-width:2;stroke-linejoin:round;stroke-linecap:round}\n"
+         ".ccvt .dashed{stroke-dasharray:3 5}\n"
          ".ccvt .box{fill:none;stroke:#a1a1aa}\n"
          ".ccvt .dots{fill:#18181b}\n" +
          light +

@@ -10,6 +10,8 @@ struct Curve {
   std::string name;
   std::vector<double> x;
   std::vector<double> y;
+  int colour = -1;  ///< a number from 0; -1: that of the curve among all
+  bool dashed = false;
 };
 
 /// A horizontal line that says what a curve may be compared with.
@@ -22,11 +24,14 @@ struct Chart {
   std::string title;
   std::string x_label;
   std::string y_label;
-  double x_most = 1;  ///< x starts at 0
+  double x_least = 0;
+  double x_most = 1;
   double y_least = 0;
   double y_most = 1;
   std::vector<Curve> curves;
   std::vector<Guide> guides;
+  /// Both axes; then all bounds are above 0, and what is not above 0 of a curve leaves a gap.
+  bool logarithmic = false;
 };
 
 /// The chart as an <svg> element, to stand in a page that has svg_style(). Curves after the first

@@ -182,6 +182,8 @@ std::string report_page(const std::vector<AnalyzedSet>& sets,
   html += "</ul>\n" + table(sets);
   html += "<div class=\"grid\">\n";
   html += figure_card("Radially averaged power", radial_svg(sets), "");
+  html += figure_card("Power on logarithmic axes", power_law_svg(sets),
+                      "Dashed: the power law fitted at low frequency.");
   html += figure_card("Anisotropy", anisotropy_svg(sets), "");
   html += figure_card("Pair correlation", pair_correlation_svg(sets), "");
   html += "</div>\n";

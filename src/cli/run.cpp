@@ -16,8 +16,19 @@ namespace ccvt::cli {
 
 namespace {
 
+nlohmann::ordered_json json_of(const MassFigures& masses) {
+  return {{"method", masses.method},
+          {"total", masses.total},
+          {"largest_error", masses.largest_error},
+          {"worst_site", masses.worst_site},
+          {"error_bound", masses.error_bound},
+          {"relative_error", masses.relative_error},
+          {"shared_points", masses.shared_points}};
+}
+
 std::string summary_json(const std::string& command, const Summary& summary,
-                         const std::optional<PutBack>& put_back) {
+                         const std::optional<PutBack>& put_back,
+                         const std::optional<MassFigures>& masses) {
   nlohmann::ordered_json json;
   json["version"] = CCVT_VERSION;
   json["command"] = command;
@@ -52,6 +63,7 @@ std::string summary_json(const std::string& command, const Summary& summary,
   if (put_back) {
     json["put_back"] = {{"sites", put_back->sites}, {"farthest", put_back->farthest}};
   }
+  if (masses) json["masses"] = json_of(*masses);
   json["warnings"] = summary.warnings;
   // JSON has no infinity and no NaN; the library writes null for them.
   return json.dump(2) + "\n";
@@ -122,9 +134,10 @@ std::string one_line(std::string message) {
 }
 
 void write_summary(const CommonArguments& common, const Summary& summary,
-                   const std::optional<PutBack>& put_back) {
+                   const std::optional<PutBack>& put_back,
+                   const std::optional<MassFigures>& masses) {
   if (!common.summary.empty()) {
-    write_text(common.summary, summary_json(common.command, summary, put_back));
+    write_text(common.summary, summary_json(common.command, summary, put_back, masses));
   }
 }
 

@@ -10,6 +10,7 @@
 #include "ccvt/io.h"
 #include "ccvt/options.h"
 #include "ccvt/publication.h"
+#include "ccvt/region.h"
 #include "ccvt/summary.h"
 #include "ccvt/types.h"
 #include "cli/arguments.h"
@@ -26,6 +27,20 @@ Options make_options(const CommonArguments& common, const Options& defaults, Ind
 /// has `dimension` dimensions, those of the points in `file`, of positive extent.
 Box make_box(const std::vector<double>& numbers, int dimension, const std::string& file);
 
+/// Points of `dimension` dimensions: fixed or initial sites, called `what` in messages. Throws
+/// InvalidInput where the file's have another number.
+template <class Scalar>
+Points<Scalar> read_sites(const std::filesystem::path& path, const std::string& what,
+                          int dimension) {
+  Points<Scalar> sites = read_points<Scalar>(path);
+  if (sites.rows() != dimension) {
+    throw InvalidInput(path.string() + ": " + what + " have " + std::to_string(sites.rows()) +
+                       " coordinates, points have " + std::to_string(dimension) +
+                       ": the two must be equal");
+  }
+  return sites;
+}
+
 /// inspect_points(), and says on standard error which columns are left out, if any are, unless the
 /// user said which are wanted, or wants quiet.
 PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptions& options,
@@ -34,15 +49,21 @@ PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptio
 /// `message` with what is no letter replaced, and a line end: one line, whatever names it holds.
 std::string one_line(std::string message);
 
-/// Sites that were moved after the end of a run.
-struct PutBack {
-  Index sites = 0;
-  double farthest = 0;
+/// How far the masses of cells are from their capacities.
+struct MassFigures {
+  std::string method;
+  double total = 0;
+  double largest_error = 0;   ///< of a cell, in the units of the masses
+  Index worst_site = 0;       ///< whose that is
+  double error_bound = 0;     ///< infinite: there is none
+  double relative_error = 0;  ///< the root mean square, relative to capacities
+  Index shared_points = 0;
 };
 
 /// Writes the summary file, if there is to be one.
 void write_summary(const CommonArguments& common, const Summary& summary,
-                   const std::optional<PutBack>& put_back = {});
+                   const std::optional<PutBack>& put_back = {},
+                   const std::optional<MassFigures>& masses = {});
 
 /// Prints warnings on the standard error output, a line each, unless `quiet`.
 void warn(bool quiet, const std::vector<std::string>& warnings);

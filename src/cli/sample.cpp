@@ -1,18 +1,30 @@
 
 #include "ccvt/io.h"
+#include "ccvt/particles.h"
 #include "ccvt/problem.h"
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
+#include "cli/streams.h"
+#include "number_text.h"
 
 namespace ccvt::cli {
 
 namespace {
 
+/// "2097152 particles of mass 0.00411 in a box of 100"
+std::string describe_particles(Index sites, const ParticleOptions& options) {
+  return std::to_string(particle_count(sites, options)) + " particles of mass " +
+         text(particle_mass(sites, options), 6) + " in a periodic box of " + text(options.box_size);
+}
+
 template <class Scalar>
 int sample(const SampleArguments& arguments) {
+  const bool particles = makes_particles(arguments);
+  const ParticleOptions load = particle_options(arguments.particles);
+  if (particles) check_particles(arguments.output, arguments.sites, sizeof(Scalar), load);
   check_memory(arguments.sites, arguments.points_per_site, arguments.dimension, sizeof(Scalar));
   const Index count = arguments.sites * arguments.points_per_site;
   const Box box = Box::unit(arguments.dimension);
@@ -21,6 +33,11 @@ int sample(const SampleArguments& arguments) {
 
   Problem<Scalar> problem(points, arguments.sites, arguments.threads);
   problem.set_domain(arguments.periodic ? Domain::periodic(box) : Domain::euclidean(box));
+  if (!arguments.fixed_sites.empty()) {
+    const auto fixed =
+        read_sites<Scalar>(arguments.fixed_sites, "fixed sites", arguments.dimension);
+    blame(arguments.fixed_sites, [&] { problem.set_fixed_sites(fixed); });
+  }
   const auto result = [&] {
     Progress progress(arguments.quiet);
     return tessellate(problem,
@@ -31,18 +48,25 @@ int sample(const SampleArguments& arguments) {
   if (!arguments.points_out.empty()) write_points(arguments.points_out, points);
   if (!arguments.owners_out.empty()) write_owners(arguments.owners_out, result.owners);
   write_summary(arguments, result.summary);
-  write_points(arguments.output, result.sites);
-  return finish(arguments, outputs, result.summary);
+  if (particles) {
+    write_particles(arguments.output, result.sites, load);
+  } else {
+    write_points(arguments.output, result.sites);
+  }
+  const int status = finish(arguments, outputs, result.summary);
+  if (particles && !arguments.quiet) print(describe_particles(arguments.sites, load) + "\n");
+  return status;
 }
 
 }  // namespace
 
 int run_sample(const SampleArguments& arguments) {
   Outputs()
-      .add("--output", arguments.output, io::kTableFiles)
+      .add("--output", arguments.output, io::kSiteFiles)
       .add("--points-out", arguments.points_out, io::kTableFiles)
       .add("--owners-out", arguments.owners_out, io::kTableFiles)
       .add("--summary", arguments.summary)
+      .add_input("--fixed-sites", arguments.fixed_sites)
       .check();
   return arguments.scalar == ScalarType::float64 ? sample<double>(arguments)
                                                  : sample<float>(arguments);

@@ -1,12 +1,17 @@
 #include <Eigen/Core>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "ccvt/io.h"
+#include "ccvt/linear_map.h"
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
+#include "cli/tessellate_masses.h"
 
 namespace ccvt::cli {
 
@@ -15,7 +20,31 @@ namespace {
 Domain make_domain(const TessellateArguments& arguments, int dimension) {
   if (arguments.box.empty()) return {};
   Box box = make_box(arguments.box, dimension, arguments.points.string());
-  return arguments.periodic ? Domain::periodic(std::move(box)) : Domain::euclidean(std::move(box));
+  std::vector<bool> along(static_cast<std::size_t>(dimension), arguments.periodic);
+  for (const int d : arguments.periodic_along) {
+    if (d > dimension) {
+      throw InvalidInput("--periodic-along: there is no dimension " + std::to_string(d) +
+                         ": the points have " + std::to_string(dimension));
+    }
+    along[static_cast<std::size_t>(d - 1)] = true;
+  }
+  return Domain::periodic(std::move(box), along);
+}
+
+/// How distances are measured, if not as the coordinates say.
+template <class Scalar>
+std::optional<LinearMap> make_map(const TessellateArguments& arguments,
+                                  const Points<Scalar>& points) {
+  if (arguments.whiten) {
+    return blame(arguments.points, [&] { return LinearMap::whitening(points); });
+  }
+  if (arguments.units.empty()) return {};
+  if (std::ssize(arguments.units) != points.rows()) {
+    throw InvalidInput("--units: there are " + std::to_string(arguments.units.size()) +
+                       " numbers, but the points in " + arguments.points.string() + " have " +
+                       std::to_string(points.rows()) + " dimensions");
+  }
+  return LinearMap::units(Coordinates(arguments.units));
 }
 
 template <class Scalar>
@@ -23,17 +52,24 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
   check_memory(arguments.points.string(), header.count, header.dimension, sizeof(Scalar));
   Domain domain = make_domain(arguments, header.dimension);
   Points<Scalar> initial_sites;
+  Points<Scalar> fixed_sites(header.dimension, 0);
+  Points<Scalar> mapped_fixed_sites;
   Index sites = arguments.sites;
   if (!arguments.initial_sites.empty()) {
-    initial_sites = read_points<Scalar>(arguments.initial_sites);
-    if (initial_sites.rows() != header.dimension) {
-      throw InvalidInput(arguments.initial_sites.string() + ": initial sites have " +
-                         std::to_string(initial_sites.rows()) + " coordinates, points have " +
-                         std::to_string(header.dimension) + ": the two must be equal");
-    }
+    initial_sites = read_sites<Scalar>(arguments.initial_sites, "initial sites", header.dimension);
     sites = static_cast<Index>(initial_sites.cols());
   }
-  const Points<Scalar> points = read_points<Scalar>(arguments.points, arguments.reading);
+  if (!arguments.fixed_sites.empty()) {
+    fixed_sites = read_sites<Scalar>(arguments.fixed_sites, "fixed sites", header.dimension);
+  }
+  Points<Scalar> points = read_points<Scalar>(arguments.points, arguments.reading);
+  const std::optional<LinearMap> map = make_map(arguments, points);
+  if (map) {
+    domain = (*map)(domain);
+    blame(arguments.points, [&] { points = (*map)(points); });
+    if (initial_sites.size() > 0) initial_sites = (*map)(initial_sites);
+    if (fixed_sites.size() > 0) mapped_fixed_sites = (*map)(fixed_sites);
+  }
 
   Problem<Scalar> problem =
       blame(arguments.points, [&] { return Problem<Scalar>(points, sites, arguments.threads); });
@@ -45,10 +81,18 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
   if (initial_sites.size() > 0) {
     blame(arguments.initial_sites, [&] { problem.set_initial_sites(initial_sites); });
   }
-  const auto result = [&] {
+  if (fixed_sites.size() > 0) {
+    blame(arguments.fixed_sites,
+          [&] { problem.set_fixed_sites(map ? mapped_fixed_sites : fixed_sites); });
+  }
+  auto result = [&] {
     Progress progress(arguments.quiet);
     return tessellate(problem, make_options(arguments, {}, sites, progress));
   }();
+  if (map) {
+    result.sites = map->inverse(result.sites);
+    result.sites.leftCols(fixed_sites.cols()) = fixed_sites;  // to the bit
+  }
 
   Publication outputs;
   if (!arguments.owners_out.empty()) write_owners(arguments.owners_out, result.owners);
@@ -63,9 +107,14 @@ int run_tessellate(const TessellateArguments& arguments) {
   if (arguments.sites == 0 && arguments.initial_sites.empty()) {
     throw InvalidInput("tessellate: needs --sites or --initial-sites; see ccvt tessellate --help");
   }
-  if (arguments.periodic && arguments.box.empty()) {
-    throw InvalidInput(
-        "--periodic: needs --box, the bounds of one period; see ccvt tessellate --help");
+  const bool along = !arguments.periodic_along.empty();
+  if ((arguments.periodic || along) && arguments.box.empty()) {
+    throw InvalidInput(std::string(along ? "--periodic-along" : "--periodic") +
+                       ": needs --box, the bounds of one period; see ccvt tessellate --help");
+  }
+  if (arguments.whiten && (!arguments.units.empty() || !arguments.box.empty())) {
+    throw InvalidInput(std::string("--whiten: excludes ") +
+                       (arguments.units.empty() ? "--box, which it would turn" : "--units"));
   }
   const PointsHeader header =
       inspect_and_tell(arguments.points, arguments.reading, arguments.quiet);
@@ -75,8 +124,13 @@ int run_tessellate(const TessellateArguments& arguments) {
       .add("--summary", arguments.summary)
       .add_input("POINTS", arguments.points)
       .add_input("--initial-sites", arguments.initial_sites)
+      .add_input("--fixed-sites", arguments.fixed_sites)
       .add_input("--capacities", arguments.capacities)
+      .add_input("--masses", arguments.mass.file)
       .check();
+  if (check_masses(arguments, header)) {
+    return run_with_masses(arguments, header, make_domain(arguments, header.dimension));
+  }
   return arguments.scalar.value_or(header.scalar) == ScalarType::float32
              ? tessellate_file<float>(arguments, header)
              : tessellate_file<double>(arguments, header);

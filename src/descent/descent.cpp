@@ -77,6 +77,7 @@ Descent<Scalar>::Descent(const Metric& metric, const Arena& arena, Stop& stop,
       capacity_(state.cells.site_count()),
       radius_(state.sites.radius),
       position_(state.sites.position),
+      fixed_(state.sites.fixed),
       directions_(capacity_, state.sites.dimension, arena) {
   for (const SiteNumber s : state.cells.sites()) capacity_[s] = state.cells.size(s);
   weights_.resize(capacity_.size(), 0.0);
@@ -151,8 +152,21 @@ bool Descent<Scalar>::start(const LevelState<Scalar>& state) {
 template <class Scalar>
 void Descent<Scalar>::look() {
   energy_ = borders_.energy();
-  gradient_ = borders_.to_centroid();
-  for (double& g : gradient_) g = -g;
+  gradient_ = gradient_here();
+}
+
+/// By how much the energy of the diagram last counted grows where sites move, a point and half a
+/// step; nothing where they are fixed.
+template <class Scalar>
+std::vector<double> Descent<Scalar>::gradient_here() const {
+  const std::size_t dimension = metric_.coordinate_count();
+  std::vector<double> gradient = borders_.to_centroid();
+  for (double& g : gradient) g = -g;
+  for (std::size_t s = 0; s < fixed_.size(); ++s) {
+    if (fixed_[s] != 0)
+      std::fill_n(gradient.begin() + std::ptrdiff_t(s * dimension), dimension, 0.0);
+  }
+  return gradient;
 }
 
 /// How far sites are from the centroids of what they own, at most, of the radius.
@@ -230,9 +244,9 @@ bool Descent<Scalar>::descend() {
     }
     if (!fill(next, fullness) || borders_.energy() > energy_ + kSufficient * 2 * part * slope)
       continue;
-    std::vector<double> change(gradient_.size());
+    std::vector<double> change = gradient_here();
     for (std::size_t k = 0; k < change.size(); ++k) {
-      change[k] = -borders_.to_centroid()[k] - gradient_[k];
+      change[k] -= gradient_[k];
       gradient_[k] += change[k];
     }
     directions_.add(std::move(direction), std::move(change));

@@ -52,6 +52,7 @@ class Descent {
   bool find_neighbours(const LevelState<Scalar>& state);
   bool start(const LevelState<Scalar>& state);
   void look();
+  [[nodiscard]] std::vector<double> gradient_here() const;
   bool fill(PowerDiagram& diagram, double fullness);
   bool descend();
   [[nodiscard]] double farthest_centroid() const;
@@ -75,7 +76,8 @@ class Descent {
   Borders<Scalar> borders_;
   std::vector<double> capacity_;
   std::vector<double> radius_;
-  std::vector<double> position_;  ///< of the sites, where the borders were found
+  std::vector<double> position_;     ///< of the sites, where the borders were found
+  std::vector<std::uint8_t> fixed_;  ///< of each site: whether it stays there; or empty
   Lbfgs directions_;
   PowerDiagram at_;               ///< what has been descended to
   std::vector<double> gradient_;  ///< there, in the inner product of `directions_`, halved

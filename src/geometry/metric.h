@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ccvt/domain.h"
+#include "geometry/torus.h"
 
 namespace ccvt {
 
@@ -24,12 +25,13 @@ inline double shortest_distance(double difference, double extent) {
   return std::min(one_way, extent - one_way);
 }
 
-/// Squared distances in the domain. Euclidean when `extent` is empty, else on the torus.
+/// Squared distances in the domain. Euclidean when `extent` is empty, else on its torus, see
+/// torus_of().
 class Metric {
  public:
   Metric(int dimension, const Domain& domain) : dimension_(dimension) {
     if (!domain.is_periodic()) return;
-    const Box& box = domain.box();
+    const Box box = torus_of(domain);
     lower_.assign(box.lower.begin(), box.lower.end());
     const Eigen::VectorXd extent = box.extent();
     extent_.assign(extent.begin(), extent.end());

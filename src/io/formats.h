@@ -14,10 +14,17 @@ namespace ccvt::io {
 using Extensions = std::span<const std::string_view>;
 
 /// Read as points.
-inline constexpr std::array<std::string_view, 6> kPointFiles = {".npy", ".csv",   ".txt",
-                                                                ".ply", ".fvecs", ".bvecs"};
+inline constexpr std::array<std::string_view, 8> kPointFiles = {
+    ".npy", ".csv", ".txt", ".ply", ".fvecs", ".bvecs", ".gadget", ".hdf5"};
+/// Written as particles.
+inline constexpr std::array<std::string_view, 2> kParticleFiles = {".gadget", ".hdf5"};
+/// Written as points or as particles.
+inline constexpr std::array<std::string_view, 5> kSiteFiles = {".npy", ".csv", ".txt", ".gadget",
+                                                               ".hdf5"};
 /// Written as points; read and written as whole numbers.
 inline constexpr std::array<std::string_view, 3> kTableFiles = {".npy", ".csv", ".txt"};
+/// Written as points that were chosen from others.
+inline constexpr std::array<std::string_view, 4> kThinFiles = {".ply", ".csv", ".txt", ".npy"};
 /// Read as volumes.
 inline constexpr std::array<std::string_view, 6> kVolumeFiles = {".nii",  ".nii.gz", ".nrrd",
                                                                  ".nhdr", ".npy",    ".raw"};

@@ -14,10 +14,7 @@
 
 namespace ccvt::io {
 
-namespace {
-
-/// The vertices, with the properties that are coordinates under their axes.
-PlyElement& find_vertices(PlyFile& ply, const ReadOptions& options) {
+PlyElement& find_ply_vertices(PlyFile& ply, const ReadOptions& options) {
   PlyElement* const vertices = ply.find("vertex");
   if (vertices == nullptr) ply.file().fail("has no element 'vertex'");
   std::vector<std::string> names;
@@ -46,7 +43,7 @@ PlyElement& find_vertices(PlyFile& ply, const ReadOptions& options) {
   return *vertices;
 }
 
-PointsHeader header_of(const PlyElement& vertices) {
+PointsHeader ply_header(const PlyElement& vertices) {
   PointsHeader header;
   header.scalar = ScalarType::float32;
   for (const PlyProperty& property : vertices.properties) {
@@ -58,8 +55,8 @@ PointsHeader header_of(const PlyElement& vertices) {
   return header;
 }
 
-[[noreturn]] void fail_coordinate(PlyFile& ply, const PlyElement& vertices, std::uint64_t vertex,
-                                  int axis, double value) {
+void fail_ply_coordinate(PlyFile& ply, const PlyElement& vertices, std::int64_t vertex, int axis,
+                         double value) {
   const auto property =
       std::find_if(vertices.properties.begin(), vertices.properties.end(),
                    [axis](const PlyProperty& candidate) { return candidate.slot == axis; });
@@ -70,26 +67,25 @@ PointsHeader header_of(const PlyElement& vertices) {
       (std::isfinite(value) ? ", out of the range of float32" : "; coordinates must be finite"));
 }
 
-}  // namespace
-
 PointsHeader inspect_ply_points(const std::filesystem::path& path, const ReadOptions& options) {
   PlyFile ply(path);
-  return header_of(find_vertices(ply, options));
+  return ply_header(find_ply_vertices(ply, options));
 }
 
 template <class Scalar>
 void read_ply_points(const std::filesystem::path& path, const ReadOptions& options,
                      const detail::Allocation<Scalar>& allocation) {
   PlyFile ply(path);
-  const PlyElement& vertices = find_vertices(ply, options);
-  const PointsHeader header = header_of(vertices);
+  const PlyElement& vertices = find_ply_vertices(ply, options);
+  const PointsHeader header = ply_header(vertices);
   ply.skip_to(vertices);
   PointsMap<Scalar> points = allocate(allocation, header);
   Scalar* point = points.data();
   for (std::uint64_t i = 0; i < header.count; ++i) {
     ply.read_item(vertices, i, [&](int axis, double value) {
       const auto x = static_cast<Scalar>(value);
-      if (!std::isfinite(x)) fail_coordinate(ply, vertices, i, axis, value);
+      if (!std::isfinite(x))
+        fail_ply_coordinate(ply, vertices, static_cast<std::int64_t>(i), axis, value);
       point[axis] = x;
     });
     point += header.dimension;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "ccvt/io.h"
+#include "io/ply_file.h"
 
 namespace ccvt::io {
 
@@ -13,5 +15,13 @@ PointsHeader inspect_ply_points(const std::filesystem::path& path, const ReadOpt
 template <class Scalar>
 void read_ply_points(const std::filesystem::path& path, const ReadOptions& options,
                      const detail::Allocation<Scalar>& allocation);
+
+/// The vertices, with the properties that are coordinates under their axes as slots.
+PlyElement& find_ply_vertices(PlyFile& ply, const ReadOptions& options);
+/// How they store their coordinates.
+PointsHeader ply_header(const PlyElement& vertices);
+/// Throws for a coordinate that is no number of its type.
+[[noreturn]] void fail_ply_coordinate(PlyFile& ply, const PlyElement& vertices, std::int64_t vertex,
+                                      int axis, double value);
 
 }  // namespace ccvt::io

@@ -188,20 +188,26 @@ void PlyFile::add_property(const std::vector<std::string_view>& words) {
 
 std::string_view PlyFile::next_word() {
   if (next_ == words_.size()) file_.fail(place_ + ": has too few numbers");
+  if (copy_ != nullptr) {
+    *copy_ += words_[next_];
+    *copy_ += ' ';
+  }
   return words_[next_++];
 }
 
-double PlyFile::read_number(PlyType type) {
+double PlyFile::read_number(PlyType type, bool any) {
   if (encoding_ == Encoding::ascii) {
     double value = 0;
     const std::string_view word = next_word();
     const char* const wrong = parse(word, value);
-    if (wrong != nullptr) file_.fail(place_ + ": " + io::quoted(word) + " " + wrong);
+    if (wrong != nullptr && !(any && !std::isfinite(value)))
+      file_.fail(place_ + ": " + io::quoted(word) + " " + wrong);
     return value;
   }
   std::array<char, 8> bytes{};
   const std::size_t size = bytes_of(type);
   file_.read(bytes.data(), size);
+  if (copy_ != nullptr) copy_->append(bytes.data(), size);
   static_assert(std::endian::native == std::endian::little);
   if (encoding_ == Encoding::big) {
     std::reverse(bytes.data(), bytes.data() + size);

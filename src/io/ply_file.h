@@ -19,7 +19,8 @@ struct PlyProperty {
   bool list = false;
   PlyType length = PlyType::uint8;  ///< of a list
   std::string name;
-  int slot = -1;  ///< what its values are handed out under; below 0: they are skipped
+  int slot = -1;     ///< what its values are handed out under; below 0: they are skipped
+  bool any = false;  ///< those that are not finite are handed out too, in ascii as well
 };
 
 struct PlyElement {
@@ -58,13 +59,16 @@ class PlyFile {
       const std::uint64_t count = property.list ? read_length(property.length) : 1;
       for (std::uint64_t i = 0; i < count; ++i) {
         if (property.slot >= 0) {
-          visit(property.slot, read_number(property.type));
+          visit(property.slot, read_number(property.type, property.any));
         } else {
           skip_number(property.type);
         }
       }
     }
   }
+  /// From now on what is read of items is appended there too, as it is encoded; of ascii the words,
+  /// with a blank after each.
+  void copy_to(std::string* bytes) { copy_ = bytes; }
   /// Skips all items of the elements before `element`.
   void skip_to(const PlyElement& element);
 
@@ -75,7 +79,7 @@ class PlyFile {
   bool read_line();
   void begin_item(const PlyElement& element, std::uint64_t item);
   std::string_view next_word();
-  double read_number(PlyType type);
+  double read_number(PlyType type, bool any = false);
   void skip_number(PlyType type);
   std::uint64_t read_length(PlyType type);
 
@@ -86,6 +90,7 @@ class PlyFile {
   std::string line_;
   std::vector<std::string_view> words_;  ///< of line_
   std::size_t next_ = 0;
+  std::string* copy_ = nullptr;
   std::string place_;  ///< for messages
 };
 

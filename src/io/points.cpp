@@ -10,6 +10,8 @@
 #include "ccvt/io.h"
 #include "io/columns.h"
 #include "io/formats.h"
+#include "io/gadget.h"
+#include "io/hdf5_particles.h"
 #include "io/input_file.h"
 #include "io/npy.h"
 #include "io/npy_numbers.h"
@@ -116,14 +118,31 @@ void read_text_points(const std::filesystem::path& path, const ReadOptions& opti
   io::allocate(allocation, header) = points.leftCols(count);
 }
 
-/// Those coordinates of vectors that are asked for.
+/// What a file of vectors or particles holds, where no columns are asked for.
+PointsHeader inspect_vectors(const std::filesystem::path& path, const std::string& extension) {
+  if (extension == ".gadget") return io::inspect_gadget_points(path);
+  if (extension == ".hdf5") return io::inspect_hdf5_points(path);
+  return io::inspect_vecs(path);
+}
+
 template <class Scalar>
-void read_vectors(const std::filesystem::path& path, const ReadOptions& options,
-                  const detail::Allocation<Scalar>& allocation) {
+PointsMap<Scalar> read_all_of(const std::filesystem::path& path, const std::string& extension,
+                              const detail::Allocation<Scalar>& allocation) {
+  if (extension == ".gadget") return io::read_gadget_points(path, allocation);
+  if (extension == ".hdf5") return io::read_hdf5_points(path, allocation);
+  return io::read_vecs(path, allocation);
+}
+
+/// Those coordinates of vectors or particles that are asked for.
+template <class Scalar>
+void read_vectors(const std::filesystem::path& path, const std::string& extension,
+                  const ReadOptions& options, const detail::Allocation<Scalar>& allocation) {
   const InputFile file(path);
-  if (options.columns.empty()) return check_finite(file, io::read_vecs(path, allocation));
+  if (options.columns.empty()) {
+    return check_finite(file, read_all_of(path, extension, allocation));
+  }
   Points<Scalar> all;
-  const auto vectors = io::read_vecs(path, detail::allocate_in(all));
+  const auto vectors = read_all_of(path, extension, detail::allocate_in(all));
   const auto columns =
       io::choose_columns(file, options.columns, {}, static_cast<std::size_t>(vectors.rows()));
   const PointsHeader header = {ScalarType::float32, columns.dimension(),
@@ -153,11 +172,12 @@ PointsHeader inspect_points(const std::filesystem::path& path, const ReadOptions
   const std::string extension = points_extension(path);
   if (extension == ".ply") return io::inspect_ply_points(path, options);
   if (extension == ".npy") return io::inspect_npy_points(path, options);
-  if (io::is_vecs(path)) {
-    PointsHeader header = io::inspect_vecs(path);
+  if (io::is_vecs(path) || io::is_among(io::kParticleFiles, extension)) {
+    PointsHeader header = inspect_vectors(path, extension);
     const auto columns = io::choose_columns(InputFile(path), options.columns, {},
                                             static_cast<std::size_t>(header.dimension));
     header.dimension = columns.dimension();
+    if (!options.columns.empty()) header.box.clear();
     return header;
   }
   TextRows rows(path);
@@ -175,7 +195,9 @@ void read_into(const std::filesystem::path& path, const ReadOptions& options,
   const std::string extension = points_extension(path);
   if (extension == ".ply") return io::read_ply_points(path, options, allocation);
   if (extension == ".npy") return io::read_npy_points(path, options, allocation);
-  if (io::is_vecs(path)) return read_vectors(path, options, allocation);
+  if (io::is_vecs(path) || io::is_among(io::kParticleFiles, extension)) {
+    return read_vectors(path, extension, options, allocation);
+  }
   read_text_points(path, options, allocation);
 }
 

@@ -115,7 +115,7 @@ void UnfinishedFile::create(const fs::path& directory, int permissions) {
   while (descriptor_ < 0 && error == EEXIST) {
     fs::path path = parent / random_name();
     live_ = LiveFile::enter(path.string());
-    descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     error = errno;
     if (descriptor_ >= 0) {
       path_ = std::move(path);

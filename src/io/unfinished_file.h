@@ -26,7 +26,7 @@ class UnfinishedFile {
   [[nodiscard]] const std::filesystem::path& target() const { return target_; }
   /// Where the file is until it is published.
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// The file, open for writing. The caller closes it; to be called once.
+  /// The file, open for reading and writing. The caller closes it; to be called once.
   [[nodiscard]] int take_descriptor();
   /// Renames. Throws IoError.
   void publish();

@@ -90,6 +90,11 @@ PointSet::PointSet(Columns<double> points, Domain domain)
   if (!domain_.has_box()) {
     throw InvalidInput("domain: has no box; the box that the points fill is needed");
   }
+  if (domain_.is_partly_periodic()) {
+    throw InvalidInput(
+        "domain: some dimensions are periodic and others are not: spectra are defined for all or "
+        "none");
+  }
   const Box& box = domain_.box();
   if (box.dimension() != dimension()) {
     throw InvalidInput("domain: has " + std::to_string(box.dimension()) +

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "metrics/periodogram.h"
 #include "metrics/sets.h"
 #include "metrics/shells.h"
+#include "metrics/slope.h"
 #include "number_text.h"
 #include "parallel/arena.h"
 #include "random.h"
@@ -23,6 +25,8 @@ constexpr double kLowFrequency = 0.25;
 constexpr double kMostProducts = 0x1p37;  ///< for the whole periodogram of a set
 constexpr double kMostBytes = 0x1p30;     ///< for it and what finds it; for frequencies drawn, too
 constexpr double kNoPower = 1e-20;        ///< what rounding leaves of none
+constexpr double kNoPowerShare =
+    1e-9;  ///< of the mean: what rounding of coordinates leaves of none
 constexpr int kRingDraws = 128;
 constexpr Eigen::Index kBetweenChecks = 1 << 12;
 constexpr int kLowDraws = 512;
@@ -86,6 +90,17 @@ Eigen::VectorXd steps_of(const PointSet& set) {
   return set.mean_spacing() / set.domain().box().extent().array();
 }
 
+/// Shells and slope of the frequencies below kLowFrequency.
+void fill_slope(std::vector<FrequencyPower> low, Spectrum& spectrum) {
+  const double least = std::max(kNoPower, kNoPowerShare * spectrum.low_frequency_power);
+  std::erase_if(low, [least](const FrequencyPower& each) { return !(each.power >= least); });
+  spectrum.low_shells = low_shells(std::move(low));
+  const PowerLaw law = fit_power_law(spectrum.low_shells, spectrum.sets);
+  spectrum.low_frequency_slope = law.slope;
+  spectrum.low_frequency_slope_error = law.error;
+  spectrum.low_frequency_scale = law.scale;
+}
+
 /// Throws unless frequencies can be drawn up to max_frequency, in kMostBytes.
 void check_draws(const Eigen::ArrayXd& half, int dimension, const SpectrumOptions& options,
                  std::size_t rings) {
@@ -104,6 +119,16 @@ void check_draws(const Eigen::ArrayXd& half, int dimension, const SpectrumOption
   throw InvalidInput("ring_width: makes " + std::to_string(rings) + " rings in " +
                      std::to_string(dimension) +
                      " dimensions, too many to draw frequencies in each: choose a larger one");
+}
+
+/// k or -k, the same for both.
+std::vector<int> one_of_pair(const int* k, std::size_t dimension) {
+  std::vector<int> numbers(k, k + dimension);
+  const auto first = std::find_if(numbers.begin(), numbers.end(), [](int n) { return n != 0; });
+  if (first != numbers.end() && *first < 0) {
+    for (int& n : numbers) n = -n;
+  }
+  return numbers;
 }
 
 /// The power of a drawn frequency, |sum|^2 / n, added up over the sets.
@@ -140,6 +165,7 @@ void fill_from_grid(std::span<const PointSet> sets, const SpectrumOptions& optio
 
   const Eigen::VectorXd steps = steps_of(sets.front());
   Sums low;
+  std::vector<FrequencyPower> low_powers;
   // Those behind f = 0 are one of each pair f, -f.
   for (std::size_t at = grid.size() / 2 + 1; at < grid.size(); ++at) {
     if (at % kBetweenChecks == 0) arena.check();
@@ -152,12 +178,16 @@ void fill_from_grid(std::span<const PointSet> sets, const SpectrumOptions& optio
       rest /= grid.width(d);
     }
     const double frequency = std::sqrt(squared);
-    if (frequency < kLowFrequency * (1 - 1e-12)) low.add(spectrum.power[at]);
+    if (frequency < kLowFrequency * (1 - 1e-12)) {
+      low.add(spectrum.power[at]);
+      low_powers.push_back({frequency, spectrum.power[at]});
+    }
     if (frequency > options.max_frequency * (1 + 1e-12)) continue;
     rings[rings.ring_of(frequency)].add(spectrum.power[at]);
   }
   spectrum.rings = rings.rings({}, options.max_frequency);
   spectrum.low_frequency_power = low.count > 0 ? low.power / low.count : kNaN;
+  fill_slope(std::move(low_powers), spectrum);
 }
 
 void fill_from_draws(std::span<const PointSet> sets, const SpectrumOptions& options,
@@ -193,11 +223,21 @@ void fill_from_draws(std::span<const PointSet> sets, const SpectrumOptions& opti
     power[i] = power_at(sets, k, arena) / spectrum.sets;
   });
   Sums low;
+  std::map<std::vector<int>, double> low_powers;
   for (std::size_t i = 0; i < power.size(); ++i) {
-    (ring_of[i] < rings.size() ? rings[ring_of[i]] : low).add(power[i]);
+    const bool is_low = ring_of[i] == rings.size();
+    (is_low ? low : rings[ring_of[i]]).add(power[i]);
+    if (is_low) low_powers[one_of_pair(&drawn[i * dimension], dimension)] = power[i];
   }
   spectrum.rings = rings.rings(counts, options.max_frequency);
   spectrum.low_frequency_power = low.count > 0 ? low.power / low.count : kNaN;
+  const Eigen::VectorXd steps = steps_of(sets.front());
+  std::vector<FrequencyPower> once;
+  for (const auto& [k, p] : low_powers) {
+    const Eigen::Map<const Eigen::VectorXi> numbers(k.data(), spectrum.dimension);
+    once.push_back({(numbers.cast<double>().array() * steps.array()).matrix().norm(), p});
+  }
+  fill_slope(std::move(once), spectrum);
 }
 
 /// The mean power below a frequency, as a function of it, last falls through 0.1 here.

@@ -6,6 +6,7 @@
 #include "parallel/loops.h"
 #include "relax/subsets.h"
 #include "schedule/tiling.h"
+#include "spatial/site_tree.h"
 #include "streams.h"
 
 namespace ccvt {
@@ -27,6 +28,23 @@ Buffer<PointNumber> distinct_points(std::size_t count, std::size_t points, std::
       });
 }
 
+/// Sites that stay take the places of the nearest drawn ones, and the first numbers.
+SiteState around_fixed(const Metric& metric, const SiteState& drawn, const SiteState& fixed) {
+  SiteTree tree(metric, drawn.position);
+  std::vector<std::uint8_t> replaced(drawn.count(), 0);
+  for (const SiteNumber f : fixed.all()) {
+    const Index nearest = tree.nearest(fixed.at(f));
+    tree.remove(nearest);
+    replaced[static_cast<std::size_t>(nearest)] = 1;
+  }
+  SiteState sites(drawn.dimension, drawn.count());
+  double* next = sites.position.data() + fixed.position.size();
+  for (const SiteNumber s : drawn.all()) {
+    if (replaced[s] == 0) next = std::copy_n(drawn.at(s), drawn.dimension, next);
+  }
+  return sites;
+}
+
 }  // namespace
 
 template <class Scalar>
@@ -34,9 +52,15 @@ SiteState initial_sites(const Problem<Scalar>& problem, const Metric& metric, st
                         const Arena& arena) {
   const int dimension = problem.dimension();
   SiteState sites(dimension, problem.site_count());
-  const auto put = [&](SiteNumber site, const Scalar* x) {
-    for (int d = 0; d < dimension; ++d) sites.at(site)[d] = metric.into_box(x[d], d);
+  const auto put_in = [&](SiteState& into, SiteNumber site, const Scalar* x) {
+    for (int d = 0; d < dimension; ++d) into.at(site)[d] = metric.into_box(x[d], d);
   };
+  const auto put = [&](SiteNumber site, const Scalar* x) { put_in(sites, site, x); };
+  SiteState fixed(dimension, problem.fixed_sites().cols());
+  for (const SiteNumber f : fixed.all()) {
+    put_in(fixed, f, problem.fixed_sites().col(f.index()).data());
+  }
+  bool drawn_freely = false;
   if (problem.initial_sites().size() > 0) {
     for (const SiteNumber s : sites.all()) put(s, problem.initial_sites().col(s.index()).data());
   } else if (!problem.initial_owners().empty()) {
@@ -50,7 +74,13 @@ SiteState initial_sites(const Problem<Scalar>& problem, const Metric& metric, st
     const auto drawn = distinct_points(sites.count(), points, seed, arena);
     for_each_site(arena, drawn.size(), kSitesPerGrain,
                   [&](SiteNumber s) { put(s, problem.points()[drawn[s].index()]); });
+    drawn_freely = true;
   }
+  if (fixed.count() == 0) return sites;
+  if (drawn_freely) sites = around_fixed(metric, sites, fixed);
+  std::copy(fixed.position.begin(), fixed.position.end(), sites.position.begin());
+  sites.fixed.assign(sites.count(), 0);
+  std::fill_n(sites.fixed.begin(), fixed.count(), std::uint8_t{1});
   return sites;
 }
 

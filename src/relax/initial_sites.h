@@ -11,7 +11,8 @@ namespace ccvt {
 
 /// Where the sites of a problem start, in the caller's order: its initial sites; of initial owners
 /// any point of each cell, from which the centroid update goes on; or else distinct points, each
-/// set of n equally likely, in the order of the points. O(m).
+/// set of n equally likely, in the order of the points. Fixed sites come first, where they are, and
+/// take the places of the nearest sites that were drawn. O(m).
 template <class Scalar>
 SiteState initial_sites(const Problem<Scalar>& problem, const Metric& metric, std::uint64_t seed,
                         const Arena& arena = Arena(1));

@@ -76,8 +76,13 @@ class MovingCells {
            2.001 * (sites.radius[site] + moved) > smallest_extent_;
   }
 
-  /// Moves a site that is not worn to its centroid. The radius grows by the move.
+  /// Moves a site that is not worn to its centroid, unless it is fixed. The radius grows by the
+  /// move.
   void update(SiteState& sites, SiteNumber site) {
+    if (sites.is_fixed(site)) {
+      sites.energy[site] = std::max(0.0, square(site).value());
+      return;
+    }
     const double count = count_[site];
     double off = 0;
     double moved = 0;

@@ -35,6 +35,10 @@ struct SiteState {
   std::vector<double> energy;
   /// Whether no coordinate difference between the site and a point of its cell needs wrapping.
   std::vector<std::uint8_t> compact;
+  /// Whether the site stays where it is; empty where none does.
+  std::vector<std::uint8_t> fixed;
+
+  [[nodiscard]] bool is_fixed(SiteNumber site) const { return !fixed.empty() && fixed[site] != 0; }
 };
 
 }  // namespace ccvt

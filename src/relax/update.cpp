@@ -109,11 +109,21 @@ bool move_wrapped(const Metric& metric, const Cells<Scalar>& cells, double* posi
   return changed;
 }
 
-}  // namespace
-
+/// Measures the cell of a site that stays where it is.
 template <class Scalar>
-void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& sites,
-                 SiteNumber site) {
+kernels::Spread measure(const Metric& metric, const Cells<Scalar>& cells, SiteState& sites,
+                        SiteNumber site) {
+  const double* const position = sites.at(site);
+  const bool compact = !metric.periodic() || is_compact(metric, cells, position, site);
+  sites.compact[site] = compact ? 1 : 0;
+  return kernels::spread_around(cells.block(site), cells.size(site), metric.dimension(), position,
+                                compact ? nullptr : metric.extent());
+}
+
+/// Moves a site to the centroid of its cell, and measures that.
+template <class Scalar>
+kernels::Spread move_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& sites,
+                          SiteNumber site) {
   const int dimension = metric.dimension();
   const Index count = cells.size(site);
   double* position = sites.at(site);
@@ -141,8 +151,18 @@ void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& si
     spread = kernels::spread_around(cells.block(site), count, dimension, position, extent);
     sites.compact[site] = extent == nullptr ? 1 : 0;
   }
+  return spread;
+}
+
+}  // namespace
+
+template <class Scalar>
+void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& sites,
+                 SiteNumber site) {
+  const kernels::Spread spread = sites.is_fixed(site) ? measure(metric, cells, sites, site)
+                                                      : move_site(metric, cells, sites, site);
   sites.energy[site] = spread.energy;
-  sites.radius[site] = upper_radius(spread.squared_radius, dimension);
+  sites.radius[site] = upper_radius(spread.squared_radius, metric.dimension());
 }
 
 double upper_radius(double squared, int dimension) {

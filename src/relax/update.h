@@ -7,7 +7,8 @@
 
 namespace ccvt {
 
-/// Moves a site to the centroid of its cell, and renews its energy and radius [eq. 2]. Before, too,
+/// Moves a site to the centroid of its cell, unless it is fixed, and renews its energy and radius
+/// [eq. 2]. Before, too,
 /// the radius must bound the distance of the cell's points; it may be infinite.
 ///
 /// On a torus the centroid is that of the images of the points nearest to the site. Where moving

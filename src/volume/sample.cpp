@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "numbers.h"
 #include "parallel/loops.h"
 #include "point_count.h"
+#include "put_back.h"
 #include "sampling/cell_densities.h"
 #include "sampling/density_mass.h"
 #include "sampling/grid_world.h"
@@ -64,48 +64,26 @@ void weigh_cells(const DensityGrid& density, const Arena& arena, VolumeSamples& 
   }
 }
 
-/// Moves sites that are where the density is 0 to the nearest of their points: of several, the
-/// first. `points` are relative to `origin`.
+/// Moves sites that are where the density is 0 to the nearest of their points. `points` are
+/// relative to `origin`.
 template <class Scalar>
 void put_back(const DensityGrid& density, const Points<Scalar>& points,
               const Eigen::VectorXd& origin, const std::vector<Index>& owners, const Arena& arena,
               VolumeSamples& samples) {
-  constexpr std::size_t kPointsPerGrain = std::size_t{1} << 14;
   const CellDensities densities(density);
   const CellLocator cell_of(density);
-  const auto sites = sites_below(samples.sites.cols());
-  const std::size_t count = samples.capacities.size();
-  constexpr double unset = std::numeric_limits<double>::infinity();
-  std::vector<double> least(count, -unset);  // squared distances, of sites that must move
-  for (const SiteNumber s : sites) {
-    if (densities(cell_of(samples.sites.col(s.index()).data())) > 0) continue;
-    least[s] = unset;
-    ++samples.put_back;
-  }
-  if (samples.put_back == 0) return;
-  const Buffer<PointNumber> theirs = collect<PointNumber>(
-      arena, owners.size(), kPointsPerGrain,
-      [&](std::size_t begin, std::size_t end, std::vector<PointNumber>& out, int) {
-        for (std::size_t p = begin; p < end; ++p) {
-          if (least[SiteNumber(owners[p])] >= 0) out.emplace_back(p);
-        }
-      });
-  std::vector<PointNumber> nearest(count);
-  for (const PointNumber p : theirs) {
-    const SiteNumber owner(owners[p]);
-    const double squared =
-        (points.col(p.index()).template cast<double>() + origin - samples.sites.col(owner.index()))
-            .squaredNorm();
-    if (!(squared < least[owner])) continue;
-    least[owner] = squared;
-    nearest[owner] = p;
-  }
-  for (const SiteNumber s : sites) {
-    if (!(least[s] >= 0)) continue;
-    samples.sites.eigen().col(s.index()) =
-        points.col(nearest[s].index()).template cast<double>() + origin;
-    samples.farthest_put_back = std::max(samples.farthest_put_back, std::sqrt(least[s]));
-  }
+  const auto in_world = [&](PointNumber p) -> Eigen::VectorXd {
+    return points.col(p.index()).template cast<double>() + origin;
+  };
+  const PutBack moved = put_back_sites(
+      owners, samples.capacities.size(), arena,
+      [&](SiteNumber s) { return !(densities(cell_of(samples.sites.col(s.index()).data())) > 0); },
+      [&](PointNumber p, SiteNumber s) {
+        return (in_world(p) - samples.sites.col(s.index())).squaredNorm();
+      },
+      [&](SiteNumber s, PointNumber p) { samples.sites.eigen().col(s.index()) = in_world(p); });
+  samples.put_back = moved.sites;
+  samples.farthest_put_back = moved.farthest;
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include <ccvt/lloyd.h>
 #include <ccvt/metrics.h>
 #include <ccvt/options.h>
+#include <ccvt/particles.h>
+#include <ccvt/point_cloud.h>
 #include <ccvt/presets.h>
 #include <ccvt/problem.h>
 #include <ccvt/publication.h>
@@ -18,9 +20,11 @@
 #include <ccvt/stipple.h>
 #include <ccvt/summary.h>
 #include <ccvt/tessellation.h>
+#include <ccvt/thin.h>
 #include <ccvt/types.h>
 #include <ccvt/version.h>
 #include <ccvt/volume.h>
+#include <ccvt/weighted.h>
 
 #include <cstdint>
 #include <cstdio>
@@ -101,6 +105,9 @@ void tessellations(const char* what) {
   bits << double(cells.cell(3)[0]) << ccvt::capacity_error(owners, 50);
   bits << ccvt::lloyd(points, 50, {.threads = 2}).sites;
   bits << ccvt::energy(points, sites, owners);
+  const std::vector<double> masses(owners.size(), 0.5);
+  const auto weighed = ccvt::tessellate_masses(points, masses, 50);
+  bits << weighed.sites << weighed.owners << weighed.largest_mass_error;
   bits.print(what);
 }
 
@@ -140,6 +147,20 @@ void codebooks(const std::filesystem::path& directory) {
   bits.print("codebook");
 }
 
+void thinnings(const std::filesystem::path& directory) {
+  Bits bits;
+  const auto points = made_up<Eigen::Matrix3Xd>(3, 300, 10);
+  ccvt::ThinOptions options;
+  options.tessellation.threads = 2;
+  const ccvt::Thinning few = ccvt::thin(points, 60, options, points);
+  bits << few.chosen << few.owners << few.counts << few.energy << few.spacing;
+  ccvt::write_points(directory / "cloud.npy", points);
+  const ccvt::PointCloud cloud = ccvt::read_point_cloud(directory / "cloud.npy");
+  ccvt::write_point_cloud(directory / "cloud.ply", cloud, few.chosen, few.counts);
+  bits << ccvt::read_points<double>(directory / "cloud.ply");
+  bits.print("thinnings");
+}
+
 void figures() {
   Bits bits;
   const auto points = made_up<Eigen::Matrix2Xd>(2, 200, 6);
@@ -171,6 +192,9 @@ void files(const std::filesystem::path& directory) {
   const auto dots = ccvt::stipple(image, 30);
   ccvt::write_svg(directory / "i.svg", dots);
   bits << dots.dots << dots.dot_radius << ccvt::render(dots).values;
+  const auto sites = made_up<Eigen::Matrix3Xf>(3, 20, 9);
+  ccvt::write_particles(directory / "p.gadget", sites, {.box_size = 8, .repeat = 2});
+  bits << ccvt::read_points<double>(directory / "p.gadget");
   bits.print("files");
 }
 
@@ -209,6 +233,7 @@ int main() {
   tessellations<double, 4>("double 4D");
   samplings();
   codebooks(directory);
+  thinnings(directory);
   figures();
   files(directory);
   refusals();

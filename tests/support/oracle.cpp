@@ -16,7 +16,12 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 template <class Scalar>
 Real coordinate_bound(const Problem<Scalar>& problem) {
   const Box box = problem.bounding_box();
-  return std::max(box.lower.eigen().cwiseAbs().maxCoeff(), box.upper.eigen().cwiseAbs().maxCoeff());
+  Real bound =
+      std::max(box.lower.eigen().cwiseAbs().maxCoeff(), box.upper.eigen().cwiseAbs().maxCoeff());
+  for (Eigen::Index s = 0; s < problem.fixed_sites().cols(); ++s) {
+    bound = std::max<Real>(bound, problem.fixed_sites().col(s).cwiseAbs().maxCoeff());
+  }
+  return bound;
 }
 
 /// What is owed to rounding in a position that the library keeps as a double and reaches by a sum
@@ -47,8 +52,9 @@ std::vector<Real> centroid(const Problem<Scalar>& problem, Real coordinates,
   const auto count = static_cast<Real>(cell.size());
   std::vector<Real> result;
   for (int d = 0; d < problem.dimension(); ++d) {
-    const Real origin = domain.is_periodic() ? static_cast<Real>(near[d])
-                                             : static_cast<Real>(points[cell.front()][d]);
+    const bool periodic = domain.has_box() && domain.is_periodic(d);
+    const Real origin =
+        periodic ? static_cast<Real>(near[d]) : static_cast<Real>(points[cell.front()][d]);
     const Real rounding =
         4 * static_cast<Real>(std::numeric_limits<Scalar>::epsilon()) * coordinates;
     Real sum = 0;
@@ -56,7 +62,7 @@ std::vector<Real> centroid(const Problem<Scalar>& problem, Real coordinates,
     for (const Index p : cell) {
       const Real u = wrapped(domain, static_cast<Real>(points[p][d]) - origin, d);
       sum += u;
-      if (domain.is_periodic() && domain.box().extent()[d] / 2 - std::abs(u) < rounding) {
+      if (periodic && domain.box().extent()[d] / 2 - std::abs(u) < rounding) {
         ++on_the_edge;
       }
     }
@@ -70,6 +76,7 @@ std::vector<Real> centroid(const Problem<Scalar>& problem, Real coordinates,
   return result;
 }
 
+/// The places of the fixed sites, and the centroids of the others' cells.
 template <class Scalar>
 std::vector<std::vector<Real>> centroids(const Problem<Scalar>& problem,
                                          const Points<Scalar>& sites,
@@ -77,6 +84,12 @@ std::vector<std::vector<Real>> centroids(const Problem<Scalar>& problem,
   const Real bound = coordinate_bound(problem);
   std::vector<std::vector<Real>> result;
   for (std::size_t s = 0; s < cells.size(); ++s) {
+    const auto& fixed = problem.fixed_sites();
+    if (std::cmp_less(s, fixed.cols())) {
+      const auto position = fixed.col(static_cast<Eigen::Index>(s));
+      result.emplace_back(position.begin(), position.end());
+      continue;
+    }
     result.push_back(
         centroid(problem, bound, cells[s], sites.col(static_cast<Eigen::Index>(s)).data()));
   }
@@ -97,7 +110,7 @@ Real energy_rounding(const Problem<Scalar>& problem, Real energy) {
 }  // namespace
 
 Real wrapped(const Domain& domain, Real difference, int d) {
-  if (!domain.is_periodic()) return difference;
+  if (!domain.has_box() || !domain.is_periodic(d)) return difference;
   const Real extent =
       static_cast<Real>(domain.box().upper[d]) - static_cast<Real>(domain.box().lower[d]);
   if (difference > extent / 2) return difference - extent;
@@ -147,7 +160,7 @@ std::string geometry_faults(const Problem<Scalar>& problem, const Points<Scalar>
         wrong << "site " << s << ": coordinate " << d << " is " << given << ", the centroid's "
               << exact[at(s)][static_cast<std::size_t>(d)] << '\n';
       }
-      if (domain.is_periodic() &&
+      if (domain.has_box() && domain.is_periodic(d) &&
           !(given >= domain.box().lower[d] && given <= domain.box().upper[d])) {
         wrong << "site " << s << ": coordinate " << d << " is " << given << ": outside the box\n";
       }

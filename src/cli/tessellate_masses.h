@@ -1,0 +1,17 @@
+#pragma once
+
+#include "ccvt/domain.h"
+#include "ccvt/io.h"
+#include "cli/arguments.h"
+
+namespace ccvt::cli {
+
+/// Whether the points have masses. Throws InvalidInput when what is said of masses does not fit the
+/// rest.
+bool check_masses(const TessellateArguments& arguments, const PointsHeader& header);
+
+/// `ccvt tessellate` of points with masses.
+int run_with_masses(const TessellateArguments& arguments, const PointsHeader& header,
+                    const Domain& domain);
+
+}  // namespace ccvt::cli

@@ -1,0 +1,112 @@
+#include "ccvt/thin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <string>
+
+#include "ccvt/point_cloud.h"
+#include "cli/memory.h"
+#include "cli/outputs.h"
+#include "cli/run.h"
+#include "cli/signals.h"
+#include "cli/streams.h"
+#include "cli/thin_arguments.h"
+#include "number_text.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+/// Coordinates of lifted points, home by home, and what is known of each point, in bytes.
+constexpr std::uint64_t kOtherBytes = 48;
+
+Index sites_of(const ThinArguments& arguments, std::ptrdiff_t points) {
+  if (arguments.sites > 0) return arguments.sites;
+  const double sites = std::round(static_cast<double>(points) / arguments.ratio);
+  return static_cast<Index>(std::max(sites, 1.0));
+}
+
+/// What of the file does not come along, and what of it is not known.
+void tell(const ThinArguments& arguments, const PointCloud& cloud) {
+  if (arguments.quiet) return;
+  const std::string file = "ccvt: " + arguments.points.string() + ": ";
+  std::string elements;
+  for (const std::string& name : cloud.dropped) {
+    elements += (elements.empty() ? "'" : ", '") + name.substr(0, 40) + "'";
+  }
+  const std::string extension = lower_extension(arguments.output);
+  if (!elements.empty()) {
+    std::cerr << one_line(file + "only vertices are thinned; dropped: " + elements);
+  }
+  const bool from_ply = lower_extension(arguments.points) == ".ply";
+  if (!cloud.kept.empty() && from_ply != (extension == ".ply")) {
+    std::cerr << one_line(file +
+                          "what its points carry besides coordinates is kept in files of its "
+                          "own kind only, not in " +
+                          extension);
+  }
+  if (cloud.unknown_normals > 0) {
+    std::cerr << one_line(
+        concat(file, cloud.unknown_normals, " normals are not finite; nothing is known of these"));
+  }
+}
+
+template <class Scalar>
+Thinning thin_cloud(const ThinArguments& arguments, const PointCloud& cloud, Index sites) {
+  const Points<Scalar> points = cloud.points.eigen().template cast<Scalar>();
+  const Points<Scalar> normals = cloud.normals.eigen().template cast<Scalar>();
+  ThinOptions options;
+  options.normal_weight = arguments.normal_weight;
+  options.equal_counts = !arguments.nearest;
+  return blame(arguments.points, [&] {
+    Progress progress(arguments.quiet);
+    options.tessellation = make_options(arguments, options.tessellation, sites, progress);
+    return thin(view_points(points), sites, options,
+                normals.size() > 0 ? view_points(normals) : PointsView<Scalar>());
+  });
+}
+
+std::string closing_line(const Thinning& result, double points) {
+  const auto [least, most] = std::minmax_element(result.counts.begin(), result.counts.end());
+  return concat("chosen: ", result.chosen.size(), " points that stand for ", *least,
+                *least == *most ? std::string() : concat(" to ", *most), " each, at ",
+                text(std::sqrt(result.energy / points), 3), " from these in the mean; ",
+                result.moves + result.jumps, " moves apart",
+                result.turned > 0 ? concat("; ", result.turned, " had no room on their own side")
+                                  : std::string(),
+                "\n");
+}
+
+}  // namespace
+
+int run_thin(const ThinArguments& arguments) {
+  if (arguments.sites == 0 && arguments.ratio == 0) {
+    throw InvalidInput("thin: needs --sites or --ratio; see ccvt thin --help");
+  }
+  const PointsHeader header = inspect_points(arguments.points, arguments.reading);
+  Outputs()
+      .add("--output", arguments.output, io::kThinFiles)
+      .add("--indices-out", arguments.indices_out, io::kTableFiles)
+      .add("--owners-out", arguments.owners_out, io::kTableFiles)
+      .add("--summary", arguments.summary)
+      .add_input("POINTS", arguments.points)
+      .check();
+  check_memory(arguments.points.string(), header.count, 2 * header.dimension, sizeof(double),
+               header.count * kOtherBytes + std::filesystem::file_size(arguments.points));
+  const PointCloud cloud = read_point_cloud(arguments.points, arguments.reading);
+  tell(arguments, cloud);
+  const Index sites = sites_of(arguments, cloud.points.cols());
+  const Thinning result = arguments.scalar.value_or(cloud.scalar) == ScalarType::float32
+                              ? thin_cloud<float>(arguments, cloud, sites)
+                              : thin_cloud<double>(arguments, cloud, sites);
+  Publication outputs;
+  if (!arguments.indices_out.empty()) write_owners(arguments.indices_out, result.chosen);
+  if (!arguments.owners_out.empty()) write_owners(arguments.owners_out, result.owners);
+  write_summary(arguments, result.summary);
+  write_point_cloud(arguments.output, cloud, result.chosen, result.counts);
+  if (!arguments.quiet) print(closing_line(result, static_cast<double>(cloud.points.cols())));
+  return finish(arguments, outputs, result.summary);
+}
+
+}  // namespace ccvt::cli

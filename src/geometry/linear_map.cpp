@@ -1,0 +1,192 @@
+#include "ccvt/linear_map.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "number_text.h"
+
+namespace ccvt {
+namespace {
+
+/// The relative error of mapping there and back: half of the digits of a double.
+constexpr double kLargestError = 0x1p-26;
+
+template <class Scalar>
+auto matrix_of(const PointsView<Scalar>& points) {
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  return Eigen::Map<const Matrix, 0, Eigen::OuterStride<>>(
+      points.data, points.dimension, points.count, Eigen::OuterStride<>(points.stride));
+}
+
+template <class Scalar>
+void require_dimension(const PointsView<Scalar>& points, int dimension) {
+  if (points.dimension == dimension) return;
+  throw InvalidInput("points: have " + std::to_string(points.dimension) +
+                     " dimensions, the map has " + std::to_string(dimension) +
+                     ": the two must be equal");
+}
+
+/// Throws unless all are finite: the product of large numbers, or rounded to float.
+template <class Scalar>
+Columns<Scalar> finite(Columns<Scalar> points) {
+  for (Eigen::Index p = 0; p < points.cols(); ++p) {
+    for (Eigen::Index d = 0; d < points.rows(); ++d) {
+      if (std::isfinite(points(d, p))) continue;
+      throw InvalidInput("points: coordinate " + std::to_string(d) + " of points[" +
+                         std::to_string(p) + "] is mapped to " +
+                         text(static_cast<double>(points(d, p))) + ": it must be finite");
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+LinearMap::LinearMap(Columns<double> matrix, Coordinates origin)
+    : matrix_(std::move(matrix)), origin_(std::move(origin)) {
+  const Eigen::MatrixXd inverse = matrix_.eigen().inverse();
+  const auto size = inverse.rows();
+  const double error =
+      (matrix_.eigen() * inverse - Eigen::MatrixXd::Identity(size, size)).cwiseAbs().maxCoeff();
+  if (!(error < kLargestError)) {
+    throw InvalidInput("matrix: is singular, or so nearly that mapping there and back is off by " +
+                       text(error) + " of the coordinates");
+  }
+  inverse_ = inverse;
+}
+
+LinearMap LinearMap::units(Coordinates factors) {
+  if (factors.size() == 0) throw InvalidInput("units: there are none");
+  for (std::ptrdiff_t d = 0; d < factors.size(); ++d) {
+    if (factors[d] > 0 && std::isfinite(factors[d])) continue;
+    throw InvalidInput("units[" + std::to_string(d) + "] is " + text(factors[d]) +
+                       ": it must be positive and finite");
+  }
+  const Eigen::MatrixXd matrix = factors.eigen().asDiagonal();
+  return {matrix, Coordinates::constant(factors.size(), 0)};
+}
+
+LinearMap LinearMap::of(Columns<double> matrix, Coordinates origin) {
+  if (matrix.rows() == 0 || matrix.rows() != matrix.cols()) {
+    throw InvalidInput("matrix: is " + std::to_string(matrix.rows()) + " by " +
+                       std::to_string(matrix.cols()) + ": it must be square");
+  }
+  if (!matrix.eigen().allFinite()) throw InvalidInput("matrix: has entries that are not finite");
+  if (origin.size() == 0) origin = Coordinates::constant(matrix.rows(), 0);
+  if (origin.size() != matrix.cols() || !origin.eigen().allFinite()) {
+    throw InvalidInput("origin: must have " + std::to_string(matrix.cols()) +
+                       " finite coordinates, one for each column of the matrix");
+  }
+  return {std::move(matrix), std::move(origin)};
+}
+
+template <class Scalar>
+LinearMap LinearMap::whitening_of(PointsView<Scalar> points) {
+  constexpr Eigen::Index kBlock = 4096;
+  if (points.dimension < 1 || points.count < 1) throw InvalidInput("points: there are none");
+  const auto all = matrix_of(points);
+  // Deviations from a point, then from the mean: far from the origin squares would cost digits.
+  const Eigen::VectorXd first = all.col(0).template cast<double>();
+  const double count = points.count;
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(points.dimension);
+  for (Eigen::Index p = 0; p < all.cols(); ++p) {
+    mean += all.col(p).template cast<double>() - first;
+  }
+  mean = first + mean / count;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(points.dimension, points.dimension);
+  for (Eigen::Index p = 0; p < all.cols(); p += kBlock) {
+    const Eigen::MatrixXd block =
+        all.middleCols(p, std::min(kBlock, all.cols() - p)).template cast<double>().colwise() -
+        mean;
+    covariance += block * block.transpose() / count;
+  }
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(covariance);
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(points.dimension, points.dimension);
+  // Scaled, so that units do not decide what is singular.
+  const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt();
+  const Eigen::VectorXd pivots = Eigen::MatrixXd(cholesky.matrixL()).diagonal();
+  if (cholesky.info() != Eigen::Success || !covariance.allFinite() ||
+      !(pivots.array() > 1e-6 * scale.array()).all()) {
+    throw InvalidInput(
+        "points: their covariance is singular or nearly so: they must be more than their "
+        "dimensions, and not lie in a plane of fewer");
+  }
+  return {Eigen::MatrixXd(cholesky.matrixL().solve(identity)), mean};
+}
+
+bool LinearMap::is_diagonal() const {
+  const Eigen::MatrixXd diagonal = matrix_.eigen().diagonal().asDiagonal();
+  return matrix_ == diagonal;
+}
+
+template <class Scalar>
+Columns<Scalar> LinearMap::mapped(PointsView<Scalar> points) const {
+  require_dimension(points, dimension());
+  Columns<Scalar> result(points.dimension, points.count);
+  const auto all = matrix_of(points);
+  const Eigen::VectorXd factors = matrix_.eigen().diagonal();
+  const bool diagonal = is_diagonal();
+  const auto matrix = matrix_.eigen();
+  const auto origin = origin_.eigen();
+  auto out = result.eigen();
+  for (Eigen::Index p = 0; p < all.cols(); ++p) {
+    const Eigen::VectorXd from = all.col(p).template cast<double>() - origin;
+    if (diagonal) {
+      out.col(p) = from.cwiseProduct(factors).template cast<Scalar>();
+    } else {
+      out.col(p) = (matrix * from).template cast<Scalar>();
+    }
+  }
+  return finite(std::move(result));
+}
+
+template <class Scalar>
+Columns<Scalar> LinearMap::mapped_back(PointsView<Scalar> points) const {
+  require_dimension(points, dimension());
+  Columns<Scalar> result(points.dimension, points.count);
+  const auto all = matrix_of(points);
+  const auto inverse = inverse_.eigen();
+  const auto origin = origin_.eigen();
+  auto out = result.eigen();
+  for (Eigen::Index p = 0; p < all.cols(); ++p) {
+    out.col(p) = (inverse * all.col(p).template cast<double>() + origin).template cast<Scalar>();
+  }
+  return finite(std::move(result));
+}
+
+Domain LinearMap::operator()(const Domain& domain) const {
+  if (!domain.has_box()) return domain;
+  const int dimensions = domain.box().dimension();
+  if (dimensions != dimension()) {
+    throw InvalidInput("domain: its box has " + std::to_string(dimensions) +
+                       " dimensions, the map has " + std::to_string(dimension()));
+  }
+  if (!is_diagonal()) {
+    throw InvalidInput(
+        "domain: has a box, and the map is no diagonal matrix: the image of a box "
+        "under it is none");
+  }
+  Box box = domain.box();
+  std::vector<bool> along;
+  for (int d = 0; d < dimensions; ++d) {
+    const double factor = matrix_(d, d);
+    box.lower[d] = (box.lower[d] - origin_[d]) * factor;
+    box.upper[d] = (box.upper[d] - origin_[d]) * factor;
+    if (factor < 0) std::swap(box.lower[d], box.upper[d]);
+    along.push_back(domain.is_periodic(d));
+  }
+  return Domain::periodic(std::move(box), along);
+}
+
+template CCVT_EXPORT Columns<float> LinearMap::mapped(PointsView<float>) const;
+template CCVT_EXPORT Columns<double> LinearMap::mapped(PointsView<double>) const;
+template CCVT_EXPORT Columns<float> LinearMap::mapped_back(PointsView<float>) const;
+template CCVT_EXPORT Columns<double> LinearMap::mapped_back(PointsView<double>) const;
+template CCVT_EXPORT LinearMap LinearMap::whitening_of(PointsView<float>);
+template CCVT_EXPORT LinearMap LinearMap::whitening_of(PointsView<double>);
+
+}  // namespace ccvt

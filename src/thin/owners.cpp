@@ -1,0 +1,100 @@
+#include "thin/owners.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "geometry/metric.h"
+#include "numbers.h"
+#include "parallel/loops.h"
+#include "spatial/site_tree.h"
+
+namespace ccvt {
+namespace {
+
+constexpr std::size_t kPointsPerGrain = std::size_t{1} << 12;
+/// Sites that are asked, nearest first.
+constexpr int kAsked = 16;
+
+template <class Scalar>
+bool face_away(PointsView<Scalar> lifted, Index a, Index b) {
+  double product = 0;
+  for (int d = lifted.dimension / 2; d < lifted.dimension; ++d) {
+    product += static_cast<double>(lifted[a][d]) * static_cast<double>(lifted[b][d]);
+  }
+  return product < 0;
+}
+
+/// Where the chosen points are, one after the other.
+template <class Scalar>
+std::vector<double> positions_of(PointsView<Scalar> points, std::span<const Index> chosen) {
+  std::vector<double> positions;
+  positions.reserve(chosen.size() * static_cast<std::size_t>(points.dimension));
+  for (const Index c : chosen) {
+    positions.insert(positions.end(), points[c], points[c] + points.dimension);
+  }
+  return positions;
+}
+
+}  // namespace
+
+template <class Scalar>
+std::vector<Index> nearest_chosen(PointsView<Scalar> points, std::span<const Index> chosen,
+                                  const Arena& arena) {
+  const Metric metric(points.dimension, Domain());
+  const SiteTree tree(metric, positions_of(points, chosen));
+  std::vector<Index> owners(static_cast<std::size_t>(points.count));
+  arena.for_each(owners.size(), kPointsPerGrain, [&](std::size_t k) {
+    const Index p = PointNumber(k).index();
+    const std::vector<double> at(points[p], points[p] + points.dimension);
+    owners[k] = tree.nearest(at.data());
+  });
+  for (std::size_t s = 0; s < chosen.size(); ++s) {
+    owners[PointNumber(chosen[s])] = SiteNumber(s).index();
+  }
+  return owners;
+}
+
+template <class Scalar>
+Index take_turned(PointsView<Scalar> lifted, std::span<const Index> chosen,
+                  std::vector<Index>& owners, const Arena& arena) {
+  const auto chosen_of = [&](Index site) { return chosen[SiteNumber(site)]; };
+  const Buffer<PointNumber> turned = collect<PointNumber>(
+      arena, owners.size(), kPointsPerGrain,
+      [&](std::size_t begin, std::size_t end, std::vector<PointNumber>& out, int) {
+        for (std::size_t k = begin; k < end; ++k) {
+          const PointNumber p(k);
+          if (face_away(lifted, p.index(), chosen_of(owners[p]))) out.push_back(p);
+        }
+      });
+  if (turned.empty()) return 0;
+  const Metric metric(lifted.dimension, Domain());
+  const SiteTree tree(metric, positions_of(lifted, chosen));
+  std::vector<Index> taken(turned.size());
+  constexpr std::size_t kQueriesPerGrain = 64;
+  arena.for_each(turned.size(), kQueriesPerGrain, [&](std::size_t k) {
+    const PointNumber p = turned[k];
+    const std::vector<double> at(lifted[p.index()], lifted[p.index()] + lifted.dimension);
+    std::vector<Index> asked;
+    tree.nearest(at.data(), kAsked, asked);
+    const auto found = std::find_if(asked.begin(), asked.end(), [&](Index site) {
+      return !face_away(lifted, p.index(), chosen_of(site));
+    });
+    taken[k] = found == asked.end() ? owners[p] : *found;
+  });
+  Index count = 0;
+  for (std::size_t k = 0; k < taken.size(); ++k) {
+    if (std::exchange(owners[turned[k]], taken[k]) != taken[k]) ++count;
+  }
+  return count;
+}
+
+template std::vector<Index> nearest_chosen(PointsView<float>, std::span<const Index>, const Arena&);
+template std::vector<Index> nearest_chosen(PointsView<double>, std::span<const Index>,
+                                           const Arena&);
+template Index take_turned(PointsView<float>, std::span<const Index>, std::vector<Index>&,
+                           const Arena&);
+template Index take_turned(PointsView<double>, std::span<const Index>, std::vector<Index>&,
+                           const Arena&);
+
+}  // namespace ccvt

@@ -1,0 +1,273 @@
+#include "thin/repulsion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "schedule/tiling.h"
+
+namespace ccvt {
+namespace {
+
+constexpr std::size_t kSitesPerGrain = 32;
+/// Of what repels a site.
+constexpr double kLeastGain = 1e-4;
+/// The same of a jump.
+constexpr double kLeastJump = 0.1;
+/// What repels a site so little is no matter: of a pair at nine tenths of its reach.
+constexpr double kLeastRepulsion = 1e-8;
+/// Rounds of jumps; a tenth of them is usual.
+constexpr int kMostFillings = 100;
+/// How far a site looks, of its home's reach. With few points a home there is little to look at.
+constexpr double kHop = 1;
+constexpr double kShortHop = 0.5;
+constexpr std::size_t kManyPoints = 16;
+
+/// At the squared distance, below the squared reach.
+double weight(double squared, double reach) {
+  const double near = 1 - std::sqrt(squared) / reach;
+  const double second = near * near;
+  const double fourth = second * second;
+  return fourth * fourth;
+}
+
+template <class A, class B>
+double squared_distance(const A* a, const B* b, std::size_t dimension) {
+  double sum = 0;
+  for (std::size_t d = 0; d < dimension; ++d) {
+    const double to = a[d];
+    const double difference = to - b[d];
+    sum += difference * difference;
+  }
+  return sum;
+}
+
+}  // namespace
+
+template <class Scalar>
+Repulsion<Scalar>::Repulsion(const Homes<Scalar>& homes, std::vector<Place> chosen,
+                             const Arena& arena)
+    : homes_(homes),
+      arena_(arena),
+      chosen_(std::move(chosen)),
+      at_(chosen_.size() * homes.dimension()),
+      taken_(homes.home_of.size(), 0),
+      first_in_(homes.count(), SiteNumber::none()),
+      next_in_(homes.count(), SiteNumber::none()),
+      is_restless_(homes.count(), 0) {
+  for (const SiteNumber s : sites_below(chosen_.size())) enter(s, chosen_[s]);
+}
+
+template <class Scalar>
+void Repulsion<Scalar>::enter(SiteNumber site, Place place) {
+  const SiteNumber home = homes_.home_of[place];
+  chosen_[site] = place;
+  std::copy_n(homes_.at(place), homes_.dimension(), at_.data() + site * homes_.dimension());
+  taken_[place] = 1;
+  next_in_[site] = std::exchange(first_in_[home], site);
+}
+
+template <class Scalar>
+void Repulsion<Scalar>::leave(SiteNumber site, Place place) {
+  taken_[place] = 0;
+  SiteNumber* link = &first_in_[homes_.home_of[place]];
+  while (*link != site) link = &next_in_[*link];
+  *link = next_in_[site];
+}
+
+/// Calls visit(site, its home) for every site in a home near this one.
+template <class Scalar>
+template <class Visit>
+void Repulsion<Scalar>::for_each_near(SiteNumber home, const Visit& visit) const {
+  for (const SiteNumber near : homes_.near[home]) {
+    for (SiteNumber s = first_in_[near]; s != SiteNumber::none(); s = next_in_[s]) visit(s, near);
+  }
+}
+
+/// By how much others than `site` repel what is at `place`.
+template <class Scalar>
+double Repulsion<Scalar>::repelled(Place place, SiteNumber site) const {
+  const SiteNumber home = homes_.home_of[place];
+  double sum = 0;
+  for_each_near(home, [&](SiteNumber other, SiteNumber near) {
+    if (other == site) return;
+    const double reach = homes_.reach_of(home, near);
+    const double squared = squared_distance(homes_.at(place), at(other), homes_.dimension());
+    if (squared < reach * reach) sum += weight(squared, reach);
+  });
+  return sum;
+}
+
+/// The chosen points, but for that of `site`, that may repel what is in a home.
+template <class Scalar>
+void Repulsion<Scalar>::gather(SiteNumber home, SiteNumber site, Others& others) const {
+  const std::size_t dimension = homes_.dimension();
+  others.coordinates.clear();
+  others.reach.clear();
+  for_each_near(home, [&](SiteNumber other, SiteNumber near) {
+    if (other == site) return;
+    const Scalar* const there = at(other);
+    const double reach = homes_.reach_of(home, near);
+    const double farthest = (homes_.centres.radius[home] + reach) * (1 + 1e-12);
+    if (squared_distance(there, homes_.centres.at(home), dimension) > farthest * farthest) return;
+    others.coordinates.insert(others.coordinates.end(), there, there + dimension);
+    others.reach.push_back(reach);
+  });
+}
+
+/// What others repel there; or `most`, or more, where it is that much.
+template <class Scalar>
+double Repulsion<Scalar>::repelled_by(const Others& others, const Scalar* at, double most) const {
+  double sum = 0;
+  const double* other = others.coordinates.data();
+  for (const double reach : others.reach) {
+    const double squared = squared_distance(at, other, homes_.dimension());
+    if (squared < reach * reach) sum += weight(squared, reach);
+    if (sum >= most) break;
+    other += homes_.dimension();
+  }
+  return sum;
+}
+
+/// Appends the place in a home where least would be repelled, if one is free.
+template <class Scalar>
+void Repulsion<Scalar>::weigh_gap(SiteNumber home, Others& others, std::vector<Gap>& gaps) const {
+  gather(home, SiteNumber::none(), others);
+  Gap gap{std::numeric_limits<double>::infinity(), Place::none()};
+  for (const Place place : homes_.places(home)) {
+    if (taken_[place] != 0) continue;
+    const double sum = repelled_by(others, homes_.at(place), gap.repelled);
+    if (sum < gap.repelled) gap = {sum, place};
+  }
+  if (gap.place != Place::none()) gaps.push_back(gap);
+}
+
+/// Appends the best move of a site, if it has one.
+template <class Scalar>
+void Repulsion<Scalar>::weigh(SiteNumber site, Others& others, std::vector<Move>& moves) const {
+  const std::size_t dimension = homes_.dimension();
+  const Place from = chosen_[site];
+  const SiteNumber own = homes_.home_of[from];
+  const Scalar* const at = homes_.at(from);
+  const double before = repelled(from, site);
+  if (before < kLeastRepulsion) return;
+  const bool many = homes_.points[own].size() >= kManyPoints;
+  const double hop = (many ? kShortHop : kHop) * homes_.reach[own];
+  double least = before * (1 - kLeastGain);
+  Place best = Place::none();
+  for (const SiteNumber home : homes_.near[own]) {
+    const double farthest = (homes_.centres.radius[home] + hop) * (1 + 1e-12);
+    if (squared_distance(at, homes_.centres.at(home), dimension) > farthest * farthest) continue;
+    gather(home, site, others);
+    for (const Place place : homes_.places(home)) {
+      if (taken_[place] != 0) continue;
+      const Scalar* const there = homes_.at(place);
+      if (squared_distance(there, at, dimension) > hop * hop) continue;
+      const double sum = repelled_by(others, there, least);
+      if (sum >= least) continue;
+      least = sum;
+      best = place;
+    }
+  }
+  if (best != Place::none()) moves.push_back({before - least, site, best});
+}
+
+/// Those in a home may have a move now.
+template <class Scalar>
+void Repulsion<Scalar>::disturb(SiteNumber home) {
+  for_each_near(home, [&](SiteNumber s, SiteNumber) {
+    if (std::exchange(is_restless_[s], std::uint8_t{1}) == 0) restless_.push_back(s);
+  });
+}
+
+template <class Scalar>
+bool Repulsion<Scalar>::make(const Move& move, double least_gain) {
+  const Place from = chosen_[move.site];
+  if (taken_[move.to] != 0 ||
+      repelled(move.to, move.site) >= repelled(from, move.site) * (1 - least_gain)) {
+    return false;
+  }
+  leave(move.site, from);
+  enter(move.site, move.to);
+  disturb(homes_.home_of[from]);
+  disturb(homes_.home_of[move.to]);
+  return true;
+}
+
+/// Moves the restless to places near.
+template <class Scalar>
+void Repulsion<Scalar>::round() {
+  ++rounds_;
+  const std::vector<SiteNumber> looking = std::exchange(restless_, {});
+  for (const SiteNumber s : looking) is_restless_[s] = 0;
+  PerWorker<Others> scratch(arena_);
+  Buffer<Move> moves =
+      collect<Move>(arena_, looking.size(), kSitesPerGrain,
+                    [&](std::size_t begin, std::size_t end, std::vector<Move>& out, int worker) {
+                      for (std::size_t k = begin; k < end; ++k)
+                        weigh(looking[k], scratch[worker], out);
+                    });
+  std::sort(moves.begin(), moves.end(), by_gain);
+  for (const Move& move : moves) {
+    if (make(move, kLeastGain / 2)) {
+      ++moves_;
+    } else if (std::exchange(is_restless_[move.site], std::uint8_t{1}) == 0) {
+      restless_.push_back(move.site);  // for another
+    }
+  }
+}
+
+/// The sites that are repelled most jump to the places where they would be least. Whether any did.
+template <class Scalar>
+bool Repulsion<Scalar>::fill_gaps() {
+  PerWorker<Others> scratch(arena_);
+  Buffer<Gap> gaps = collect_by_site<Gap>(
+      arena_, homes_.count(), kSitesPerGrain,
+      [&](SiteNumber home, std::vector<Gap>& out, int w) { weigh_gap(home, scratch[w], out); });
+  std::sort(gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) {
+    return a.repelled != b.repelled ? a.repelled < b.repelled : a.place < b.place;
+  });
+  Buffer<Move> crowded(chosen_.size());
+  for_each_site(arena_, chosen_.size(), kSitesPerGrain, [&](SiteNumber s) {
+    crowded[s] = {repelled(chosen_[s], s), s, Place::none()};
+  });
+  std::sort(crowded.begin(), crowded.end(), by_gain);
+  bool jumped = false;
+  for (std::size_t k = 0; k < std::min(gaps.size(), crowded.size()); ++k) {
+    const double now = crowded[k].gain;
+    if (now < kLeastRepulsion || gaps[k].repelled >= now * (1 - kLeastJump)) break;
+    if (!make({0, crowded[k].site, gaps[k].place}, kLeastJump)) continue;
+    ++jumps_;
+    jumped = true;
+  }
+  return jumped;
+}
+
+template <class Scalar>
+bool Repulsion<Scalar>::run() {
+  for (const SiteNumber s : sites_below(chosen_.size())) restless_.push_back(s);
+  std::fill(is_restless_.begin(), is_restless_.end(), std::uint8_t{1});
+  try {
+    int fillings = 0;
+    do {
+      while (!restless_.empty()) round();
+    } while (fillings++ < kMostFillings && fill_gaps());
+  } catch (const Stopped&) {
+    return false;
+  }
+  return true;
+}
+
+template <class Scalar>
+double Repulsion<Scalar>::energy() const {
+  constexpr std::size_t kGrain = 1024;
+  return sum_of(arena_, chosen_.size(), kGrain,
+                [&](std::size_t s) { return repelled(chosen_[s], SiteNumber(s)); }) /
+         2;
+}
+
+template class Repulsion<float>;
+template class Repulsion<double>;
+
+}  // namespace ccvt

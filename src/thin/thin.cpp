@@ -1,0 +1,285 @@
+#include "ccvt/thin.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "ccvt/problem.h"
+#include "ccvt/solver.h"
+#include "geometry/chosen_points.h"
+#include "geometry/metric.h"
+#include "number_text.h"
+#include "numbers.h"
+#include "parallel/loops.h"
+#include "relax/site_order.h"
+#include "relax/site_state.h"
+#include "thin/homes.h"
+#include "thin/lift.h"
+#include "thin/owners.h"
+#include "thin/repulsion.h"
+
+namespace ccvt {
+namespace {
+
+constexpr std::size_t kPointsPerGrain = std::size_t{1} << 14;
+constexpr Index kSitesPerTile = 64;
+/// Seconds in which points may get owners when the time is over.
+constexpr double kLeastTime = 0.01;
+
+void count(Thinning& result) {
+  result.counts.assign(result.chosen.size(), 0);
+  for (const Index owner : result.owners) ++result.counts[SiteNumber(owner)];
+}
+
+/// One run of thin(): sites have the numbers of the tessellation until they are sorted.
+template <class Scalar>
+class Thinner {
+ public:
+  /// `points`: as they are tessellated, with normals if there are any.
+  Thinner(PointsView<Scalar> points, Index sites, const ThinOptions& options, Stop& stop,
+          const Arena& arena)
+      : points_(points),
+        sites_(sites),
+        options_(options),
+        stop_(stop),
+        arena_(arena),
+        metric_(points.dimension, Domain()) {}
+
+  void tessellate(Thinning& result);
+  void spread(Thinning& result);
+  void make_cells(Thinning& result);
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  [[nodiscard]] Options options_now() const;
+  void number_by_place(Thinning& result);
+  void choose_nearest(PointsView<Scalar> centres, Thinning& result) const;
+  [[nodiscard]] std::vector<Place> places_of(const Homes<Scalar>& homes,
+                                             const std::vector<Index>& chosen) const;
+
+  PointsView<Scalar> points_;
+  Index sites_;
+  const ThinOptions& options_;
+  Stop& stop_;
+  const Arena& arena_;
+  Metric metric_;
+  Points<Scalar> centres_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// The options of a solver, for the time that is left.
+template <class Scalar>
+Options Thinner<Scalar>::options_now() const {
+  Options options = options_.tessellation;
+  if (options.time_limit > 0) {
+    options.time_limit = std::max(options.time_limit - seconds(), kLeastTime);
+  }
+  return options;
+}
+
+/// The first choice: in each cell of equal capacity the point nearest to its centroid.
+template <class Scalar>
+void Thinner<Scalar>::tessellate(Thinning& result) {
+  const int threads = options_.tessellation.threads;
+  Solver<Scalar> solver(Problem<Scalar>(points_, sites_, threads), options_now());
+  solver.run();
+  result.owners = solver.owners();
+  result.summary = solver.summary();
+  centres_ = solver.sites();
+  choose_nearest(view_points(centres_), result);
+}
+
+/// Of several, the first.
+template <class Scalar>
+void Thinner<Scalar>::choose_nearest(PointsView<Scalar> centres, Thinning& result) const {
+  const auto count = static_cast<std::size_t>(sites_);
+  std::vector<double> least(count, std::numeric_limits<double>::infinity());
+  result.chosen.assign(count, -1);
+  for (const PointNumber p : points_below(points_.count)) {
+    const SiteNumber s(result.owners[p]);
+    const double squared = metric_.squared_distance(points_[p.index()], centres[s.index()]);
+    if (!(squared < least[s])) continue;
+    least[s] = squared;
+    result.chosen[s] = p.index();
+  }
+}
+
+template <class Scalar>
+std::vector<Place> Thinner<Scalar>::places_of(const Homes<Scalar>& homes,
+                                              const std::vector<Index>& chosen) const {
+  std::vector<Place> places;
+  places.reserve(chosen.size());
+  for (const SiteNumber s : sites_below(chosen.size())) {
+    const auto own = homes.points[s];  // ascending
+    const auto at = std::lower_bound(own.begin(), own.end(), PointNumber(chosen[s]));
+    places.emplace_back(homes.points.first[s] + static_cast<std::size_t>(at - own.begin()));
+  }
+  return places;
+}
+
+/// Gives sites numbers that are near each other where they are: what is looked up together then
+/// lies together.
+template <class Scalar>
+void Thinner<Scalar>::number_by_place(Thinning& result) {
+  SiteState sites(points_.dimension, sites_);
+  for (const SiteNumber s : sites.all()) {
+    std::copy_n(centres_.col(s.index()).data(), points_.dimension, sites.at(s));
+  }
+  const std::vector<SiteNumber> old = spatial_order(sites, kSitesPerTile, arena_);
+  const Points<Scalar> centres = centres_;
+  const std::vector<Index> chosen = result.chosen;
+  std::vector<Index> rank(old.size());
+  for (const SiteNumber s : sites.all()) {
+    rank[old[s]] = s.index();
+    centres_.col(s.index()) = centres.col(old[s].index());
+    result.chosen[s] = chosen[old[s]];
+  }
+  for (Index& owner : result.owners) owner = rank[SiteNumber(owner)];
+  count(result);
+}
+
+/// Moves the chosen points apart.
+template <class Scalar>
+void Thinner<Scalar>::spread(Thinning& result) {
+  try {
+    number_by_place(result);
+    const Homes<Scalar> homes =
+        make_homes(metric_, points_, result.owners, view_points(centres_), arena_);
+    Repulsion<Scalar> repulsion(homes, places_of(homes, result.chosen), arena_);
+    const bool whole = repulsion.run();
+    result.moves = repulsion.moves();
+    result.jumps = repulsion.jumps();
+    std::transform(repulsion.chosen().begin(), repulsion.chosen().end(), result.chosen.begin(),
+                   [&](Place place) { return homes.point(place).index(); });
+    if (!whole) throw Stopped();
+  } catch (const Stopped&) {
+    result.summary.termination = stop_.late() ? Termination::time_limit : Termination::cancelled;
+  }
+}
+
+/// Gives all points but the chosen ones owners anew, who stay where they are.
+template <class Scalar>
+void Thinner<Scalar>::make_cells(Thinning& result) {
+  std::vector<std::uint8_t> is_chosen(result.owners.size(), 0);
+  for (const Index p : result.chosen) is_chosen[PointNumber(p)] = 1;
+  std::vector<Index> others;
+  for (const PointNumber p : points_below(points_.count)) {
+    if (is_chosen[p] == 0) others.push_back(p.index());
+  }
+  std::vector<Index> sites;  // that own others
+  std::vector<Index> capacities;
+  for (const SiteNumber s : sites_below(sites_)) {
+    result.owners[PointNumber(result.chosen[s])] = s.index();
+    if (result.counts[s] == 1) continue;
+    sites.push_back(s.index());
+    capacities.push_back(result.counts[s] - 1);
+  }
+  if (others.empty()) return;
+  const Points<Scalar> points = chosen_points(points_, others);
+  std::vector<Index> at;
+  for (const Index s : sites) at.push_back(result.chosen[SiteNumber(s)]);
+  Options options = options_now();
+  options.on_iteration = nullptr;
+  Problem<Scalar> problem(points, static_cast<Index>(sites.size()), options.threads);
+  problem.set_capacities(std::move(capacities)).set_fixed_sites(chosen_points(points_, at));
+  Solver<Scalar> solver(std::move(problem), options);
+  solver.run();
+  const std::vector<Index> owners = solver.owners();
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    result.owners[PointNumber(others[k])] = sites[SiteNumber(owners[PointNumber(k)])];
+  }
+  const Termination ended = solver.summary().termination;
+  if (ended == Termination::cancelled || ended == Termination::time_limit) {
+    result.summary.termination = ended;
+  }
+}
+
+/// Gives sites their numbers in the order of the points chosen.
+void sort(Thinning& result) {
+  std::vector<SiteNumber> order;
+  for (const SiteNumber s : sites_below(result.chosen.size())) order.push_back(s);
+  std::sort(order.begin(), order.end(),
+            [&](SiteNumber a, SiteNumber b) { return result.chosen[a] < result.chosen[b]; });
+  std::vector<Index> rank(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) rank[order[k]] = SiteNumber(k).index();
+  std::sort(result.chosen.begin(), result.chosen.end());
+  for (Index& owner : result.owners) owner = rank[SiteNumber(owner)];
+}
+
+template <class Scalar>
+double energy_of(PointsView<Scalar> points, const Thinning& result, const Arena& arena) {
+  const Metric metric(points.dimension, Domain());
+  return sum_of(arena, result.owners.size(), kPointsPerGrain, [&](std::size_t k) {
+    const Index chosen = result.chosen[SiteNumber(result.owners[k])];
+    return metric.squared_distance(points[PointNumber(k).index()], points[chosen]);
+  });
+}
+
+bool was_stopped(const Thinning& result) {
+  return result.summary.termination == Termination::cancelled ||
+         result.summary.termination == Termination::time_limit;
+}
+
+}  // namespace
+
+void ThinOptions::validate() const {
+  if (!std::isfinite(normal_weight) || normal_weight < 0) {
+    throw InvalidInput(
+        concat("normal_weight: is ", normal_weight, "; must be a finite number, at least 0"));
+  }
+  tessellation.validate();
+}
+
+template <class Scalar>
+Thinning thin(PointsView<Scalar> points, Index sites, const ThinOptions& options,
+              PointsView<Scalar> normals) {
+  options.validate();
+  const bool has_normals = normals.count > 0 || normals.dimension > 0;
+  if (has_normals && (normals.count != points.count || normals.dimension != points.dimension)) {
+    throw InvalidInput(concat("normals: there are ", normals.count, " of ", normals.dimension,
+                              " dimensions, for ", points.count, " points of ", points.dimension,
+                              "; needs one a point, of as many dimensions"));
+  }
+  const int threads = options.tessellation.threads;
+  static_cast<void>(Problem<Scalar>(points, sites, threads));  // checks them
+  Thinning result;
+  Stop stop(options.tessellation.cancelled, options.tessellation.time_limit);
+  const Arena untold(threads);
+  result.spacing = typical_spacing(points, sites, options.tessellation.seed, untold);
+  const bool lifts = has_normals && options.normal_weight > 0 && result.spacing > 0;
+  const Points<Scalar> lifted =
+      lifts ? lift(points, normals, options.normal_weight * result.spacing, untold)
+            : Points<Scalar>();
+  const PointsView<Scalar> space = lifts ? view_points(lifted) : points;
+
+  const Arena arena(threads, &stop);
+  Thinner<Scalar> thinner(space, sites, options, stop, arena);
+  thinner.tessellate(result);
+  count(result);
+  if (options.spread && !was_stopped(result) && sites > 1 && sites < points.count) {
+    thinner.spread(result);
+  }
+  if (!options.equal_counts) {
+    result.owners = nearest_chosen(space, result.chosen, untold);
+  } else if (result.moves + result.jumps > 0) {
+    thinner.make_cells(result);
+  }
+  if (lifts) result.turned = take_turned(space, result.chosen, result.owners, untold);
+  sort(result);
+  count(result);
+  result.energy = energy_of(points, result, untold);
+  result.summary.seconds_total = thinner.seconds();
+  return result;
+}
+
+template CCVT_EXPORT Thinning thin(PointsView<float>, Index, const ThinOptions&, PointsView<float>);
+template CCVT_EXPORT Thinning thin(PointsView<double>, Index, const ThinOptions&,
+                                   PointsView<double>);
+
+}  // namespace ccvt

@@ -1,0 +1,235 @@
+// Spaces that are not a box with one unit: periodic along some dimensions, linear maps, regions.
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "ccvt/domain.h"
+#include "ccvt/linear_map.h"
+#include "ccvt/lloyd.h"
+#include "ccvt/metrics.h"
+#include "ccvt/problem.h"
+#include "ccvt/region.h"
+#include "ccvt/sampling.h"
+#include "ccvt/solver.h"
+#include "support/generate.h"
+#include "support/message.h"
+#include "support/oracle.h"
+#include "support/same.h"
+
+using ccvt::Box;
+using ccvt::Domain;
+using ccvt::Index;
+using ccvt::LinearMap;
+using ccvt::Points;
+using ccvt::Problem;
+using ccvt::Termination;
+using namespace ccvt::test;
+
+TEST_SUITE_BEGIN("spaces");
+
+TEST_CASE_TEMPLATE("a box that is periodic along some dimensions", Scalar, float, double) {
+  for (const int dimension : {2, 3, 5, 9}) {
+    const Box box = uneven_box(dimension);
+    const auto points = make_points<Scalar>(Layout::random, box, 700);
+    for (int kind = 0; kind < 3; ++kind) {
+      std::vector<bool> along(static_cast<std::size_t>(dimension), kind == 1);
+      along[0] = kind != 1;
+      along.back() = true;
+      if (dimension == 2 && kind == 0) along[0] = false;
+      if (kind == 2) along.assign(along.size(), false);
+      CAPTURE(dimension);
+      CAPTURE(kind);
+      Problem<Scalar> problem(points, 23);
+      problem.set_domain(Domain::periodic(box, along));
+      const auto result = ccvt::tessellate(problem, {.seed = 3});
+      CHECK(result.summary.termination == Termination::stable);
+      CHECK(faults(problem, result) == "");
+    }
+  }
+}
+
+TEST_CASE("periodic along none is Euclidean, along all the torus, to the bit") {
+  const Box box = uneven_box(3);
+  const auto points = make_points<double>(Layout::random, box, 2000);
+  Problem<double> a(points, 60);
+  Problem<double> b(points, 60);
+  for (const bool along : {false, true}) {
+    a.set_domain(along ? Domain::periodic(box) : Domain::euclidean(box));
+    b.set_domain(Domain::periodic(box, {along, along, along}));
+    CHECK(differences(ccvt::tessellate(a), ccvt::tessellate(b)) == "");
+  }
+}
+
+TEST_CASE("many points a site, threads, and Lloyd's iterations in a tube") {
+  const Box box{{0, 0}, {3, 1}};
+  const auto points = ccvt::sample_uniform<double>(box, 40 * 2200, 2);
+  Problem<double> problem(points, 40);
+  problem.set_domain(Domain::periodic(box, {false, true}));
+  const auto one = ccvt::tessellate(problem, {.threads = 1});
+  CHECK(faults(problem, one) == "");
+  CHECK(differences(one, ccvt::tessellate(problem, {.threads = 2})) == "");
+  const auto flat = [&] {
+    Problem<double> euclidean(points, 40);
+    return ccvt::tessellate(euclidean);
+  }();
+  CHECK(one.summary.energy < flat.summary.energy);
+
+  const auto lloyd = ccvt::lloyd(problem, {.max_iterations = 30});
+  for (Index p = 0; p < 88000; p += 97) {
+    const auto to = [&](Index s) {
+      return squared_distance(problem.domain(), 2, points.col(p).data(), lloyd.sites.col(s).data());
+    };
+    Index nearest = 0;
+    for (Index s = 1; s < 40; ++s) nearest = to(s) < to(nearest) ? s : nearest;
+    const Index owner = lloyd.owners[static_cast<std::size_t>(p)];
+    CHECK(to(owner) - to(nearest) < 0.02);  // owners are of the iteration before
+  }
+}
+
+TEST_CASE("a cell goes round where the box is periodic, and only there") {
+  // Four clumps at the corners: two sites.
+  Points<double> points(2, 8);
+  points << 0.1, 0.12, 0.9, 0.88, 0.1, 0.12, 0.9, 0.88,  //
+      0.1, 0.12, 0.1, 0.12, 0.9, 0.88, 0.9, 0.88;
+  Problem<double> problem(points, 2);
+  problem.set_domain(Domain::periodic(Box::unit(2), {true, false}));
+  const auto result = ccvt::tessellate(problem);
+  CHECK(result.owners[0] == result.owners[2]);
+  CHECK(result.owners[0] != result.owners[4]);
+  CHECK(result.owners[4] == result.owners[6]);
+}
+
+TEST_CASE("domains that cannot be are refused") {
+  CHECK(message_of([] {
+          Domain::periodic(Box::unit(3), {true, false});
+        }) == "along: has 2 entries, the box 3 dimensions: there must be one for each");
+  const Domain slab = Domain::periodic(Box::unit(2), {true, false});
+  CHECK(slab.is_periodic());
+  CHECK(slab.is_partly_periodic());
+  CHECK(!slab.is_periodic(1));
+  const Points<double> points = ccvt::sample_uniform<double>(Box::unit(2), 10);
+  CHECK(message_of([&] { ccvt::PointSet(points, slab); }) ==
+        "domain: some dimensions are periodic and others are not: spectra are defined for all or "
+        "none");
+}
+
+TEST_CASE("units: sites are those of the scaled problem") {
+  const auto points = make_points<double>(Layout::random, uneven_box(3), 1000);
+  const LinearMap map = LinearMap::units({1, 4, 0.5});
+  const Points<double> mapped = map(points);
+  CHECK(mapped.row(1) == 4 * points.row(1));
+  CHECK(map.inverse(mapped) == points);  // powers of two
+  const auto result = ccvt::tessellate(mapped, 30);
+  const Points<double> sites = map.inverse(result.sites);
+  for (Index s = 0; s < 30; ++s) {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    int count = 0;
+    for (Index p = 0; p < 1000; ++p) {
+      if (result.owners[static_cast<std::size_t>(p)] != s) continue;
+      mean += points.col(p);
+      ++count;
+    }
+    CHECK((mean / count - sites.col(s)).norm() < 1e-12);
+  }
+  const Domain domain = map(Domain::periodic(uneven_box(3), {true, false, true}));
+  CHECK(domain.box().upper[1] == 4 * uneven_box(3).upper[1]);
+  CHECK(domain.is_periodic(0));
+  CHECK(!domain.is_periodic(1));
+}
+
+TEST_CASE("whitening: no linear map of the points changes who owns what") {
+  // Whitened sets of linear images differ by a rotation only, up to rounding.
+  const auto points = ccvt::sample_uniform<double>(Box::unit(2), 400, 8, ccvt::Distribution::white);
+  Eigen::Matrix2d skew;
+  skew << 3, 40, -0.2, 5;
+  const Points<double> image = (skew * points).colwise() + Eigen::Vector2d(1e6, -3e5);
+  const LinearMap map = LinearMap::whitening(image);
+  const Points<double> white = map(image);
+  const Eigen::Matrix2d covariance = white * white.transpose() / 400;
+  CHECK((covariance - Eigen::Matrix2d::Identity()).norm() < 1e-9);
+  CHECK(white.rowwise().mean().norm() < 1e-9);
+  CHECK((map.inverse(white) - image).norm() < 1e-7);
+  const Points<double> plain = LinearMap::whitening(points)(points);
+  for (Index p = 1; p < 400; ++p) {
+    CHECK((white.col(p) - white.col(0)).norm() ==
+          doctest::Approx((plain.col(p) - plain.col(0)).norm()).epsilon(1e-8));
+  }
+}
+
+TEST_CASE("maps that cannot be are refused") {
+  CHECK(message_of([] {
+          LinearMap::units({1, 0});
+        }) == "units[1] is 0: it must be positive and finite");
+  CHECK(message_of([] { LinearMap::of(Eigen::MatrixXd::Ones(2, 3)); }) ==
+        "matrix: is 2 by 3: it must be square");
+  CHECK(message_of([] {
+          LinearMap::of(Eigen::MatrixXd::Ones(2, 2));
+        }).find("matrix: is singular") == 0);
+  Points<double> line(2, 50);
+  for (Index p = 0; p < 50; ++p) line.col(p) << p, 2 * p;
+  CHECK(message_of([&] { LinearMap::whitening(line); }).find("points: their covariance is") == 0);
+  Eigen::Matrix2d turn;
+  turn << 1, 1, -1, 1;
+  const LinearMap turned = LinearMap::of(turn);
+  CHECK(message_of([&] {
+          (void)turned(Domain::periodic(Box::unit(2)));
+        }).find("domain: has a box") == 0);
+  const Points<double> others = Points<double>::Zero(3, 2);
+  CHECK(message_of([&] { turned(others); }) ==
+        "points: have 3 dimensions, the map has 2: the two must be equal");
+  const LinearMap huge = LinearMap::units({1e30, 1e30});
+  const Points<float> large = Points<float>::Constant(2, 1, 1e20F);
+  CHECK(message_of([&] { huge(large); }) ==
+        "points: coordinate 0 of points[0] is mapped to inf: it must be finite");
+}
+
+TEST_CASE("regions with holes: no sample lies in one") {
+  const auto ring = [](std::span<const double> x) {
+    const double r = std::hypot(x[0], x[1]);
+    return r > 0.8 && r < 1;
+  };
+  const Box box{{-1, -1}, {1, 1}};
+  const auto points = ccvt::sample_region<double, 2>(ring, box, 20 * 512, 3);
+  auto result = ccvt::tessellate(points, 20, ccvt::Options::samples());
+  // Few sites: cells are bent. Those of three sites would have centroids in the hole.
+  auto few = ccvt::tessellate(points, 3);
+  const ccvt::PutBack moved = ccvt::put_back(points, few.owners, few.sites, ring);
+  CHECK(moved.sites == 3);
+  for (Index s = 0; s < 3; ++s) {
+    const Eigen::Vector2d site = few.sites.col(s);
+    CHECK(ring({site.data(), 2}));
+    bool own = false;
+    for (Index p = 0; p < points.cols(); ++p) {
+      own = own || (few.owners[static_cast<std::size_t>(p)] == s && points.col(p) == site);
+    }
+    CHECK(own);
+  }
+  CHECK(moved.farthest > 0.05);
+  CHECK(ccvt::put_back(points, result.owners, result.sites, ring).sites == 0);
+  for (Index p = 0; p < points.cols(); ++p) CHECK(ring({points.col(p).data(), 2}));
+  // Even: as many points on each side.
+  CHECK(std::abs((points.row(0).array() > 0).count() - 10 * 512) < 64);
+}
+
+TEST_CASE("put_back refuses what does not agree") {
+  const Points<double> points = Points<double>::Zero(2, 3);
+  Points<double> sites = Points<double>::Zero(2, 2);
+  const auto nowhere = [](std::span<const double>) { return false; };
+  CHECK(message_of([&] {
+          ccvt::put_back(points, std::vector<Index>{0, 1}, sites, nowhere);
+        }) == "owners: there are 2 for 3 points: there must be one per point");
+  CHECK(message_of([&] {
+          ccvt::put_back(points, std::vector<Index>{0, 1, 2}, sites, nowhere);
+        }) == "owners[2] is 2: it must be in 0..1");
+  CHECK(message_of([&] {
+          ccvt::put_back(points, std::vector<Index>{0, 1, 1}, sites, {});
+        }) == "region: is empty, but must be callable");
+  CHECK(message_of([&] { ccvt::sample_region({}, Box::unit(2), 4); }) ==
+        "region: is empty, but must be callable");
+}
+
+TEST_SUITE_END();

@@ -1,0 +1,162 @@
+// Runs the program itself, on points with masses.
+#ifdef CCVT_PROGRAM
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "ccvt/io.h"
+#include "ccvt/weighted.h"
+#include "support/files.h"
+#include "support/generate.h"
+#include "support/masses.h"
+#include "support/message.h"
+#include "support/process.h"
+
+namespace ccvt::test {
+namespace {
+
+/// points.npy, masses.txt and all of it in table.csv: 600 points.
+void write_inputs(const TemporaryDirectory& directory) {
+  const auto points = make_points<double>(Layout::random, Box::unit(2), 600);
+  const auto masses = make_masses(Masses::even, 600);
+  write_points(directory / "points.npy", points);
+  Points<double> column(1, 600);
+  for (Index p = 0; p < 600; ++p) column(0, p) = masses[at(p)];
+  write_points(directory / "masses.txt", column);
+  std::string table = "x,y,m\n";
+  for (Index p = 0; p < 600; ++p) {
+    char line[200];
+    std::snprintf(line, sizeof line, "%.17g,%.17g,%.17g\n", points(0, p), points(1, p),
+                  masses[at(p)]);
+    table += line;
+  }
+  put(directory / "table.csv", table);
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("weighted cli");
+
+TEST_CASE("tessellate: masses from a file or a column, and how far cells miss their capacity") {
+  const TemporaryDirectory directory;
+  write_inputs(directory);
+  const Ran ran = run(directory,
+                      "tessellate points.npy --masses masses.txt --sites 20 --seed 3 --threads 2 "
+                      "-o sites.npy --owners-out owners.npy --summary summary.json");
+  CHECK(ran.status == 0);
+  CHECK(ran.errors == "");
+  CHECK(ran.output.find("; largest mass error ") != std::string::npos);
+  CHECK(ran.output.find(" % of its cell's capacity, bound ") != std::string::npos);
+
+  const auto points = read_points<double>(directory / "points.npy");
+  const auto masses = read_numbers(directory / "masses.txt");
+  const auto expected = tessellate_masses(points, masses, 20, {.relaxation = {.seed = 3}});
+  CHECK(read_indices(directory / "owners.npy") == expected.owners);
+  CHECK(expected.sites == read_points<double>(directory / "sites.npy"));
+  const auto json = nlohmann::json::parse(get(directory / "summary.json"));
+  CHECK(json["points"] == 600);
+  CHECK(json["energy"] == expected.summary.energy);
+  CHECK(json["masses"]["method"] == "whole");
+  CHECK(json["masses"]["total"] == expected.total_mass);
+  CHECK(json["masses"]["largest_error"] == expected.largest_mass_error);
+  CHECK(json["masses"]["worst_site"] == expected.worst_site);
+  CHECK(json["masses"]["error_bound"] == expected.mass_error_bound);
+  CHECK(json["masses"]["relative_error"] == expected.relative_mass_error);
+
+  const Ran column = run(directory,
+                         "tessellate table.csv --mass-column m --sites 20 --seed 3 --threads 1 -q "
+                         "-o column.npy");
+  CHECK(column.status == 0);
+  CHECK(column.errors == "");
+  CHECK(get(directory / "column.npy") == get(directory / "sites.npy"));
+}
+
+TEST_CASE("tessellate: resampled, with capacities in mass") {
+  const TemporaryDirectory directory;
+  write_inputs(directory);
+  double total = 0;
+  for (const double mass : read_numbers(directory / "masses.txt")) total += mass;
+  std::string capacities;
+  for (int s = 0; s < 10; ++s) {
+    capacities += std::to_string(total * (s < 5 ? 0.05 : 0.15)) + "\n";
+  }
+  put(directory / "capacities.txt", capacities);
+  const Ran ran = run(directory,
+                      "tessellate points.npy --masses masses.txt --mass-method resampled "
+                      "--points-per-site 64 --capacities capacities.txt --sites 10 --periodic "
+                      "--box 0 0 1 1 -o sites.csv --summary summary.json");
+  CHECK(ran.errors == "");
+  CHECK(ran.status == 0);
+  CHECK(ran.output.find("bound") == std::string::npos);
+  const auto json = nlohmann::json::parse(get(directory / "summary.json"));
+  CHECK(json["masses"]["method"] == "resampled");
+  CHECK(json["masses"]["error_bound"].is_null());
+  CHECK(json["masses"]["relative_error"] < 0.1);
+}
+
+TEST_CASE("tessellate: what is wrong with masses is said in a line") {
+  const TemporaryDirectory directory;
+  write_inputs(directory);
+  const auto said = [&](const std::string& arguments) {
+    const Ran ran = run(directory, "tessellate " + arguments + " -o sites.npy");
+    CHECK(ran.status == 2);
+    CHECK(!std::filesystem::exists(directory / "sites.npy"));
+    return ran.errors;
+  };
+  CHECK(said("points.npy --mass-method whole --sites 3") ==
+        "ccvt: error: --mass-method: needs --masses or --mass-column\n");
+  CHECK(said("points.npy --points-per-site 9 --sites 3") ==
+        "ccvt: error: --points-per-site: needs --masses or --mass-column\n");
+  CHECK(said("points.npy --masses masses.txt --initial-sites points.npy") ==
+        "ccvt: error: --initial-sites: is for points without masses; --sites says how many\n");
+  CHECK(said("points.npy --masses points.npy --sites 3") ==
+        "ccvt: error: points.npy: has 2 numbers a row; there must be one\n");
+  CHECK(said("points.npy --mass-column 2 --sites 3") ==
+        "ccvt: error: --mass-column: '2' is among the coordinates of points.npy; --columns says "
+        "which columns these are\n");
+  CHECK(said("table.csv --mass-column x --sites 3")
+            .find("--mass-column: 'x' is among the coordinates") != std::string::npos);
+  CHECK(said("table.csv --mass-column w --sites 3").find("'w'") != std::string::npos);
+  CHECK(said("points.npy --masses masses.txt --mass-method half --sites 3")
+            .find("'half' is not one of whole, resampled") != std::string::npos);
+  put(directory / "few.txt", "1\n2\n");
+  CHECK(said("points.npy --masses few.txt --sites 3") ==
+        "ccvt: error: few.txt: masses: there are 2 for 600 points: there must be one per point\n");
+  CHECK(said("points.npy --masses masses.txt --capacities few.txt --sites 3") ==
+        "ccvt: error: few.txt: capacities: there are 2 for 3 sites: there must be one per site\n");
+  CHECK(said("points.npy --masses masses.txt --sites 599")
+            .find("whole points must fit; the method resampled shares heavy points among sites") !=
+        std::string::npos);
+  std::string masses = "-1\n";
+  for (int p = 1; p < 600; ++p) masses += "1\n";
+  put(directory / "negative.txt", masses);
+  CHECK(said("points.npy --masses negative.txt --sites 3").find("negative.txt: masses[0] is -1") !=
+        std::string::npos);
+}
+
+TEST_CASE("numbers are read from tables of one column and arrays of one extent") {
+  const TemporaryDirectory directory;
+  put(directory / "a.csv", "mass\n1.5\n2e3\n");
+  CHECK(read_numbers(directory / "a.csv") == std::vector<double>{1.5, 2000});
+  write_owners(directory / "b.npy", std::vector<Index>{3, 1, 2});
+  CHECK(read_numbers(directory / "b.npy") == std::vector<double>{3, 1, 2});
+  write_points(directory / "c.npy", Points<float>(Points<float>::Constant(1, 2, 0.5F)));
+  CHECK(read_numbers(directory / "c.npy") == std::vector<double>{0.5, 0.5});
+  write_points(directory / "d.npy", Points<float>(Points<float>::Constant(2, 2, 0.5F)));
+  CHECK(message_of([&] { read_numbers(directory / "d.npy"); }).find("has 2 numbers a row") !=
+        std::string::npos);
+  put(directory / "e.csv", "1\nx\n");
+  CHECK(message_of([&] { read_numbers(directory / "e.csv"); }).find("e.csv") != std::string::npos);
+}
+
+TEST_SUITE_END();
+
+}  // namespace ccvt::test
+
+#endif
