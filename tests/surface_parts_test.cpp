@@ -12,7 +12,6 @@
 #include "random.h"
 #include "sampling/hilbert_key.h"
 #include "support/meshes.h"
-#include "surface/gather.h"
 #include "surface/shares.h"
 #include "surface/sheets.h"
 #include "surface/triangles.h"
@@ -129,62 +128,33 @@ TEST_CASE("sites are shared out by points, and own all of them") {
     }
     const auto points = static_cast<Index>(groups.size());
     const Index sites = 1 + random.index_below(std::max(points / 4, 1));
-    const std::vector<Index> capacities = share_capacities(groups, sites);
-    REQUIRE(std::ssize(capacities) == sites);
-    CHECK(std::accumulate(capacities.begin(), capacities.end(), 0) == points);
-    CHECK(*std::min_element(capacities.begin(), capacities.end()) >= 1);
+    Index next = 0;
+    Index given = 0;
+    for (const Share& share : share_sites(groups, sites)) {
+      CHECK(share.first == next);
+      CHECK(share.sites >= 1);
+      CHECK(share.sites <= share.points);
+      // Of groups that no other has joined.
+      const auto group = static_cast<std::size_t>(groups[static_cast<std::size_t>(next)]);
+      if (share.points == sizes[group]) {
+        CHECK(std::abs(share.sites - 1.0 * share.points * sites / points) < 1);
+      }
+      next += share.points;
+      given += share.sites;
+    }
+    CHECK(next == points);
+    CHECK(given == sites);
   }
-  const std::vector<Index> halves = {0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1};
-  CHECK(share_capacities(halves, 3) == std::vector<Index>{5, 3, 3});
-  CHECK(share_capacities(halves, 4) == std::vector<Index>{2, 3, 3, 3});
-  const std::vector<Index> few = {0, 1, 1, 1, 1, 1, 1, 1, 1, 1};
-  CHECK(share_capacities(few, 2) == std::vector<Index>{5, 5});
-}
-
-TEST_CASE("strays go home to sites that have room, and capacities stay") {
-  Random random(2);
-  // Two groups on two lines, sites on both, some points with the wrong owners.
-  Eigen::Matrix2Xd points(2, 400);
-  Eigen::Matrix2Xd sites(2, 20);
-  std::vector<Index> groups;
-  std::vector<Index> owners;
-  for (Index p = 0; p < 400; ++p) {
-    points.col(p) << p % 200, p < 200 ? 0 : 1;
-    groups.push_back(p < 200 ? 0 : 1);
-    owners.push_back(p / 20);
-  }
-  for (Index s = 0; s < 20; ++s) sites.col(s) << s % 10 * 20 + 10, s < 10 ? 0 : 1;
-  for (int k = 0; k < 30; ++k) {
-    std::swap(owners[static_cast<std::size_t>(random.index_below(200))],
-              owners[static_cast<std::size_t>(200 + random.index_below(200))]);
-  }
-  gather_groups(view_points(points), view_points(sites), groups, owners);
-  std::vector<int> capacities(20, 0);
-  for (std::size_t p = 0; p < 400; ++p) {
-    ++capacities[static_cast<std::size_t>(owners[p])];
-    CHECK((owners[p] >= 10) == (p >= 200));
-  }
-  CHECK(capacities == std::vector<int>(20, 20));
-  // Ten strays more than room: they go to ten sites of their group.
-  std::fill(groups.begin() + 190, groups.begin() + 200, 1);
-  gather_groups(view_points(points), view_points(sites), groups, owners);
-  std::fill(capacities.begin(), capacities.end(), 0);
-  for (std::size_t p = 0; p < 400; ++p) {
-    ++capacities[static_cast<std::size_t>(owners[p])];
-    CHECK((owners[p] >= 10) == (p >= 190));
-  }
-  CHECK(std::accumulate(capacities.begin(), capacities.begin() + 10, 0) == 190);
-  CHECK(std::all_of(capacities.begin() + 10, capacities.end(), [](int c) { return c == 21; }));
-  // Two of each of eight cells: more than a point for each of ten sites.
-  for (std::size_t p = 0; p < 400; ++p) {
-    if (owners[p] >= 8) continue;
-    int& left = capacities[static_cast<std::size_t>(owners[p])];
-    if (left > 0) groups[p] = 1;
-    left = std::min(left, 2) - 1;
-  }
-  const std::vector<Index> before = owners;
-  gather_groups(view_points(points), view_points(sites), groups, owners);
-  CHECK(owners == before);
+  const auto sites_of = [](const std::vector<Index>& groups, Index sites) {
+    std::vector<Index> result;
+    for (const Share& share : share_sites(groups, sites)) {
+      result.insert(result.end(), {share.points, share.sites});
+    }
+    return result;
+  };
+  CHECK(sites_of({0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1}, 3) == std::vector<Index>{5, 1, 6, 2});
+  CHECK(sites_of({0, 1, 1, 1, 1, 1, 1, 2, 2, 2}, 2) == std::vector<Index>{7, 1, 3, 1});
+  CHECK(sites_of({0, 0, 0, 0, 0, 0, 0, 1}, 2) == std::vector<Index>{8, 2});
 }
 
 TEST_CASE("keys follow a Hilbert curve") {

@@ -56,9 +56,11 @@ struct CCVT_EXPORT SurfaceOptions {
   /// triangle times `normal_weight` times the local spacing of the sites, the square root of a
   /// cell's area. So sheets that lie near each other, or on each other, but face apart, are far
   /// apart, and share no cell. On a smooth surface the normal changes little over a cell, and so
-  /// does this. Weights below 2 are come to by way of 2, with which cells become full of points of
-  /// one sheet. 0: positions alone. Not negative, at most 100.
-  double normal_weight = 0.7;
+  /// does this. From .5 on cells of
+  /// usual shape gain nothing by an exchange with one that faces the other way. Weights below 2 are
+  /// come to by way of 2, with which cells become full of points of one side. 0: positions alone.
+  /// Not negative, at most 100.
+  double normal_weight = 0.5;
   /// Whether SurfaceSamples hold the points that were drawn, their triangles and their owners.
   bool keep_points = false;
   /// Its seed also fixes the points that are drawn, and its threads draw them. Until blue_noise, as
@@ -93,10 +95,10 @@ struct SurfaceSamples {
   double area = 0;
   double mass = 0;
   /// A sheet is what hangs together by edges that two triangles share, vertices at the same place
-  /// being one. Sheets of eight cells and more get whole numbers of sites, so that no cell has to
-  /// reach into another sheet: capacities of different sheets then differ, by a share of 1 / (2 *
-  /// #sites of the sheet), and a few by a point or two more. All smaller sheets together are
-  /// treated as one.
+  /// being one. With a normal_weight, sheets of eight cells and more get whole numbers of sites and
+  /// are tessellated by themselves first, so that cells of different sheets mix only where that
+  /// lowers the energy; capacities of different sheets then differ, by a share of 1 / (2 * #sites
+  /// of the sheet) at most. All smaller sheets together are treated as one.
   Index sheets = 0;
   /// Triangles that face the other way than most, by area, of their sheet: their normals are those
   /// of the rest. A sheet with one side only, such as a Möbius strip, keeps a seam.

@@ -31,12 +31,13 @@ class ObjReader {
       : lines_(path, "an OBJ file") {
     if (density.empty()) return;
     constexpr std::array<std::string_view, 3> colours = {"red", "green", "blue"};
-    const auto found = std::find(colours.begin(), colours.end(), density);
-    if (found == colours.end()) {
+    const std::ptrdiff_t found =
+        std::find(colours.begin(), colours.end(), density) - colours.begin();
+    if (found == std::ssize(colours)) {
       lines_.file().fail("has no density " + io::quoted(density) +
                          "; of OBJ files it is red, green or blue");
     }
-    density_ = 3 + static_cast<std::size_t>(found - colours.begin());
+    density_ = 3 + static_cast<std::size_t>(found);
   }
 
   MeshParts read() {

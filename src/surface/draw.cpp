@@ -116,7 +116,7 @@ TriangleLine line_up(const Triangles& triangles, const Sheets& sheets,
   std::vector<Entry> entries;
   for (std::size_t t = 0; t < masses.size(); ++t) {
     if (!(masses[t] > 0)) continue;
-    const Index triangle = static_cast<Index>(t);
+    const auto triangle = static_cast<Index>(t);
     entries.push_back(
         {group[static_cast<std::size_t>(sheets.sheet[t])], triangle, key_of(triangles, triangle)});
   }

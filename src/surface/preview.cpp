@@ -173,7 +173,7 @@ ColourImage Canvas::picture() const {
     for (std::size_t column = 0; column < static_cast<std::size_t>(image.width); ++column) {
       for (std::size_t c = 0; c < 3; ++c) {
         unsigned sum = 0;
-        for (std::size_t k = 0; k < kFine * kFine; ++k) {
+        for (std::size_t k = 0; k < std::size_t{kFine} * kFine; ++k) {
           sum += colours_[(kFine * row + k / kFine) * wide + kFine * column + k % kFine][c];
         }
         image.rgb.push_back(static_cast<std::uint8_t>((sum + kFine) / (kFine * kFine)));

@@ -2,23 +2,19 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
-#include <optional>
 #include <utility>
+#include <vector>
 
-#include "ccvt/problem.h"
-#include "ccvt/solver.h"
 #include "ccvt/surface.h"
 #include "number_text.h"
 #include "numbers.h"
 #include "parallel/loops.h"
 #include "point_count.h"
 #include "surface/draw.h"
-#include "surface/gather.h"
 #include "surface/settle.h"
-#include "surface/shares.h"
 #include "surface/sheets.h"
 #include "surface/triangles.h"
+#include "surface/turns.h"
 
 namespace ccvt {
 
@@ -26,9 +22,6 @@ namespace {
 
 /// Sheets of fewer cells have none of their own.
 constexpr double kLeastCells = 8;
-/// See tessellate_in_turn().
-constexpr double kFirstWeight = 2;
-constexpr double kFirstTolerance = 1e-3;
 
 /// The area of each triangle, and its integral of the density.
 struct Sizes {
@@ -44,7 +37,7 @@ Sizes measure(const Triangles& triangles, const Arena& arena) {
   sizes.areas.resize(triangles.count());
   sizes.masses.resize(triangles.count());
   arena.for_each(triangles.count(), kGrain, [&](std::size_t t) {
-    const Index triangle = static_cast<Index>(t);
+    const auto triangle = static_cast<Index>(t);
     sizes.areas[t] = area_vector(triangles.corners(triangle)).norm() / 2;
     sizes.masses[t] = sizes.areas[t] * triangles.densities(triangle).mean();
   });
@@ -101,64 +94,6 @@ Drawn<Scalar> draw(const Triangles& triangles, const Sheets& sheets, const Trian
   return drawn;
 }
 
-/// Sites that start in the middle of stretches of the line that are as large as their cells.
-template <class Scalar>
-Points<Scalar> spread(const Points<Scalar>& points, const std::vector<Index>& capacities) {
-  Points<Scalar> sites(points.rows(), std::ssize(capacities));
-  Index begin = 0;
-  for (const SiteNumber s : sites_below(capacities.size())) {
-    sites.col(s.index()) = points.col(begin + capacities[s] / 2);
-    begin += capacities[s];
-  }
-  return sites;
-}
-
-/// What a tessellation comes to.
-template <class Scalar>
-struct Outcome {
-  Points<Scalar> sites;
-  std::vector<Index> owners;
-  Summary summary;
-};
-
-template <class Scalar>
-Outcome<Scalar> finish(const Problem<Scalar>& problem, const Options& options) {
-  Result<Scalar> result = tessellate(problem, options);
-  return {std::move(result.sites), std::move(result.owners), std::move(result.summary)};
-}
-
-/// Tessellates points that have been drawn with the normal weight `first`. Where another is wanted,
-/// `last`, the normals are then made those of that weight, and the run goes on from there: with
-/// large ones no points flow from sheet to sheet while cells become full, and with small ones
-/// curved surfaces are sampled evenly.
-template <class Scalar>
-Outcome<Scalar> tessellate_in_turn(Drawn<Scalar>& drawn, Index sites, double first, double last,
-                                   const Options& options) {
-  const std::vector<Index> capacities = share_capacities(drawn.groups, sites);
-  Problem<Scalar> problem(drawn.lifted, sites, options.threads);
-  problem.set_capacities(capacities);
-  problem.set_initial_sites(spread(drawn.lifted, capacities));
-  if (first == last) return finish(problem, options);
-
-  Options start = options;
-  start.energy_tolerance = std::max(start.energy_tolerance, kFirstTolerance);
-  Outcome<Scalar> begun = finish(problem, start);
-  gather_groups(view_points(drawn.lifted), view_points(begun.sites), drawn.groups, begun.owners);
-  drawn.lifted.template bottomRows<3>() *= static_cast<Scalar>(last / first);
-  Problem<Scalar> next(drawn.lifted, sites, options.threads);
-  std::vector<Index> gathered(capacities.size(), 0);
-  for (const Index owner : begun.owners) ++gathered[SiteNumber(owner)];
-  next.set_capacities(std::move(gathered));
-  next.set_initial_owners(std::move(begun.owners));
-  Options rest = options;
-  if (rest.time_limit > 0) {
-    rest.time_limit = std::max(rest.time_limit - begun.summary.seconds_total, 1e-3);
-  }
-  Outcome<Scalar> ended = finish(next, rest);
-  ended.summary.seconds_total += begun.summary.seconds_total;
-  return ended;
-}
-
 template <class Scalar>
 SurfaceSamples sample(const TriangleMesh& mesh, Index sites, const SurfaceOptions& options) {
   mesh.validate();
@@ -183,8 +118,9 @@ SurfaceSamples sample(const TriangleMesh& mesh, Index sites, const SurfaceOption
     drawn = draw<Scalar>(triangles, sheets, line, count, cell, drawn_weight,
                          options.tessellation.seed, arena);
   }
+  const double shrink = drawn_weight > 0 ? options.normal_weight / drawn_weight : 1;
   Outcome<Scalar> outcome =
-      tessellate_in_turn(drawn, sites, drawn_weight, options.normal_weight, options.tessellation);
+      tessellate_in_turns(drawn.lifted, drawn.groups, sites, shrink, options.tessellation);
 
   samples.scalar = sizeof(Scalar) == sizeof(float) ? ScalarType::float32 : ScalarType::float64;
   samples.summary = std::move(outcome.summary);

@@ -55,7 +55,7 @@ void settle(const Triangles& triangles, const Sheets& sheets, PointsView<Scalar>
       best = foot;
       nearest = triangle;
     }
-    const double capacity = static_cast<double>(cell.size());
+    const auto capacity = static_cast<double>(cell.size());
     const bool turned = sheets.turned[static_cast<std::size_t>(nearest)] != 0;
     const Eigen::Vector3d normal = area_vector(triangles.corners(nearest)).normalized();
     const Eigen::Index column = s.index();

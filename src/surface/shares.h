@@ -7,10 +7,16 @@
 
 namespace ccvt {
 
-/// The capacities of `sites` sites, for points that are in groups 0, 1, …, those of a group in a
-/// row. Each group gets as many sites as it has of the points, rounded so that the sum is right
-/// [largest remainders], and these own its points, with capacities that differ by at most 1: those
-/// of one group after the other. Points of groups that get none go to the sites of the largest.
-std::vector<Index> share_capacities(std::span<const Index> groups, Index sites);
+/// Points in a row, and how many sites they get.
+struct Share {
+  Index first = 0;
+  Index points = 0;
+  Index sites = 0;
+};
+
+/// For points that are in groups 0, 1, …, those of a group in a row: each group gets as many sites
+/// as it has of the points, rounded so that the sum is right [largest remainders]. Groups that get
+/// none go with the one before them, or else with the one behind.
+std::vector<Share> share_sites(std::span<const Index> groups, Index sites);
 
 }  // namespace ccvt

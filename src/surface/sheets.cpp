@@ -80,7 +80,7 @@ class Joined {
     Index root = triangle;
     bool against = false;
     while (parent_[TriangleNumber(root)] != root) {
-      against ^= against_[TriangleNumber(root)] != 0;
+      against = against != (against_[TriangleNumber(root)] != 0);
       root = parent_[TriangleNumber(root)];
     }
     // All on the way become children of the root.
@@ -89,7 +89,7 @@ class Joined {
       const bool step = against_[t] != 0;
       triangle = std::exchange(parent_[t], root);
       against_[t] = left ? 1 : 0;
-      left ^= step;
+      left = left != step;
     }
     return {root, against};
   }
@@ -100,7 +100,7 @@ class Joined {
     if (root_a == root_b) return;  // of a surface with one side, the last edge does not agree
     const auto [low, high] = std::minmax(root_a, root_b);
     parent_[TriangleNumber(high)] = low;
-    against_[TriangleNumber(high)] = (from_a ^ from_b ^ against) ? 1 : 0;
+    against_[TriangleNumber(high)] = (from_a != from_b) != against ? 1 : 0;
   }
 
  private:
