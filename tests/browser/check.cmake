@@ -50,7 +50,7 @@ foreach(width 400 1400)
       OUTPUT_QUIET ERROR_QUIET TIMEOUT 100)
   endforeach()
   message(STATUS "${width} pixels: ${verdict}")
-  if(NOT result EQUAL 0 OR NOT verdict MATCHES "^good: 3 images, 6 pictures$" OR console)
+  if(NOT result EQUAL 0 OR NOT verdict MATCHES "^good: 3 images, 7 pictures$" OR console)
     message(FATAL_ERROR "${width} pixels: chromium ended with ${result}; page: ${verdict}; "
       "console: ${console}")
   endif()
