@@ -85,22 +85,22 @@ format() {
 }
 
 # From valid files on.
-fuzz() {  # seconds for each kind of file
-  local seconds=$1 corpus=build/asan-ubsan/corpus
+fuzz() {  # preset, seconds for each kind of file
+  local tests=build/$1/tests seconds=$2 corpus=build/$1/corpus
   python3 tests/fuzz/volume_corpus.py "$corpus/volumes" &&
-    fuzz_from "$corpus/volumes" "$seconds" volume_fuzzer -malloc_limit_mb=64 &&
+    fuzz_from "$tests" "$corpus/volumes" "$seconds" volume_fuzzer -malloc_limit_mb=64 &&
     python3 tests/fuzz/mesh_corpus.py "$corpus/meshes" &&
-    fuzz_from "$corpus/meshes" "$seconds" mesh_fuzzer -malloc_limit_mb=64 &&
-    build/asan-ubsan/tests/image_seeds "$corpus/pictures" &&
-    fuzz_from "$corpus/pictures" "$seconds" image_fuzzer -malloc_limit_mb=512 &&
+    fuzz_from "$tests" "$corpus/meshes" "$seconds" mesh_fuzzer -malloc_limit_mb=64 &&
+    "$tests/image_seeds" "$corpus/pictures" &&
+    fuzz_from "$tests" "$corpus/pictures" "$seconds" image_fuzzer -malloc_limit_mb=512 &&
     python3 tests/fuzz/cloud_corpus.py "$corpus/clouds" &&
-    fuzz_from "$corpus/clouds" "$seconds" cloud_fuzzer -malloc_limit_mb=64
+    fuzz_from "$tests" "$corpus/clouds" "$seconds" cloud_fuzzer -malloc_limit_mb=64
 }
 
-fuzz_from() {  # corpus, seconds, fuzzer, its options
-  local corpus=$1 seconds=$2 fuzzer=$3
-  shift 3
-  "build/asan-ubsan/tests/$fuzzer" -max_len=4096 -max_total_time="$seconds" "$@" \
+fuzz_from() {  # the fuzzers' folder, corpus, seconds, fuzzer, its options
+  local tests=$1 corpus=$2 seconds=$3 fuzzer=$4
+  shift 4
+  "$tests/$fuzzer" -max_len=4096 -max_total_time="$seconds" "$@" \
     -print_final_stats=1 -verbosity=0 "$corpus"
 }
 

@@ -4,7 +4,7 @@
 option(CCVT_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
 option(CCVT_CLANG_TIDY "Add the target tidy: clang-tidy on the library and the program" OFF)
 option(CCVT_FUZZ "Build the fuzzers of the readers, with clang++ and libFuzzer" OFF)
-set(CCVT_SANITIZE "" CACHE STRING "Sanitizers: address;undefined, or thread")
+set(CCVT_SANITIZE "" CACHE STRING "Sanitizers: address;undefined or a part of these, or thread")
 
 if(CCVT_SANITIZE MATCHES "thread" AND NOT CCVT_PARALLEL STREQUAL "threads")
   message(FATAL_ERROR
