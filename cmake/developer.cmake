@@ -33,7 +33,8 @@ function(ccvt_compile_settings target)
     target_compile_options(${target} PRIVATE -Wno-restrict)
     if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
       # It forgets that headers are the system's when they are precompiled, and then finds more.
-      target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-stringop-overflow)
+      target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-stringop-overflow
+        -Wno-stringop-overread)
     endif()
   endif()
 
