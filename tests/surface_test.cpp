@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -67,14 +68,14 @@ std::string faults(const TriangleMesh& mesh, const SurfaceSamples& samples, Inde
 template <class FarApart>
 int spanning(const SurfaceSamples& samples, const FarApart& far_apart) {
   std::vector<Index> first(samples.capacities.size(), -1);
-  std::vector<int> spans(first.size(), 0);
+  std::set<std::size_t> spanning_cells;
   for (std::size_t p = 0; p < samples.owners.size(); ++p) {
     const auto owner = static_cast<std::size_t>(samples.owners[p]);
     const Index triangle = samples.point_triangles[p];
     if (first[owner] < 0) first[owner] = triangle;
-    if (far_apart(first[owner], triangle)) spans[owner] = 1;
+    if (far_apart(first[owner], triangle)) spanning_cells.insert(owner);
   }
-  return std::accumulate(spans.begin(), spans.end(), 0);
+  return static_cast<int>(spanning_cells.size());
 }
 
 SurfaceOptions options(Index points_per_site, std::uint64_t seed = 1, int threads = 1) {
