@@ -79,6 +79,12 @@ developer_packages() {
     chromium clang clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev python3 python3-faiss python3-h5py
 }
 
+# Manual pages and completions.
+pages() {
+  cmake/install-packages.sh fish groff-base zsh &&
+    tests/pages/check.sh build/release/bin/ccvt build/release/pages
+}
+
 format() {
   find include src tests benchmarks \( -name '*.h' -o -name '*.cpp' \) -print0 |
     xargs -0 clang-format-14 --dry-run --Werror

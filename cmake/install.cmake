@@ -1,26 +1,38 @@
-# What `cmake --install` puts under the prefix. The prefix may be moved afterwards.
+# What `cmake --install` puts under the prefix. The prefix may be moved afterwards. Components become
+# packages: library, what programs need that are linked with a shared one; development; program.
 
 include(CMakePackageConfigHelpers)
 get_target_property(CCVT_LIBRARY_TYPE ccvt TYPE)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/ccvt)
 
-install(TARGETS ccvt EXPORT ccvtTargets FILE_SET HEADERS)
+install(TARGETS ccvt EXPORT ccvtTargets
+  LIBRARY COMPONENT library NAMELINK_COMPONENT development
+  ARCHIVE COMPONENT development
+  FILE_SET HEADERS COMPONENT development)
 if(TARGET ccvt_cli)
   # The installed program finds a shared library that was installed beside it.
   cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_LIBDIR
     BASE_DIRECTORY ${CMAKE_INSTALL_FULL_BINDIR} OUTPUT_VARIABLE libdir_from_bindir)
   set_target_properties(ccvt_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${libdir_from_bindir}")
-  install(TARGETS ccvt_cli)
+  install(TARGETS ccvt_cli COMPONENT program)
+  set(pages ${PROJECT_BINARY_DIR}/pages)
+  install(DIRECTORY ${pages}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT program)
+  install(FILES ${pages}/completions/ccvt.bash RENAME ccvt
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+  install(FILES ${pages}/completions/_ccvt
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT program)
+  install(FILES ${pages}/completions/ccvt.fish
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
 endif()
 
-install(EXPORT ccvtTargets NAMESPACE ccvt:: DESTINATION ${package_dir})
+install(EXPORT ccvtTargets NAMESPACE ccvt:: DESTINATION ${package_dir} COMPONENT development)
 configure_package_config_file(cmake/ccvtConfig.cmake.in ${PROJECT_BINARY_DIR}/ccvtConfig.cmake
   INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/ccvtConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES
   ${PROJECT_BINARY_DIR}/ccvtConfig.cmake ${PROJECT_BINARY_DIR}/ccvtConfigVersion.cmake
-  DESTINATION ${package_dir})
+  DESTINATION ${package_dir} COMPONENT development)
 
 # Documents. What their links lead to in the repository is not installed but for the documents: of
 # other links and of pictures the text stays.
@@ -36,8 +48,9 @@ foreach(document installed IN ZIP_LISTS documents installed_documents)
     text "${text}")
   file(WRITE ${PROJECT_BINARY_DIR}/documents/${installed} "${text}")
 endforeach()
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY ${PROJECT_BINARY_DIR}/documents/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/documents/ DESTINATION ${CMAKE_INSTALL_DOCDIR}
+  COMPONENT development)
 
 # pkg-config. A static library needs the others to be linked. They are not under Requires.private:
 # only one kind of library is installed, so `pkg-config --libs ccvt` should do without --static.
@@ -59,4 +72,5 @@ if(CCVT_LIBRARY_TYPE STREQUAL "STATIC_LIBRARY")
   endif()
 endif()
 configure_file(cmake/ccvt.pc.in ${PROJECT_BINARY_DIR}/ccvt.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/ccvt.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${PROJECT_BINARY_DIR}/ccvt.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+  COMPONENT development)

@@ -277,7 +277,7 @@ TEST_CASE("bad input: one line, status 2, nothing written") {
   };
   const Case cases[] = {
       {"", {"needs a command", "tessellate", "see ccvt --help"}},
-      {"tesselate p.csv", {"unknown command 'tesselate'", "tessellate", "see ccvt --help"}},
+      {"tesselate p.csv", {"unknown command 'tesselate'", "tessellate", "See ccvt --help"}},
       {"--tesselate p.csv", {"unknown argument '--tesselate'", "see ccvt --help"}},
       {"draw", {"'draw'"}},
       {"sample --dim 2 -o o.npy", {"sample: needs --sites; see ccvt sample --help"}},

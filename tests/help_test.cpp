@@ -12,6 +12,7 @@
 #include "ccvt/particles.h"
 #include "ccvt/point_cloud.h"
 #include "ccvt/surface.h"
+#include "ccvt/version.h"
 #include "ccvt/volume.h"
 #include "support/files.h"
 #include "support/message.h"
@@ -154,6 +155,69 @@ TEST_CASE("help lists the extensions that readers and writers take, and no other
       fs::remove(path);
     }
   }
+}
+
+TEST_CASE("mistyped commands and options: what was likely meant") {
+  const TemporaryDirectory directory;
+  struct Case {
+    std::string line;
+    std::string told;
+  };
+  const Case cases[] = {
+      {"tesselate p.csv", "unknown command 'tesselate'; did you mean tessellate? See ccvt --help"},
+      {"stiple", "unknown command 'stiple'; did you mean stipple? See ccvt --help"},
+      {"draw", "unknown command 'draw', not one of sample, "},
+      {"sample --sitse 8",
+       "unknown argument '--sitse'; did you mean --sites? See ccvt sample --help"},
+      {"sample --sites=8 --periodc",
+       "'--periodc'; did you mean --periodic? See ccvt sample --help"},
+      {"sample --thread=2", "unknown argument '--thread=2'; did you mean --threads? See"},
+      {"volume v.nii --interpol linear", "'--interpol'; did you mean --interpolation? See"},
+      {"analyze a.npy --owners-out o.npy", "unknown argument '--owners-out'; see ccvt analyze"},
+      // It begins --points-out and --points-per-site.
+      {"sample --points", "unknown argument '--points'; see ccvt sample --help"},
+      {"--versoin", "unknown argument '--versoin'; did you mean --version? See ccvt --help"},
+      {"sample -", "unknown argument '-'; see ccvt sample --help"},
+  };
+  for (const Case& c : cases) {
+    CAPTURE(c.line);
+    const Ran ran = run(directory, c.line);
+    CAPTURE(ran.errors);
+    CHECK(ran.status == 2);
+    CHECK(ran.output == "");
+    CHECK(ran.errors.find(c.told) != std::string::npos);
+  }
+}
+
+TEST_CASE("help fits into 100 columns, in groups") {
+  const TemporaryDirectory directory;
+  for (const char* const command : {"sample", "tessellate", "stipple", "volume", "surface", "thin",
+                                    "analyze", "quantize", "encode"}) {
+    CAPTURE(command);
+    const std::string help = run(directory, command + std::string(" --help")).output;
+    CHECK(help.find("\nOutput:\n  -o,--output ") != std::string::npos);
+    CHECK(help.find("\nRun:\n") != std::string::npos);
+    std::istringstream lines(help);
+    for (std::string line; std::getline(lines, line);) {
+      CAPTURE(line);
+      CHECK(line.size() <= 100);
+    }
+  }
+}
+
+TEST_CASE("the version says what the program is made of") {
+  const TemporaryDirectory directory;
+  const std::string text = run(directory, "--version").output;
+  CHECK(text.starts_with("ccvt " CCVT_VERSION "\ncompiler: "));
+  for (const char* const part :
+       {"\ninstruction set: ", "\nthreads: ", "\npoints from: .npy .csv"}) {
+    CHECK(text.find(part) != std::string::npos);
+  }
+#ifdef CCVT_TEST_HDF5
+  CHECK(text.find(".gadget .hdf5\n") != std::string::npos);
+#else
+  CHECK(text.find(".hdf5") == std::string::npos);
+#endif
 }
 
 TEST_SUITE_END();

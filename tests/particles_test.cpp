@@ -266,7 +266,8 @@ TEST_CASE("particles: damaged GADGET files are refused") {
   has(told(with(one, 128, 4)), "one of 4 files");
   has(told(with(one, 268, 0x7FC00000U)), "not finite");
   has(told(with(two, 284, 0x20202020U)), "'POS '");
-  for (std::size_t size = 1; size < 264 + 8 + 60; size += 7) {
+  // Steps that never end with a record.
+  for (std::size_t size = 1; size < one.size(); size += 5) {
     CAPTURE(size);
     CHECK(told(one.substr(0, size)) != "nothing thrown");
     CHECK(told(two.substr(0, size)) != "nothing thrown");

@@ -77,6 +77,35 @@ TEST_CASE("tessellate: masses from a file or a column, and how far cells miss th
   CHECK(get(directory / "column.npy") == get(directory / "sites.npy"));
 }
 
+TEST_CASE("tessellate: the column of masses is no coordinate") {
+  const TemporaryDirectory directory;
+  put(directory / "sky.csv", "ra,dec,m\n0,0,1\n1,0,2\n0,1,2\n1,1,1\n5,5,3\n5,6,3\n");
+  const auto sites = [&](const std::string& arguments) {
+    const Ran ran = run(directory, "tessellate " + arguments + " --sites 2 -q -o sites.csv");
+    CHECK(ran.errors == "");
+    return get(directory / "sites.csv");
+  };
+  const std::string chosen = sites("sky.csv --columns ra,dec --mass-column m");
+  CHECK(sites("sky.csv --mass-column m") == chosen);
+  CHECK(sites("sky.csv --mass-column 3") == chosen);
+  put(directory / "bare.csv", "0 0 1\n1 0 2\n0 1 2\n1 1 1\n5 5 3\n5 6 3\n");
+  CHECK(sites("bare.csv --mass-column 3") == chosen);
+  put(directory / "named.csv", "m,x,y,id\n1,0,0,9\n2,1,0,8\n2,0,1,7\n1,1,1,6\n3,5,5,5\n3,5,6,4\n");
+  const Ran ran = run(directory, "tessellate named.csv --mass-column m --sites 2 -o sites.csv");
+  CHECK(get(directory / "sites.csv") == chosen);
+  CHECK(ran.errors.find("left out: id;") != std::string::npos);
+}
+
+TEST_CASE("tessellate: a time limit that comes too soon is no interruption") {
+  const TemporaryDirectory directory;
+  write_inputs(directory);
+  const Ran ran = run(directory,
+                      "tessellate points.npy --masses masses.txt --sites 20 --time-limit 1e-9 "
+                      "-o sites.npy");
+  CHECK(ran.status == 1);
+  CHECK(ran.errors == "ccvt: error: the time limit came before there was anything to write\n");
+}
+
 TEST_CASE("tessellate: resampled, with capacities in mass") {
   const TemporaryDirectory directory;
   write_inputs(directory);
@@ -117,9 +146,11 @@ TEST_CASE("tessellate: what is wrong with masses is said in a line") {
         "ccvt: error: --initial-sites: is for points without masses; --sites says how many\n");
   CHECK(said("points.npy --masses points.npy --sites 3") ==
         "ccvt: error: points.npy: has 2 numbers a row; there must be one\n");
-  CHECK(said("points.npy --mass-column 2 --sites 3") ==
+  CHECK(said("points.npy --columns 2,1 --mass-column 2 --sites 3") ==
         "ccvt: error: --mass-column: '2' is among the coordinates of points.npy; --columns says "
         "which columns these are\n");
+  CHECK(said("masses.txt --mass-column 1 --sites 3") ==
+        "ccvt: error: --mass-column: masses.txt has no column but '1', and so no coordinates\n");
   CHECK(said("table.csv --mass-column x --sites 3")
             .find("--mass-column: 'x' is among the coordinates") != std::string::npos);
   CHECK(said("table.csv --mass-column w --sites 3").find("'w'") != std::string::npos);

@@ -1,6 +1,7 @@
 #pragma once
 
 /// The whole library.
+#include "ccvt/build_info.h"    // IWYU pragma: export
 #include "ccvt/capacity.h"      // IWYU pragma: export
 #include "ccvt/codebook.h"      // IWYU pragma: export
 #include "ccvt/density.h"       // IWYU pragma: export

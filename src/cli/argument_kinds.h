@@ -39,10 +39,11 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, Target& target,
 
 /// An option whose value `parse(text, target)` understands, or says what is wrong with.
 template <class Target, class Parse>
-void add_parsed(CLI::App& app, const std::string& name, Target& target, const Parse& parse,
-                const std::string& description, const char* placeholder) {
-  app.add_option_function<std::string>(
-         name, [&target, parse](const std::string& text) { parse(text, target); }, description)
+CLI::Option* add_parsed(CLI::App& app, const std::string& name, Target& target, const Parse& parse,
+                        const std::string& description, const char* placeholder) {
+  return app
+      .add_option_function<std::string>(
+          name, [&target, parse](const std::string& text) { parse(text, target); }, description)
       ->type_name(placeholder)
       ->check(CLI::Validator(
           [parse](std::string& text) {

@@ -136,8 +136,4 @@ int run_volume(const VolumeArguments& arguments);
 int run_quantize(const QuantizeArguments& arguments);
 int run_encode(const EncodeArguments& arguments);
 
-/// Parses the command line and runs the command that it names. Prints help and version. Throws
-/// InvalidInput for whatever is wrong with the line.
-int run_command_line(int argc, const char* const* argv);
-
 }  // namespace ccvt::cli

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "ccvt/metrics.h"
-#include "cli/arguments.h"
+#include "cli/command_line.h"
 #include "cli/run.h"
 #include "cli/signals.h"
 #include "cli/streams.h"
@@ -22,10 +22,13 @@ int main(int argc, char** argv) {
   try {
     ccvt::cli::fill_closed_streams();
     ccvt::cli::handle_signals();
-    return ccvt::cli::run_command_line(argc, argv);
+    return ccvt::cli::CommandLine().run(argc, argv);
   } catch (const ccvt::InvalidInput& error) {
     return report(error.what(), 2);
   } catch (const ccvt::Cancelled&) {
+    if (!ccvt::cli::interrupted()) {
+      return report("the time limit came before there was anything to write", 1);
+    }
     return report("interrupted before there was anything to write", 130);
   } catch (const std::bad_alloc&) {
     return report("out of memory", 1);

@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <string>
 
+#include "number_text.h"
+
 namespace ccvt::cli {
 
 namespace {
@@ -49,8 +51,12 @@ void Progress::show(const IterationRecord& record, Index sites) {
       text, sizeof text, "] level %d/%d  iteration %d  active %4.1f %%  energy %.5g  %.1f s",
       record.level + 1, record.levels, record.iteration, 100 * active, record.energy,
       record.seconds);
+  // What is done is not quite proportional to time; early on, not at all.
+  const double left = record.seconds * (1 / std::max(record.progress, 1e-9) - 1);
+  const bool foreseeable = record.progress > 0.05 && record.seconds > 1 && left >= 1;
   std::string line = "[" + std::string(settled, '#') + std::string(kBarWidth - settled, '.');
   line.append(text, static_cast<std::size_t>(std::max(length, 0)));
+  if (foreseeable) line += ", about " + ccvt::text(left, 2) + " s left";
   write_line(line.substr(0, terminal_width() - 1));
 }
 

@@ -118,8 +118,9 @@ Box make_box(const std::vector<double>& numbers, int dimension, const std::strin
 }
 
 PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptions& options,
-                              bool quiet) {
+                              bool quiet, const std::string& used) {
   PointsHeader header = inspect_points(path, options);
+  std::erase(header.left_out, used);
   if (quiet || header.left_out.empty()) return header;
   std::cerr << one_line("ccvt: " + path.string() + ": coordinates are " + few_of(header.columns) +
                         "; left out: " + few_of(header.left_out) + "; --columns says otherwise");

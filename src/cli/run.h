@@ -42,9 +42,9 @@ Points<Scalar> read_sites(const std::filesystem::path& path, const std::string& 
 }
 
 /// inspect_points(), and says on standard error which columns are left out, if any are, unless the
-/// user said which are wanted, or wants quiet.
+/// user said which are wanted, or wants quiet. `used` is another column that is not left out.
 PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptions& options,
-                              bool quiet);
+                              bool quiet, const std::string& used = "");
 
 /// `message` with what is no letter replaced, and a line end: one line, whatever names it holds.
 std::string one_line(std::string message);

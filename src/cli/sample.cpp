@@ -20,6 +20,25 @@ std::string describe_particles(Index sites, const ParticleOptions& options) {
          text(particle_mass(sites, options), 6) + " in a periodic box of " + text(options.box_size);
 }
 
+/// That of the fixed sites, which stay to the bit, unless the user says which.
+ScalarType scalar_of(const SampleArguments& arguments) {
+  if (arguments.scalar) return *arguments.scalar;
+  if (arguments.fixed_sites.empty()) return ScalarType::float32;
+  return inspect_points(arguments.fixed_sites).scalar;
+}
+
+/// A site outside would own a share of the box all the same.
+template <class Scalar>
+void check_inside(const Points<Scalar>& sites) {
+  for (Eigen::Index s = 0; s < sites.cols(); ++s) {
+    for (Eigen::Index d = 0; d < sites.rows(); ++d) {
+      if (sites(d, s) >= 0 && sites(d, s) <= 1) continue;
+      throw InvalidInput("coordinate " + std::to_string(d) + " of sites[" + std::to_string(s) +
+                         "] is " + text(double{sites(d, s)}) + "; it must be in the unit box");
+    }
+  }
+}
+
 template <class Scalar>
 int sample(const SampleArguments& arguments) {
   const bool particles = makes_particles(arguments);
@@ -36,7 +55,10 @@ int sample(const SampleArguments& arguments) {
   if (!arguments.fixed_sites.empty()) {
     const auto fixed =
         read_sites<Scalar>(arguments.fixed_sites, "fixed sites", arguments.dimension);
-    blame(arguments.fixed_sites, [&] { problem.set_fixed_sites(fixed); });
+    blame(arguments.fixed_sites, [&] {
+      check_inside<Scalar>(fixed);
+      problem.set_fixed_sites(fixed);
+    });
   }
   const auto result = [&] {
     Progress progress(arguments.quiet);
@@ -68,8 +90,8 @@ int run_sample(const SampleArguments& arguments) {
       .add("--summary", arguments.summary)
       .add_input("--fixed-sites", arguments.fixed_sites)
       .check();
-  return arguments.scalar == ScalarType::float64 ? sample<double>(arguments)
-                                                 : sample<float>(arguments);
+  return scalar_of(arguments) == ScalarType::float64 ? sample<double>(arguments)
+                                                     : sample<float>(arguments);
 }
 
 }  // namespace ccvt::cli

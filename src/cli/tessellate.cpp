@@ -103,7 +103,8 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
 
 }  // namespace
 
-int run_tessellate(const TessellateArguments& arguments) {
+int run_tessellate(const TessellateArguments& given) {
+  TessellateArguments arguments = given;
   if (arguments.sites == 0 && arguments.initial_sites.empty()) {
     throw InvalidInput("tessellate: needs --sites or --initial-sites; see ccvt tessellate --help");
   }
@@ -116,8 +117,10 @@ int run_tessellate(const TessellateArguments& arguments) {
     throw InvalidInput(std::string("--whiten: excludes ") +
                        (arguments.units.empty() ? "--box, which it would turn" : "--units"));
   }
+  const bool has_masses = check_masses(arguments);
+  arguments.reading = coordinates_beside_masses(arguments);
   const PointsHeader header =
-      inspect_and_tell(arguments.points, arguments.reading, arguments.quiet);
+      inspect_and_tell(arguments.points, arguments.reading, arguments.quiet, arguments.mass.column);
   Outputs()
       .add("--output", arguments.output, io::kTableFiles)
       .add("--owners-out", arguments.owners_out, io::kTableFiles)
@@ -128,7 +131,7 @@ int run_tessellate(const TessellateArguments& arguments) {
       .add_input("--capacities", arguments.capacities)
       .add_input("--masses", arguments.mass.file)
       .check();
-  if (check_masses(arguments, header)) {
+  if (has_masses) {
     return run_with_masses(arguments, header, make_domain(arguments, header.dimension));
   }
   return arguments.scalar.value_or(header.scalar) == ScalarType::float32

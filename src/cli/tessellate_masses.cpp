@@ -1,7 +1,10 @@
 #include "cli/tessellate_masses.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ccvt/weighted.h"
@@ -14,18 +17,26 @@
 namespace ccvt::cli {
 namespace {
 
-/// All columns of the points' file are coordinates unless somebody says which are.
-void check_column(const TessellateArguments& arguments, const PointsHeader& header) {
-  const std::string& column = arguments.mass.column;
-  const auto& wanted = arguments.reading.columns;
-  const bool among_names =
-      std::find(header.columns.begin(), header.columns.end(), column) != header.columns.end();
-  const bool all = wanted.empty() && header.left_out.empty();
-  if (!all && !among_names && std::find(wanted.begin(), wanted.end(), column) == wanted.end()) {
-    return;
+/// Of their columns all are coordinates, unless a header names x, y, z or x0, x1, ….
+constexpr std::array<std::string_view, 5> kTables = {".npy", ".csv", ".txt", ".fvecs", ".bvecs"};
+
+/// Whether the header of the file names coordinates as such.
+bool names_coordinates(const PointsHeader& header) {
+  if (header.columns.empty()) return false;
+  const std::string& first = header.columns.front();
+  return first == "x" || first == "X" || first == "x0" || first == "X0";
+}
+
+/// All columns, by name, or by number from 1, but for `column`.
+std::vector<std::string> all_but(const std::string& column, const PointsHeader& header) {
+  std::vector<std::string> others;
+  for (int d = 0; d < header.dimension; ++d) {
+    const std::string number = std::to_string(d + 1);
+    const bool named = !header.columns.empty();
+    const std::string& name = named ? header.columns[static_cast<std::size_t>(d)] : number;
+    if (column != name && column != number) others.push_back(name);
   }
-  throw InvalidInput("--mass-column: '" + column + "' is among the coordinates of " +
-                     arguments.points.string() + "; --columns says which columns these are");
+  return others;
 }
 
 std::vector<double> read_masses(const TessellateArguments& arguments) {
@@ -91,7 +102,7 @@ int tessellate_weighted(const TessellateArguments& arguments, const PointsHeader
 
 }  // namespace
 
-bool check_masses(const TessellateArguments& arguments, const PointsHeader& header) {
+bool check_masses(const TessellateArguments& arguments) {
   const MassArguments& mass = arguments.mass;
   if (!mass.given()) {
     if (mass.method) throw InvalidInput("--mass-method: needs --masses or --mass-column");
@@ -110,8 +121,28 @@ bool check_masses(const TessellateArguments& arguments, const PointsHeader& head
   if (alone != nullptr) {
     throw InvalidInput(std::string(alone) + ": cannot be combined with masses");
   }
-  if (!mass.column.empty()) check_column(arguments, header);
   return true;
+}
+
+ReadOptions coordinates_beside_masses(const TessellateArguments& arguments) {
+  const ReadOptions& reading = arguments.reading;
+  const std::string& column = arguments.mass.column;
+  if (column.empty()) return reading;
+  inspect_points(arguments.points, {.columns = {column}});  // throws unless it is there
+  const PointsHeader header = inspect_points(arguments.points, reading);
+  const auto among = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), column) != names.end();
+  };
+  if (among(reading.columns) || (names_coordinates(header) && among(header.columns))) {
+    throw InvalidInput("--mass-column: '" + column + "' is among the coordinates of " +
+                       arguments.points.string() + "; --columns says which columns these are");
+  }
+  const bool table = io::is_among(kTables, lower_extension(arguments.points));
+  if (!reading.columns.empty() || !table || names_coordinates(header)) return reading;
+  ReadOptions others{.columns = all_but(column, header)};
+  if (!others.columns.empty()) return others;
+  throw InvalidInput("--mass-column: " + arguments.points.string() + " has no column but '" +
+                     column + "', and so no coordinates");
 }
 
 int run_with_masses(const TessellateArguments& arguments, const PointsHeader& header,

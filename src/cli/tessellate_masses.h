@@ -8,7 +8,11 @@ namespace ccvt::cli {
 
 /// Whether the points have masses. Throws InvalidInput when what is said of masses does not fit the
 /// rest.
-bool check_masses(const TessellateArguments& arguments, const PointsHeader& header);
+bool check_masses(const TessellateArguments& arguments);
+
+/// How the points are to be read: as --columns says, or else as the file has it, but for the column
+/// of their masses. Throws InvalidInput when that is a coordinate, or is not there.
+ReadOptions coordinates_beside_masses(const TessellateArguments& arguments);
 
 /// `ccvt tessellate` of points with masses.
 int run_with_masses(const TessellateArguments& arguments, const PointsHeader& header,

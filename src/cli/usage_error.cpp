@@ -3,6 +3,9 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/help.h"
+#include "cli/suggestion.h"
+
 namespace ccvt::cli {
 
 namespace {
@@ -12,19 +15,49 @@ std::string before(const std::string& text, std::string_view end) {
   return text.substr(0, text.find(end));
 }
 
-std::string commands_of(const CLI::App& app) {
+std::vector<std::string> names_of_commands(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* const command : commands_of(app)) names.push_back(command->get_name());
+  return names;
+}
+
+std::string list_of_commands(const CLI::App& app) {
   std::string list;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    list += (list.empty() ? "" : ", ") + command->get_name();
-  }
+  for (const std::string& name : names_of_commands(app)) list += (list.empty() ? "" : ", ") + name;
   return list;
+}
+
+std::vector<std::string> names_of_options(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const OptionGroup& group : option_groups(command)) {
+    for (const OptionHelp& option : group.options) {
+      names.insert(names.end(), option.names.begin(), option.names.end());
+    }
+  }
+  return names;
+}
+
+/// What was typed instead of an option or a command, and what is likely to have been meant.
+std::string unknown_word(const CLI::App& app, const CLI::App* command, const std::string& word) {
+  const bool option = word.starts_with("-");
+  const std::string typed = before(word, "=");
+  const std::string meant =
+      likely_meant(typed, option ? names_of_options(command == nullptr ? app : *command)
+                                 : names_of_commands(app));
+  std::string text = "unknown argument '" + word + "'";
+  if (command == nullptr && !option) {
+    text = "unknown command '" + word + "'";
+    if (meant.empty()) text += ", not one of " + list_of_commands(app);
+  }
+  const bool helps = !meant.empty() && (option || command == nullptr);
+  return text + (helps ? "; did you mean " + meant + "?" : "");
 }
 
 /// CLI11 keeps nothing of a mistake but its kind and an English sentence.
 std::string reason(const CLI::App& app, const std::string& command, const CLI::ParseError& error) {
   std::string text = error.what();
   if (error.get_name() == "RequiredError") {
-    if (command.empty()) return "needs a command, one of " + commands_of(app);
+    if (command.empty()) return "needs a command, one of " + list_of_commands(app);
     return command + ": needs " + before(text, " is required");
   }
   if (error.get_name() == "ArgumentMismatch") {
@@ -47,15 +80,13 @@ std::string reason(const CLI::App& app, const std::string& command, const CLI::P
 
 std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> given = app.get_subcommands();
-  const std::string command = given.empty() ? "" : given.front()->get_name();
+  const CLI::App* const command = given.empty() ? nullptr : given.front();
+  const std::string name = command == nullptr ? "" : command->get_name();
   const std::vector<std::string> unknown = app.remaining(true);
-  const auto what = [&] {
-    if (unknown.empty()) return reason(app, command, error);
-    const std::string& first = unknown.front();
-    if (!command.empty() || first.starts_with("-")) return "unknown argument '" + first + "'";
-    return "unknown command '" + first + "', not one of " + commands_of(app);
-  };
-  return what() + "; see ccvt " + (command.empty() ? "" : command + " ") + "--help";
+  const std::string what =
+      unknown.empty() ? reason(app, name, error) : unknown_word(app, command, unknown.front());
+  return what + (what.ends_with("?") ? " See" : "; see") + " ccvt " +
+         (name.empty() ? "" : name + " ") + "--help";
 }
 
 }  // namespace ccvt::cli

@@ -172,7 +172,7 @@ class GadgetInput {
       file_.fail("its positions have " + std::to_string(bytes_) + " bytes; " +
                  std::to_string(points_.count) + " particles take 12 or 24 times as many");
     }
-    if (bytes_ > file_.size() - at_) file_.fail("is truncated: it ends in the middle of its data");
+    check_rest(path);
     points_.scalar = bytes_ == 12 * points_.count ? ScalarType::float32 : ScalarType::float64;
   }
 
@@ -232,6 +232,24 @@ class GadgetInput {
     }
     const auto box = header_.get<double>(kBoxSize);
     if (box > 0 && std::isfinite(box)) points_.box.assign(3, box);
+  }
+
+  /// What is behind the positions is not read, but has to be there: records to the file's last
+  /// byte.
+  void check_rest(const std::filesystem::path& path) const {
+    InputFile rest(path);
+    const std::uint64_t size = file_.size();
+    std::uint64_t at = at_ - sizeof(std::uint32_t);
+    rest.skip(at);
+    while (at < size) {
+      std::uint32_t bytes = 0;
+      if (size - at >= 2 * sizeof bytes) rest.read(&bytes, sizeof bytes);
+      if (size - at < 2 * sizeof bytes || bytes > size - at - 2 * sizeof bytes) {
+        file_.fail("is truncated: it ends in the middle of its data");
+      }
+      rest.skip(bytes + sizeof bytes);
+      at += bytes + 2 * sizeof bytes;
+    }
   }
 
   /// Skips what is before them; their length.

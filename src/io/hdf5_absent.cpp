@@ -14,6 +14,8 @@ namespace {
 
 }  // namespace
 
+bool has_hdf5() { return false; }
+
 void check_hdf5(const std::filesystem::path& path) { fail(path); }
 
 void write_hdf5_particles(const std::filesystem::path& path, const ParticleLoad&) { fail(path); }

@@ -10,6 +10,9 @@
 /// hdf5_absent.cpp takes the place of hdf5_particles.cpp.
 namespace ccvt::io {
 
+/// Whether the library is built with it.
+bool has_hdf5();
+
 /// Throws InvalidInput, which says what is missing, unless there is HDF5.
 void check_hdf5(const std::filesystem::path& path);
 

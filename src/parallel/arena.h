@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <string>
 #include <type_traits>
 
 #include "parallel/recorder.h"
@@ -88,5 +89,8 @@ class Arena {
   Recorder* recorder_ = nullptr;
   std::unique_ptr<Backend> backend_;
 };
+
+/// What arenas are made of.
+std::string thread_library();
 
 }  // namespace ccvt

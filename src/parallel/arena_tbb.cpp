@@ -3,8 +3,10 @@
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
+#include <tbb/version.h>
 
 #include <atomic>
+#include <string>
 
 #include "parallel/arena.h"
 
@@ -46,6 +48,10 @@ void Arena::run_on_all(const Range& range, Recorder::Loop* timing) const {
     for (std::size_t h = 0; h < helpers; ++h) group.run(work);
     group.run_and_wait(work);
   });
+}
+
+std::string thread_library() {
+  return "oneTBB " + std::to_string(TBB_VERSION_MAJOR) + "." + std::to_string(TBB_VERSION_MINOR);
 }
 
 }  // namespace ccvt

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -43,6 +44,8 @@ void Arena::run_on_all(const Range& range, Recorder::Loop* timing) const {
   for (std::thread& helper : helpers) helper.join();
   if (failure) std::rethrow_exception(failure);
 }
+
+std::string thread_library() { return "std::thread"; }
 
 }  // namespace ccvt
 
