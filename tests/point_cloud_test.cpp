@@ -286,6 +286,25 @@ TEST_CASE("thin writes chosen points, their numbers and owners") {
   CHECK(get(directory / "r.ply") == get(directory / "q.ply"));
 }
 
+TEST_CASE("thin says what files of another kind do not carry") {
+  const TemporaryDirectory directory;
+  put(directory / "p.csv", "x,y,z,id\n0,0,0,1\n1,0,0,2\n0,1,0,3\n");
+  put(directory / "n.csv", "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n1,0,0,0,0,1\n0,1,0,0,0,1\n");
+  const auto told = [&](const std::string& line) {
+    const Ran ran = run(directory, "thin " + line + " --sites 2");
+    CHECK(ran.status == 0);
+    return ran.errors;
+  };
+  const std::string lost =
+      "what its points carry besides coordinates is kept in files of its own kind only, not in ";
+  CHECK(told("p.csv -o q.npy") == "ccvt: p.csv: " + lost + ".npy\n");
+  CHECK(told("p.csv -o q.ply") == "ccvt: p.csv: " + lost + ".ply\n");
+  CHECK(told("n.csv -o q.ply") == "ccvt: n.csv: " + lost + ".ply\n");
+  CHECK(told("n.csv -o q.txt").empty());
+  CHECK(told("q.ply -o r.csv") == "ccvt: q.ply: " + lost + ".csv\n");  // a count
+  CHECK(told("q.npy -o r.csv").empty());
+}
+
 TEST_CASE("thin refuses what it cannot do, in one line, and leaves files alone") {
   const TemporaryDirectory directory;
   put(directory / "p.ply", numbered_ply(20));

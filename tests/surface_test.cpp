@@ -68,14 +68,14 @@ std::string faults(const TriangleMesh& mesh, const SurfaceSamples& samples, Inde
 template <class FarApart>
 int spanning(const SurfaceSamples& samples, const FarApart& far_apart) {
   std::vector<Index> first(samples.capacities.size(), -1);
-  std::set<std::size_t> spanning_cells;
+  std::set<std::size_t> spans;
   for (std::size_t p = 0; p < samples.owners.size(); ++p) {
     const auto owner = static_cast<std::size_t>(samples.owners[p]);
     const Index triangle = samples.point_triangles[p];
     if (first[owner] < 0) first[owner] = triangle;
-    if (far_apart(first[owner], triangle)) spanning_cells.insert(owner);
+    if (far_apart(first[owner], triangle)) spans.insert(owner);
   }
-  return static_cast<int>(spanning_cells.size());
+  return static_cast<int>(spans.size());
 }
 
 SurfaceOptions options(Index points_per_site, std::uint64_t seed = 1, int threads = 1) {
@@ -470,6 +470,16 @@ TEST_CASE("samples of a surface in files are the samples") {
         std::string::npos);
   ccvt::write_samples(directory / "s.npy", samples);
   CHECK(samples.sites == ccvt::read_points<double>(directory / "s.npy"));
+  // What float32 cannot hold is written as float64.
+  SurfaceSamples heavy = samples;
+  for (const double weight : {1e300, 1e-60}) {
+    heavy.weights.assign(9, weight);
+    for (const char* const name : {"h.csv", "h.ply"}) {
+      ccvt::write_samples(directory / name, heavy);
+      const auto read = ccvt::read_points<double>(directory / name, {.columns = {"weight"}});
+      CHECK(read(0, 4) == weight);
+    }
+  }
   SurfaceSamples wrong = samples;
   wrong.radii.pop_back();
   CHECK(message_of([&] { ccvt::write_samples(directory / "w.csv", wrong); }) ==

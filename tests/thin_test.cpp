@@ -75,23 +75,24 @@ double smallest_distance(const Points<float>& points, const std::vector<Index>& 
   return std::sqrt(least);
 }
 
-/// Two sheets .02 apart that face away from each other: even points lie on the lower one.
+/// Two sheets .02 apart that face away from each other.
 struct Sheets {
   Points<double> points;
   Points<double> normals;
 
-  explicit Sheets(Index count) : points(3, count), normals(3, count) {
+  /// One in `lower` points lies on the lower one.
+  explicit Sheets(Index count, Index lower = 2) : points(3, count), normals(3, count) {
     Random random(5);
     for (Index p = 0; p < count; ++p) {
-      points.col(p) << random.uniform(), random.uniform(), p % 2 == 0 ? 0 : 0.02;
-      normals.col(p) << 0, 0, p % 2 == 0 ? -3 : 0.5;
+      points.col(p) << random.uniform(), random.uniform(), p % lower == 0 ? 0 : 0.02;
+      normals.col(p) << 0, 0, p % lower == 0 ? -3 : 0.5;
     }
   }
-  [[nodiscard]] static Index across(const Thinning& thinning) {
+  [[nodiscard]] Index across(const Thinning& thinning) const {
     Index count = 0;
     for (std::size_t p = 0; p < thinning.owners.size(); ++p) {
       const Index chosen = thinning.chosen[static_cast<std::size_t>(thinning.owners[p])];
-      if ((static_cast<Index>(p) - chosen) % 2 != 0) ++count;
+      if (points(2, static_cast<Index>(p)) != points(2, chosen)) ++count;
     }
     return count;
   }
@@ -233,16 +234,50 @@ TEST_CASE("no cell spans two sheets that face apart") {
     CAPTURE(sites);
     const Thinning thinning = thin(sheets.points, sites, {}, sheets.normals);
     check_valid(sheets.points, sites, thinning);
-    CHECK(Sheets::across(thinning) == 0);
-    CHECK(Sheets::across(thin(sheets.points, sites)) > 100);
+    CHECK(sheets.across(thinning) == 0);
+    CHECK(sheets.across(thin(sheets.points, sites)) > 100);
     ThinOptions none;
     none.normal_weight = 0;
     CHECK(thin(sheets.points, sites, none, sheets.normals).owners ==
           thin(sheets.points, sites).owners);
     ThinOptions nearest;
     nearest.equal_counts = false;
-    CHECK(Sheets::across(thin(sheets.points, sites, nearest, sheets.normals)) == 0);
+    CHECK(sheets.across(thin(sheets.points, sites, nearest, sheets.normals)) == 0);
   }
+}
+
+TEST_CASE("no cell spans two sheets of which one is many times as dense") {
+  const Sheets sheets(20000, 11);
+  for (const bool equal : {true, false}) {
+    CAPTURE(equal);
+    ThinOptions options;
+    options.equal_counts = equal;
+    const Thinning thinning = thin(sheets.points, 400, options, sheets.normals);
+    check_valid(sheets.points, 400, thinning);
+    CHECK(sheets.across(thinning) == 0);
+  }
+}
+
+TEST_CASE("cancelled, it looks for no owners") {
+  const Sheets sheets(4000);
+  ThinOptions options;
+  options.tessellation.cancelled = [] { return true; };
+  for (const bool equal : {true, false}) {
+    CAPTURE(equal);
+    options.equal_counts = equal;
+    const Thinning thinning = thin(sheets.points, 300, options, sheets.normals);
+    CHECK(thinning.summary.termination == Termination::cancelled);
+    CHECK(thinning.turned == 0);
+    check_valid(sheets.points, 300, thinning);
+    check_equal_counts(thinning);
+  }
+  // Out of time, owners are as they were asked for.
+  options.equal_counts = false;
+  options.tessellation.cancelled = nullptr;
+  options.tessellation.time_limit = 1e-9;
+  const Thinning late = thin(sheets.points, 300, options, sheets.normals);
+  check_valid(sheets.points, 300, late);
+  CHECK(sheets.across(late) == 0);
 }
 
 TEST_CASE("normals of length 0 are no directions, and lengths count for nothing") {
@@ -307,10 +342,12 @@ TEST_CASE("bad input is refused in one line") {
         "sites: 11 for 10 points: there must be at least one site, and no more sites than points");
   ThinOptions options;
   options.normal_weight = -1;
-  CHECK(refusal(points, 2, options) == "normal_weight: is -1; must be a finite number, at least 0");
+  CHECK(refusal(points, 2, options) == "normal_weight: is -1; must be from 0 to 100");
   options.normal_weight = std::numeric_limits<double>::quiet_NaN();
-  CHECK(refusal(points, 2, options) ==
-        "normal_weight: is nan; must be a finite number, at least 0");
+  CHECK(refusal(points, 2, options) == "normal_weight: is nan; must be from 0 to 100");
+  options.normal_weight = 1e308;
+  CHECK(refusal(points, 2, options, Points<double>::Ones(3, 10)) ==
+        "normal_weight: is 1e+308; must be from 0 to 100");
   options = {};
   options.tessellation.threads = -1;
   CHECK(refusal(points, 2, options).find("Options::threads is -1") == 0);

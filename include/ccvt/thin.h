@@ -14,7 +14,7 @@ namespace ccvt {
 struct CCVT_EXPORT ThinOptions {
   /// How much the directions of normals count, where there are any: what faces the opposite way is
   /// as far away as 2 * normal_weight spacings of the chosen points. With much more than the
-  /// default, noise in normals brings chosen points near each other. Finite, at least 0.
+  /// default, noise in normals brings chosen points near each other. From 0 to 100.
   double normal_weight = 0.5;
   /// Chosen points are moved apart, and cells are made anew around them. Without, each is the point
   /// nearest to the centroid of its cell: faster, but neighbours come near each other where cells
@@ -70,12 +70,14 @@ struct Thinning {
 ///
 /// `points`: #dimensions by m, as ccvt::Problem takes them; `sites`: 1 <= n <= m. `normals`: none,
 /// or one a point, #dimensions by m, finite, of any length; of those of length 0 nothing is known.
-/// With them a cell has no points that face away from its chosen one, if there is any near that
-/// they do not face away from: two sides of a thin sheet are not mixed.
+/// With them a cell has no points that face away from its chosen one, if there is any among the
+/// 1024 nearest that they do not face away from: two sides of a thin sheet are not mixed.
 ///
 /// Time near-linear in m where cells have few neighbours, that is on curves, surfaces and in space.
 /// Any number of threads gives identical bits. When cancelled or out of time, it returns what it
-/// has reached, which is a valid choice. Throws InvalidInput for bad points, normals and options.
+/// has reached, which is a valid choice; cancelled before owners are known, points count for the
+/// cell they are in, whatever equal_counts and normals say. Throws InvalidInput for bad points,
+/// normals and options.
 template <class Scalar>
 CCVT_EXPORT Thinning thin(PointsView<Scalar> points, Index sites, const ThinOptions& options = {},
                           PointsView<Scalar> normals = {});

@@ -27,6 +27,12 @@ Index sites_of(const ThinArguments& arguments, std::ptrdiff_t points) {
   return static_cast<Index>(std::max(sites, 1.0));
 }
 
+/// Files of one kind carry all that is known of points from one to the other.
+std::string kind_of(const std::filesystem::path& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".txt" ? ".csv" : extension;
+}
+
 /// What of the file does not come along, and what of it is not known.
 void tell(const ThinArguments& arguments, const PointCloud& cloud) {
   if (arguments.quiet) return;
@@ -35,16 +41,15 @@ void tell(const ThinArguments& arguments, const PointCloud& cloud) {
   for (const std::string& name : cloud.dropped) {
     elements += (elements.empty() ? "'" : ", '") + name.substr(0, 40) + "'";
   }
-  const std::string extension = lower_extension(arguments.output);
   if (!elements.empty()) {
     std::cerr << one_line(file + "only vertices are thinned; dropped: " + elements);
   }
-  const bool from_ply = lower_extension(arguments.points) == ".ply";
-  if (!cloud.kept.empty() && from_ply != (extension == ".ply")) {
+  const bool has_more = !cloud.kept.empty() || cloud.normals.cols() > 0;
+  if (has_more && kind_of(arguments.points) != kind_of(arguments.output)) {
     std::cerr << one_line(file +
                           "what its points carry besides coordinates is kept in files of its "
                           "own kind only, not in " +
-                          extension);
+                          lower_extension(arguments.output));
   }
   if (cloud.unknown_normals > 0) {
     std::cerr << one_line(

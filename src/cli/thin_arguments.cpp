@@ -20,7 +20,7 @@ CLI::App* add_thin(CLI::App& app, ThinArguments& arguments) {
   add_number<double>(*command, "--normal-weight", arguments.normal_weight,
                      "How much normals nx, ny, nz count, where the file has them: opposite ones as "
                      "2 W spacings; 0: not at all [0.5]",
-                     "W", {.least = 0, .most = infinity});
+                     "W", {.least = 0, .most = 100});
   add_flag(*command, "--nearest", arguments.nearest,
            "Points count for the nearest chosen one, so that counts differ, instead of equally "
            "many for each");

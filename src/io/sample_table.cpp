@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <numeric>
 #include <string_view>
 #include <type_traits>
@@ -47,6 +49,17 @@ bool needs_double(const SampleTable& table) {
   const double extent = (sites.rowwise().maxCoeff() - sites.rowwise().minCoeff()).maxCoeff();
   const double most = std::min(1e-3 * radius, 0x1p-22 * extent);
   return ((sites - sites.cast<float>().cast<double>()).array().abs() > most).any();
+}
+
+/// Whether float32 makes a number infinite, or loses digits of one near 0.
+bool leaves_float(const SampleTable& table) {
+  using Limits = std::numeric_limits<float>;
+  return std::any_of(table.columns.begin(), table.columns.end(), [](const SampleColumn& column) {
+    return std::any_of(column.reals.begin(), column.reals.end(), [](double x) {
+      const double size = std::abs(x);
+      return size > Limits::max() || (size > 0 && size < Limits::min());
+    });
+  });
 }
 
 /// The coordinates of all sites, one site behind the other, with 0 for those from the sites' own
@@ -267,7 +280,8 @@ void write_sample_table(const std::filesystem::path& path, const SampleTable& ta
     throw InvalidInput(path.string() + ": samples of " + std::to_string(table.sites.rows()) +
                        " dimensions go into .csv, .txt or .npy");
   }
-  const bool wide = table.scalar == ScalarType::float64 || needs_double(table);
+  const bool wide =
+      table.scalar == ScalarType::float64 || needs_double(table) || leaves_float(table);
   wide ? write_as<double>(path, table) : write_as<float>(path, table);
 }
 

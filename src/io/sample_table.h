@@ -38,7 +38,7 @@ struct SampleTable {
 
 /// Writes samples by extension, see write_samples() in volume.h. Real numbers are float64 when the
 /// samples were computed in that, or when float32 would move a site by more than a thousandth of
-/// the mean radius; else float32. Errors are those of the other writers.
+/// the mean radius, or leave its range; else float32. Errors are those of the other writers.
 void write_sample_table(const std::filesystem::path& path, const SampleTable& table);
 
 }  // namespace ccvt::io

@@ -13,8 +13,9 @@ namespace ccvt {
 namespace {
 
 constexpr std::size_t kPointsPerGrain = std::size_t{1} << 12;
-/// Sites that are asked, nearest first.
-constexpr int kAsked = 16;
+/// Sites that are asked, nearest first: a few, then twice as many, until one does not face away.
+constexpr int kFirstAsked = 16;
+constexpr int kMostAsked = 1024;
 
 template <class Scalar>
 bool face_away(PointsView<Scalar> lifted, Index a, Index b) {
@@ -23,6 +24,24 @@ bool face_away(PointsView<Scalar> lifted, Index a, Index b) {
     product += static_cast<double>(lifted[a][d]) * static_cast<double>(lifted[b][d]);
   }
   return product < 0;
+}
+
+/// The nearest site that a point does not face away from; -1 where none of those asked is.
+template <class Scalar>
+Index nearest_alike(PointsView<Scalar> lifted, Index point, std::span<const Index> chosen,
+                    const SiteTree& tree) {
+  const std::vector<double> at(lifted[point], lifted[point] + lifted.dimension);
+  const auto most = static_cast<int>(std::min<std::size_t>(kMostAsked, chosen.size()));
+  std::vector<Index> asked;
+  for (int count = std::min(kFirstAsked, most);; count = std::min(2 * count, most)) {
+    asked.clear();
+    tree.nearest(at.data(), count, asked);
+    const auto found = std::find_if(asked.begin(), asked.end(), [&](Index site) {
+      return !face_away(lifted, point, chosen[SiteNumber(site)]);
+    });
+    if (found != asked.end()) return *found;
+    if (count == most) return -1;
+  }
 }
 
 /// Where the chosen points are, one after the other.
@@ -58,13 +77,12 @@ std::vector<Index> nearest_chosen(PointsView<Scalar> points, std::span<const Ind
 template <class Scalar>
 Index take_turned(PointsView<Scalar> lifted, std::span<const Index> chosen,
                   std::vector<Index>& owners, const Arena& arena) {
-  const auto chosen_of = [&](Index site) { return chosen[SiteNumber(site)]; };
   const Buffer<PointNumber> turned = collect<PointNumber>(
       arena, owners.size(), kPointsPerGrain,
       [&](std::size_t begin, std::size_t end, std::vector<PointNumber>& out, int) {
         for (std::size_t k = begin; k < end; ++k) {
           const PointNumber p(k);
-          if (face_away(lifted, p.index(), chosen_of(owners[p]))) out.push_back(p);
+          if (face_away(lifted, p.index(), chosen[SiteNumber(owners[p])])) out.push_back(p);
         }
       });
   if (turned.empty()) return 0;
@@ -74,13 +92,8 @@ Index take_turned(PointsView<Scalar> lifted, std::span<const Index> chosen,
   constexpr std::size_t kQueriesPerGrain = 64;
   arena.for_each(turned.size(), kQueriesPerGrain, [&](std::size_t k) {
     const PointNumber p = turned[k];
-    const std::vector<double> at(lifted[p.index()], lifted[p.index()] + lifted.dimension);
-    std::vector<Index> asked;
-    tree.nearest(at.data(), kAsked, asked);
-    const auto found = std::find_if(asked.begin(), asked.end(), [&](Index site) {
-      return !face_away(lifted, p.index(), chosen_of(site));
-    });
-    taken[k] = found == asked.end() ? owners[p] : *found;
+    const Index found = nearest_alike(lifted, p.index(), chosen, tree);
+    taken[k] = found < 0 ? owners[p] : found;
   });
   Index count = 0;
   for (std::size_t k = 0; k < taken.size(); ++k) {

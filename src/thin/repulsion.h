@@ -20,8 +20,8 @@ namespace ccvt {
 /// choice as it is; then makes them one by one, the best first, where they still gain by then.
 ///
 /// Termination. A move is made only when it lowers what repels its site, of which rounding is a
-/// tiny share, by more than kLeastGain of it, and so it lowers the sum over all pairs: no choice
-/// ever returns, and there are finitely many.
+/// tiny share, by more than half of kLeastGain of it, and so it lowers the sum over all pairs: no
+/// choice ever returns, and there are finitely many.
 template <class Scalar>
 class Repulsion {
  public:

@@ -221,6 +221,22 @@ double energy_of(PointsView<Scalar> points, const Thinning& result, const Arena&
   });
 }
 
+/// Points count for the nearest chosen one, but each of those for itself, and not for chosen points
+/// that they face away from. Leaves owners that are valid when stopped.
+template <class Scalar>
+void finish_owners(PointsView<Scalar> space, bool nearest, bool lifted, const Arena& arena,
+                   Thinning& result) {
+  for (const SiteNumber s : sites_below(result.chosen.size())) {
+    result.owners[PointNumber(result.chosen[s])] = s.index();
+  }
+  try {
+    if (nearest) result.owners = nearest_chosen(space, result.chosen, arena);
+    if (lifted) result.turned = take_turned(space, result.chosen, result.owners, arena);
+  } catch (const Stopped&) {
+    result.summary.termination = Termination::cancelled;
+  }
+}
+
 bool was_stopped(const Thinning& result) {
   return result.summary.termination == Termination::cancelled ||
          result.summary.termination == Termination::time_limit;
@@ -229,9 +245,8 @@ bool was_stopped(const Thinning& result) {
 }  // namespace
 
 void ThinOptions::validate() const {
-  if (!std::isfinite(normal_weight) || normal_weight < 0) {
-    throw InvalidInput(
-        concat("normal_weight: is ", normal_weight, "; must be a finite number, at least 0"));
+  if (!(normal_weight >= 0 && normal_weight <= 100)) {
+    throw InvalidInput(concat("normal_weight: is ", normal_weight, "; must be from 0 to 100"));
   }
   tessellation.validate();
 }
@@ -265,12 +280,9 @@ Thinning thin(PointsView<Scalar> points, Index sites, const ThinOptions& options
   if (options.spread && !was_stopped(result) && sites > 1 && sites < points.count) {
     thinner.spread(result);
   }
-  if (!options.equal_counts) {
-    result.owners = nearest_chosen(space, result.chosen, untold);
-  } else if (result.moves + result.jumps > 0) {
-    thinner.make_cells(result);
-  }
-  if (lifts) result.turned = take_turned(space, result.chosen, result.owners, untold);
+  if (options.equal_counts && result.moves + result.jumps > 0) thinner.make_cells(result);
+  Stop cancel(options.tessellation.cancelled);  // not for the time: owners are as asked for then
+  finish_owners(space, !options.equal_counts, lifts, Arena(threads, &cancel), result);
   sort(result);
   count(result);
   result.energy = energy_of(points, result, untold);
