@@ -58,6 +58,7 @@ class Lloyd {
   const Options& options_;
   Stop stop_;
   Arena arena_;
+  Domain domain_;  ///< in which distances are measured
   Metric metric_;
   Box box_;     ///< of the points
   Box around_;  ///< where sites are looked for
@@ -78,10 +79,11 @@ Lloyd<Scalar>::Lloyd(const Problem<Scalar>& problem, const Options& options)
       options_((options.validate(), options)),
       stop_(options.cancelled, options.time_limit),
       arena_(options.threads, &stop_),
-      metric_(problem.dimension(), problem.domain()),
+      domain_(measured_domain(problem)),
+      metric_(problem.dimension(), domain_),
       box_(problem.bounding_box()),
-      around_(search_box(problem.domain(), box_)),
-      coordinate_bound_(largest_coordinate(problem, box_)),
+      around_(search_box(domain_, box_)),
+      coordinate_bound_(largest_coordinate(problem, domain_, box_)),
       bounds_(metric_, problem.points(), arena_),
       cells_(metric_) {
   summary_.dimension = problem.dimension();

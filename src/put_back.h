@@ -13,7 +13,8 @@
 namespace ccvt {
 
 /// Moves each of `sites` sites that is outside, outside(site), to the nearest of its own points: of
-/// several, to the first; move(site, point). `squared_distance(point, site)`. O(#owners).
+/// several, to the first; move(site, point). A site that owns none stays where it is.
+/// `squared_distance(point, site)`. O(#owners).
 template <class Outside, class SquaredDistance, class Move>
 PutBack put_back_sites(std::span<const Index> owners, std::size_t sites, const Arena& arena,
                        Outside outside, SquaredDistance squared_distance, Move move) {
@@ -21,12 +22,13 @@ PutBack put_back_sites(std::span<const Index> owners, std::size_t sites, const A
   constexpr double unset = std::numeric_limits<double>::infinity();
   PutBack result;
   std::vector<double> least(sites, -unset);  // squared distances, of sites that must move
+  bool all_inside = true;
   for (const SiteNumber s : sites_below(sites)) {
     if (!outside(s)) continue;
     least[s] = unset;
-    ++result.sites;
+    all_inside = false;
   }
-  if (result.sites == 0) return result;
+  if (all_inside) return result;
   const Buffer<PointNumber> theirs = collect<PointNumber>(
       arena, owners.size(), kPointsPerGrain,
       [&](std::size_t begin, std::size_t end, std::vector<PointNumber>& out, int) {
@@ -45,6 +47,7 @@ PutBack put_back_sites(std::span<const Index> owners, std::size_t sites, const A
   for (const SiteNumber s : sites_below(sites)) {
     if (!(least[s] < unset && least[s] >= 0)) continue;
     move(s, nearest[s]);
+    ++result.sites;
     result.farthest = std::max(result.farthest, std::sqrt(least[s]));
   }
   return result;

@@ -84,6 +84,7 @@ struct Solver<Scalar>::Implementation {
   Stop stop;
   RunRecord record;
   Arena arena;
+  Domain domain;  ///< in which distances are measured
   Metric metric;
   Box box;     ///< of the points
   Box around;  ///< where sites are looked for
@@ -109,7 +110,8 @@ Solver<Scalar>::Implementation::Implementation(Problem<Scalar> given_problem, Op
       stop(options.cancelled, options.time_limit),
       record(options),
       arena(options.threads, &stop, &record.clock()),
-      metric(problem.dimension(), problem.domain()) {
+      domain(measured_domain(problem)),
+      metric(problem.dimension(), domain) {
   const auto timed = record.initializing();
   Summary& summary = record.summary();
   summary.dimension = problem.dimension();
@@ -242,7 +244,7 @@ template <class Scalar>
 void Solver<Scalar>::Implementation::place_sites() {
   const auto charge = arena.phase(Phase::sites);
   box = bounding_box(problem, arena);
-  around = search_box(problem.domain(), box);
+  around = search_box(domain, box);
   const SiteState given = initial_sites(problem, metric, options.seed, arena);
   state.tiling = Tiling::of_points(problem.site_count(), problem.point_count(), options.tile_sites);
   site_of = spatial_order(given, state.tiling.sites_per_tile(), arena);
@@ -350,7 +352,7 @@ void Solver<Scalar>::Implementation::deal(const Cells<Scalar>& owned,
 template <class Scalar>
 void Solver<Scalar>::Implementation::begin_level() {
   relaxer = std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, state.sites.count(),
-                                              largest_coordinate(problem, box));
+                                              largest_coordinate(problem, domain, box));
   {
     const Stop::Pause pause(stop);
     update_all(metric, state, arena);

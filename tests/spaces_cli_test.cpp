@@ -51,6 +51,23 @@ TEST_CASE("fixed sites, spaces: the program does what the library does") {
   const Points<double> whitened = white(points);
   CHECK(sites_of("--whiten") == white.inverse(tessellate(whitened, 40).sites));
 
+  // Of a periodic box the images are meant, in whatever units.
+  Points<double> outside(2, 1);
+  outside << 0.5, 1.75;
+  write_points(directory / "outside.csv", outside);
+  const std::string torus = "--fixed-sites outside.csv --box 0 0 1 1 --periodic";
+  CHECK(sites_of(torus).col(0) == Eigen::Vector2d(0.5, 0.75));
+  CHECK(sites_of(torus + " --units 1,2").col(0) == Eigen::Vector2d(0.5, 0.75));
+  // Images of float points on the faces of a box are in the box's image.
+  Points<double> faces = points;
+  faces.col(0) << 1, 1;
+  write_points(directory / "faces.npy", faces);
+  const Ran single = run(directory,
+                         "tessellate faces.npy --float --sites 40 --box 0 0 1 1 --periodic "
+                         "--units 0.1,0.7 -q -o faces_sites.npy");
+  CHECK(single.status == 0);
+  CHECK(single.errors == "");
+
   const Ran ran = run(directory,
                       "sample --dim 2 --sites 30 --fixed-sites fixed.csv --double -q "
                       "-o more.npy");

@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -61,6 +63,48 @@ TEST_CASE("periodic along none is Euclidean, along all the torus, to the bit") {
     a.set_domain(along ? Domain::periodic(box) : Domain::euclidean(box));
     b.set_domain(Domain::periodic(box, {along, along, along}));
     CHECK(differences(ccvt::tessellate(a), ccvt::tessellate(b)) == "");
+  }
+}
+
+TEST_CASE("sites outside a box that is periodic along one dimension only are where they are") {
+  const Box box = Box::unit(2);
+  const Domain slab = Domain::periodic(box, {true, false});
+  const auto points = make_points<double>(Layout::random, box, 400);
+  for (const double y : {1.02, 1.5, 3.0, 100.0, -0.02, -0.5, -3.0}) {
+    CAPTURE(y);
+    Problem<double> problem(points, 20);
+    problem.set_domain(slab);
+    Points<double> fixed(2, 1);
+    fixed << 0.5, y;
+    problem.set_fixed_sites(fixed);
+    const auto result = ccvt::tessellate(problem);
+    CHECK(result.sites.col(0) == fixed.col(0));
+    CHECK(result.summary.termination == Termination::stable);
+    CHECK(faults(problem, result) == "");
+    CHECK(ccvt::energy(points, result.sites, result.owners, slab) ==
+          doctest::Approx(result.summary.energy).epsilon(1e-12));
+    CHECK(ccvt::lloyd(problem, {.max_iterations = 5}).sites.col(0) == fixed.col(0));
+    // The nearest of its points, not one that would be near on a torus.
+    Points<double> moved = result.sites;
+    const auto inside = [](std::span<const double> x) { return x[1] > 0 && x[1] < 1; };
+    const auto put_back = ccvt::put_back(points, result.owners, moved, inside, slab);
+    CHECK(put_back.sites == 1);
+    CHECK(put_back.farthest > (y < 0 ? -y : y - 1));
+    CHECK(put_back.farthest < (y < 0 ? 1 - y : y) + 0.5);
+  }
+}
+
+TEST_CASE("a box far wider than its points, where it is not periodic, costs no digits") {
+  const auto points = make_points<double>(Layout::random, Box::unit(2), 400);
+  for (const double half : {2.0, 1e9, 1e13, 1e100}) {
+    CAPTURE(half);
+    Problem<double> problem(points, 20);
+    problem.set_domain(Domain::periodic(Box{{0, -half}, {1, half}}, {true, false}));
+    const auto result = ccvt::tessellate(problem);
+    Problem<double> narrow(points, 20);
+    narrow.set_domain(Domain::periodic(Box::unit(2), {true, false}));
+    CHECK(faults(problem, result) == "");
+    CHECK(result.summary.energy < 1.1 * ccvt::tessellate(narrow).summary.energy);
   }
 }
 
@@ -141,6 +185,21 @@ TEST_CASE("units: sites are those of the scaled problem") {
   CHECK(!domain.is_periodic(1));
 }
 
+TEST_CASE("units: float points on the faces of a box have images in the box's image") {
+  Points<float> points = ccvt::sample_uniform<float>(Box::unit(2), 50);
+  points.col(0) << 0, 1;
+  points.col(1) << 1, 0;
+  const Domain torus = Domain::periodic(Box::unit(2));
+  for (const double factor : {0.1, 0.7, -0.3, 1.0 / 3, 1e-20}) {
+    Eigen::Matrix2d matrix;
+    matrix << factor, 0, 0, 0.1;
+    const LinearMap map = LinearMap::of(matrix, {0.2, -0.1});
+    const Points<float> mapped = map(points);
+    Problem<float> problem(mapped, 5);
+    CHECK_NOTHROW(problem.set_domain(map.domain_of<float>(torus)));
+  }
+}
+
 TEST_CASE("whitening: no linear map of the points changes who owns what") {
   // Whitened sets of linear images differ by a rotation only, up to rounding.
   const auto points = ccvt::sample_uniform<double>(Box::unit(2), 400, 8, ccvt::Distribution::white);
@@ -163,12 +222,26 @@ TEST_CASE("whitening: no linear map of the points changes who owns what") {
 TEST_CASE("maps that cannot be are refused") {
   CHECK(message_of([] {
           LinearMap::units({1, 0});
-        }) == "units[1] is 0: it must be positive and finite");
+        }) == "units[1] is 0: it must be positive and finite, and its inverse too");
   CHECK(message_of([] { LinearMap::of(Eigen::MatrixXd::Ones(2, 3)); }) ==
         "matrix: is 2 by 3: it must be square");
   CHECK(message_of([] {
           LinearMap::of(Eigen::MatrixXd::Ones(2, 2));
         }).find("matrix: is singular") == 0);
+  CHECK(message_of([] { LinearMap::units({1, 1e-320}); }).find("units[1] is ") == 0);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK(message_of([&] {
+          LinearMap::of(Eigen::Matrix2d{{1, nan}, {0, 1}});
+        }) == "matrix(0, 1) is nan: it must be finite");
+  CHECK(message_of([&] {
+          LinearMap::of(Eigen::Matrix2d::Identity(), {1, nan});
+        }) == "origin[1] is nan: it must be finite");
+  CHECK(message_of([] { LinearMap::of(Eigen::Matrix2d::Identity(), {1}); }) ==
+        "origin: has 1 coordinates, the matrix 2 columns: there must be one for each");
+  Points<double> unknown = Points<double>::Random(2, 9);
+  unknown(1, 4) = nan;
+  CHECK(message_of([&] { LinearMap::whitening(unknown); }) ==
+        "points: coordinate 1 of points[4] is nan: it must be finite");
   Points<double> line(2, 50);
   for (Index p = 0; p < 50; ++p) line.col(p) << p, 2 * p;
   CHECK(message_of([&] { LinearMap::whitening(line); }).find("points: their covariance is") == 0);
@@ -230,6 +303,20 @@ TEST_CASE("put_back refuses what does not agree") {
         }) == "region: is empty, but must be callable");
   CHECK(message_of([&] { ccvt::sample_region({}, Box::unit(2), 4); }) ==
         "region: is empty, but must be callable");
+  CHECK(message_of([&] {
+          ccvt::sample_region(nowhere, Box::unit(2), 4);
+        }).find("region: has no points in the box") == 0);
+  Points<double> none(2, 0);
+  CHECK(message_of([&] {
+          ccvt::put_back(points, std::vector<Index>{0, 0, 0}, none, nowhere);
+        }) == "sites: there are none");
+  const Points<double> flat(0, 3);
+  Points<double> flat_sites(0, 2);
+  CHECK(message_of([&] {
+          ccvt::put_back(flat, std::vector<Index>{0, 1, 1}, flat_sites, nowhere);
+        }) == "points: they have no dimension");
+  // A site without points stays, and is not counted.
+  CHECK(ccvt::put_back(points, std::vector<Index>{0, 0, 0}, sites, nowhere).sites == 1);
 }
 
 TEST_SUITE_END();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <vector>
 
@@ -197,6 +198,59 @@ TEST_CASE("balancing keeps the bound from whatever owners, also with cells witho
     }
     CHECK(whole.sweep().swaps == 0);
     for (const SiteNumber s : state.all()) CHECK(std::abs(cells.error(s)) < heaviest);
+  }
+}
+
+TEST_CASE("a run that is to stop balances no more than the bound needs") {
+  const auto points = make_points<double>(Layout::random, Box::unit(2), 2000);
+  ccvt::Random random(4);
+  std::vector<double> masses;
+  for (int p = 0; p < 2000; ++p) masses.push_back(0.5 + random.uniform());
+  const double total = std::accumulate(masses.begin(), masses.end(), 0.0);
+  const std::vector<double> capacities(20, total / 20);
+  std::vector<Index> owners;
+  for (Index p = 0; p < 2000; ++p)
+    owners.push_back(std::min(19, static_cast<Index>(20 * points(0, p))));
+  const ccvt::Metric metric(2, {});
+  const auto error_left = [&](bool stopped) {
+    ccvt::Stop stop(stopped ? [] { return true; } : std::function<bool()>{});
+    const Arena arena(1, &stop);
+    ccvt::MassCells<double> cells(metric, ccvt::view_points(points), masses, capacities, owners,
+                                  ccvt::SiteState(2, 20), 10, Arena(1));
+    ccvt::WholePoints<double> whole(cells, arena, stop);
+    whole.balance();
+    double all = 0;
+    for (const SiteNumber s : cells.sites().all()) {
+      CHECK(std::abs(cells.error(s)) < cells.heaviest());
+      all += std::abs(cells.error(s));
+    }
+    return all;
+  };
+  CHECK(error_left(false) < error_left(true));
+}
+
+TEST_CASE("a cell that has no room left for errors: rounding takes no more from it than there is") {
+  // Cell 1 is too heavy by more than the bound, so that cell 0 may lose nothing by a cut.
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    ccvt::Random random(seed);
+    constexpr Index count = 400;
+    Points<double> points(2, count);
+    std::vector<double> masses;
+    std::vector<Index> owners;
+    for (Index p = 0; p < count; ++p) {
+      const bool first = p < count / 2;
+      points.col(p) << (first || p == 399 ? -1 : 1) + 0.5 * random.uniform(), random.uniform();
+      masses.push_back(random.uniform());
+      owners.push_back(first || p == 399 ? 0 : 1);
+    }
+    points(0, 0) = 1;  // of cell 0, and so there is something to do
+    const std::vector<double> capacities{200, 5};
+    const ccvt::Metric metric(2, {});
+    ccvt::MassCells<double> cells(metric, ccvt::view_points(points), masses, capacities, owners,
+                                  ccvt::SiteState(2, 2), 10, Arena(1));
+    ccvt::MassPair<double> pair;
+    pair.improve(cells, SiteNumber(0), SiteNumber(1));
+    CHECK(cells.members(SiteNumber(0)).size() + cells.members(SiteNumber(1)).size() == count);
   }
 }
 

@@ -358,6 +358,13 @@ TEST_CASE("bad input is refused in one line") {
   CHECK(with(4, 1e101) ==
         "masses[4] is 1e+101: it must be finite, not negative and at most 1e+100");
   CHECK(said(std::vector<double>(10, 0.0), 3) == "masses: all are 0: some must be positive");
+  for (const double tiny : {5e-324, 1e-310, 1e-290}) {
+    for (const MassMethod method : {MassMethod::whole, MassMethod::resampled}) {
+      const std::string sum = said(std::vector<double>(10, tiny), 3, {.method = method});
+      CHECK(sum.find("masses: they sum to ") == 0);
+      CHECK(sum.find(": it must be at least 1e-280 and at most 1e+100") != std::string::npos);
+    }
+  }
   CHECK(said(std::vector<double>(10, 0x1p330), 3).find("masses: they sum to 2.1") == 0);
   CHECK(with(5, 30) ==
         "masses[5] is 30, more than the capacity of site 0, 16: whole points must fit; the method "

@@ -24,7 +24,7 @@ namespace ccvt {
 class CCVT_EXPORT LinearMap {
  public:
   /// Multiplies coordinate d by factors[d]; the origin stays. Throws InvalidInput unless there is a
-  /// factor, and all are positive and finite.
+  /// factor, and all are positive and finite, and their inverses too.
   static LinearMap units(Coordinates factors);
   /// x -> A (x - origin). Throws InvalidInput unless `matrix` is square, finite and far enough from
   /// singular that mapping there and back keeps half of the digits of double, and `origin`, finite,
@@ -59,6 +59,10 @@ class CCVT_EXPORT LinearMap {
   /// The box mapped, with the dimensions that are periodic. Throws InvalidInput unless the matrix
   /// is diagonal: else the image of a box is none.
   [[nodiscard]] Domain operator()(const Domain& domain) const;
+  /// The same for points of Scalar, float or double: its corners are rounded as their coordinates
+  /// are, so that points on the faces of a box have images in it.
+  template <class Scalar>
+  [[nodiscard]] Domain domain_of(const Domain& domain) const;
 
  private:
   LinearMap(Columns<double> matrix, Coordinates origin);

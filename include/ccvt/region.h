@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 
 #include "ccvt/density.h"
 #include "ccvt/domain.h"
@@ -26,6 +27,11 @@ namespace ccvt {
 /// several at once.
 using Region = std::function<bool(std::span<const double>)>;
 
+namespace detail {
+/// What is said of a density that is 1 in the region, said of the region.
+CCVT_EXPORT std::string about_region(const std::string& message);
+}  // namespace detail
+
 /// Exactly `count` points, #dimensions by #points, that spread uniformly over the region in `box`:
 /// sample_function() of a density that is 1 there and 0 elsewhere, with what is said there on time,
 /// memory, threads and exceptions. Every point, rounded to Scalar, lies in the region.
@@ -35,9 +41,13 @@ Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sample_region(
     DensitySampling sampling = DensitySampling::stratified, int threads = 1,
     const std::function<bool()>& cancelled = {}) {
   if (!region) throw InvalidInput("region: is empty, but must be callable");
-  return sample_function<Scalar, Dimension>(
-      [&region](std::span<const double> x) { return region(x) ? 1.0 : 0.0; }, 1, box, count, seed,
-      sampling, threads, cancelled);
+  const auto density = [&region](std::span<const double> x) { return region(x) ? 1.0 : 0.0; };
+  try {
+    return sample_function<Scalar, Dimension>(density, 1, box, count, seed, sampling, threads,
+                                              cancelled);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(detail::about_region(error.what()));
+  }
 }
 
 /// What put_back() has done.
@@ -54,9 +64,9 @@ CCVT_EXPORT PutBack put_back(PointsView<double> points, std::span<const Index> o
 }  // namespace detail
 
 /// Moves the sites that lie outside the region, such as the centroid of a cell that bends round a
-/// hole, to the nearest of their own points; of several, to the first. `points`: #dimensions by m;
-/// `owners`: m numbers in 0..n-1; `sites`: #dimensions by n. Asks the region once a site. O(m).
-/// Throws InvalidInput where these do not agree.
+/// hole, to the nearest of their own points; of several, to the first. A site without points stays.
+/// `points`: #dimensions by m; `owners`: m numbers in 0..n-1; `sites`: #dimensions by n, one at
+/// least. Asks the region once a site. O(m). Throws InvalidInput where these do not agree.
 template <class Derived, int Dimension>
 PutBack put_back(const Eigen::DenseBase<Derived>& points, std::span<const Index> owners,
                  Eigen::Matrix<typename Derived::Scalar, Dimension, Eigen::Dynamic>& sites,

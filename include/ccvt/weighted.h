@@ -60,7 +60,8 @@ struct MassResult {
   /// #dimensions by n: the centre of mass of each cell; on a torus of the images nearest to it.
   Columns<Scalar> sites;
   /// The owner of each point, in 0..n-1. Resampled: the site that owns most of its unit points, of
-  /// several the first one; of a point without any the nearest site.
+  /// several the first one; of a point without any the nearest site,
+  /// before sites move to the centres of mass of all shares.
   std::vector<Index> owners;
   /// What each point's mass is divided into, by point; resampled only, else empty.
   std::vector<MassShare> shares;
@@ -93,9 +94,10 @@ struct MassResult {
 /// Tessellates points with masses: n sites, each the centre of mass of its cell, whose masses are
 /// the capacities as nearly as single points allow.
 ///
-/// `points`: as for Problem. `masses`: one a point, finite and not negative; they sum to at most
-/// 1e100 and not to 0. A point of mass 0 counts for nothing and belongs to the nearest site.
-/// `sites` times `points_per_site` is less than 2^31.
+/// `points`: as for Problem. `masses`: one a point, finite and not negative; they sum to
+/// 1e-280 at least and 1e100 at most. A point of mass 0 counts for nothing and belongs to the
+/// nearest site. `sites` times `points_per_site` is less than 2^31. Sites can neither be given nor
+/// fixed here; points can be mapped before, and sites back, by a LinearMap.
 ///
 ///     auto result = ccvt::tessellate_masses(points, masses, 1000, {.relaxation = {.seed = 7}});
 ///

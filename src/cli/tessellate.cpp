@@ -65,7 +65,7 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
   Points<Scalar> points = read_points<Scalar>(arguments.points, arguments.reading);
   const std::optional<LinearMap> map = make_map(arguments, points);
   if (map) {
-    domain = (*map)(domain);
+    domain = map->template domain_of<Scalar>(domain);
     blame(arguments.points, [&] { points = (*map)(points); });
     if (initial_sites.size() > 0) initial_sites = (*map)(initial_sites);
     if (fixed_sites.size() > 0) mapped_fixed_sites = (*map)(fixed_sites);
@@ -90,8 +90,11 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
     return tessellate(problem, make_options(arguments, {}, sites, progress));
   }();
   if (map) {
-    result.sites = map->inverse(result.sites);
-    result.sites.leftCols(fixed_sites.cols()) = fixed_sites;  // to the bit
+    const Points<Scalar> mapped_sites = std::exchange(result.sites, map->inverse(result.sites));
+    for (Eigen::Index s = 0; s < fixed_sites.cols(); ++s) {  // to the bit, but for images in a box
+      if (mapped_sites.col(s) == mapped_fixed_sites.col(s))
+        result.sites.col(s) = fixed_sites.col(s);
+    }
   }
 
   Publication outputs;

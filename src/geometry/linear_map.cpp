@@ -30,17 +30,23 @@ void require_dimension(const PointsView<Scalar>& points, int dimension) {
                      ": the two must be equal");
 }
 
-/// Throws unless all are finite: the product of large numbers, or rounded to float.
-template <class Scalar>
-Columns<Scalar> finite(Columns<Scalar> points) {
+/// Throws unless all are finite; `is` is what they do.
+template <class Matrix>
+void require_finite(const Matrix& points, const char* is) {
   for (Eigen::Index p = 0; p < points.cols(); ++p) {
     for (Eigen::Index d = 0; d < points.rows(); ++d) {
       if (std::isfinite(points(d, p))) continue;
       throw InvalidInput("points: coordinate " + std::to_string(d) + " of points[" +
-                         std::to_string(p) + "] is mapped to " +
+                         std::to_string(p) + "] " + is + " " +
                          text(static_cast<double>(points(d, p))) + ": it must be finite");
     }
   }
+}
+
+/// The product of large numbers may be infinite, and be it by rounding to float.
+template <class Scalar>
+Columns<Scalar> finite(Columns<Scalar> points) {
+  require_finite(points, "is mapped to");
   return points;
 }
 
@@ -62,9 +68,9 @@ LinearMap::LinearMap(Columns<double> matrix, Coordinates origin)
 LinearMap LinearMap::units(Coordinates factors) {
   if (factors.size() == 0) throw InvalidInput("units: there are none");
   for (std::ptrdiff_t d = 0; d < factors.size(); ++d) {
-    if (factors[d] > 0 && std::isfinite(factors[d])) continue;
+    if (factors[d] > 0 && std::isfinite(factors[d]) && std::isfinite(1 / factors[d])) continue;
     throw InvalidInput("units[" + std::to_string(d) + "] is " + text(factors[d]) +
-                       ": it must be positive and finite");
+                       ": it must be positive and finite, and its inverse too");
   }
   const Eigen::MatrixXd matrix = factors.eigen().asDiagonal();
   return {matrix, Coordinates::constant(factors.size(), 0)};
@@ -75,11 +81,23 @@ LinearMap LinearMap::of(Columns<double> matrix, Coordinates origin) {
     throw InvalidInput("matrix: is " + std::to_string(matrix.rows()) + " by " +
                        std::to_string(matrix.cols()) + ": it must be square");
   }
-  if (!matrix.eigen().allFinite()) throw InvalidInput("matrix: has entries that are not finite");
+  for (std::ptrdiff_t row = 0; row < matrix.rows(); ++row) {
+    for (std::ptrdiff_t column = 0; column < matrix.cols(); ++column) {
+      if (std::isfinite(matrix(row, column))) continue;
+      throw InvalidInput("matrix(" + std::to_string(row) + ", " + std::to_string(column) + ") is " +
+                         text(matrix(row, column)) + ": it must be finite");
+    }
+  }
   if (origin.size() == 0) origin = Coordinates::constant(matrix.rows(), 0);
-  if (origin.size() != matrix.cols() || !origin.eigen().allFinite()) {
-    throw InvalidInput("origin: must have " + std::to_string(matrix.cols()) +
-                       " finite coordinates, one for each column of the matrix");
+  if (origin.size() != matrix.cols()) {
+    throw InvalidInput("origin: has " + std::to_string(origin.size()) +
+                       " coordinates, the matrix " + std::to_string(matrix.cols()) +
+                       " columns: there must be one for each");
+  }
+  for (std::ptrdiff_t d = 0; d < origin.size(); ++d) {
+    if (std::isfinite(origin[d])) continue;
+    throw InvalidInput("origin[" + std::to_string(d) + "] is " + text(origin[d]) +
+                       ": it must be finite");
   }
   return {std::move(matrix), std::move(origin)};
 }
@@ -89,6 +107,7 @@ LinearMap LinearMap::whitening_of(PointsView<Scalar> points) {
   constexpr Eigen::Index kBlock = 4096;
   if (points.dimension < 1 || points.count < 1) throw InvalidInput("points: there are none");
   const auto all = matrix_of(points);
+  require_finite(all, "is");
   // Deviations from a point, then from the mean: far from the origin squares would cost digits.
   const Eigen::VectorXd first = all.col(0).template cast<double>();
   const double count = points.count;
@@ -158,12 +177,16 @@ Columns<Scalar> LinearMap::mapped_back(PointsView<Scalar> points) const {
   return finite(std::move(result));
 }
 
-Domain LinearMap::operator()(const Domain& domain) const {
+Domain LinearMap::operator()(const Domain& domain) const { return domain_of<double>(domain); }
+
+template <class Scalar>
+Domain LinearMap::domain_of(const Domain& domain) const {
   if (!domain.has_box()) return domain;
   const int dimensions = domain.box().dimension();
   if (dimensions != dimension()) {
     throw InvalidInput("domain: its box has " + std::to_string(dimensions) +
-                       " dimensions, the map has " + std::to_string(dimension()));
+                       " dimensions, the map has " + std::to_string(dimension()) +
+                       ": the two must be equal");
   }
   if (!is_diagonal()) {
     throw InvalidInput(
@@ -174,14 +197,16 @@ Domain LinearMap::operator()(const Domain& domain) const {
   std::vector<bool> along;
   for (int d = 0; d < dimensions; ++d) {
     const double factor = matrix_(d, d);
-    box.lower[d] = (box.lower[d] - origin_[d]) * factor;
-    box.upper[d] = (box.upper[d] - origin_[d]) * factor;
+    box.lower[d] = static_cast<Scalar>((box.lower[d] - origin_[d]) * factor);
+    box.upper[d] = static_cast<Scalar>((box.upper[d] - origin_[d]) * factor);
     if (factor < 0) std::swap(box.lower[d], box.upper[d]);
     along.push_back(domain.is_periodic(d));
   }
   return Domain::periodic(std::move(box), along);
 }
 
+template CCVT_EXPORT Domain LinearMap::domain_of<float>(const Domain&) const;
+template CCVT_EXPORT Domain LinearMap::domain_of<double>(const Domain&) const;
 template CCVT_EXPORT Columns<float> LinearMap::mapped(PointsView<float>) const;
 template CCVT_EXPORT Columns<double> LinearMap::mapped(PointsView<double>) const;
 template CCVT_EXPORT Columns<float> LinearMap::mapped_back(PointsView<float>) const;

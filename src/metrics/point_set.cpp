@@ -4,6 +4,7 @@
 
 #include "ccvt/capacity.h"
 #include "ccvt/metrics.h"
+#include "geometry/fitted.h"
 #include "geometry/metric.h"
 #include "metrics/sets.h"
 #include "number_text.h"
@@ -38,7 +39,7 @@ double energy(PointsView<Scalar> points, PointsView<Scalar> sites, std::span<con
     throw InvalidInput("owners: there are " + std::to_string(owners.size()) + " for " +
                        std::to_string(points.count) + " points: the two must be equal");
   }
-  const Metric metric(points.dimension, domain);
+  const Metric metric(points.dimension, measured_domain(domain, points, sites));
   double sum = 0;
   for (const PointNumber p : points_below(points.count)) {
     const Index owner = owners[p];

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/fitted.h"
 #include "geometry/metric.h"
 #include "put_back.h"
 
@@ -19,6 +20,8 @@ PutBack put_back_to(PointsView<Scalar> points, std::span<const Index> owners,
     throw InvalidInput("owners: there are " + std::to_string(owners.size()) + " for " +
                        std::to_string(points.count) + " points: there must be one per point");
   }
+  if (points.dimension < 1) throw InvalidInput("points: they have no dimension");
+  if (sites.empty()) throw InvalidInput("sites: there are none");
   if (domain.has_box() && domain.box().dimension() != points.dimension) {
     throw InvalidInput("domain: its box has " + std::to_string(domain.box().dimension()) +
                        " dimensions, the points have " + std::to_string(points.dimension));
@@ -30,7 +33,9 @@ PutBack put_back_to(PointsView<Scalar> points, std::span<const Index> owners,
     throw InvalidInput("owners[" + std::to_string(p) + "] is " + std::to_string(owners[p]) +
                        ": it must be in 0.." + std::to_string(count - 1));
   }
-  const Metric metric(points.dimension, domain);
+  const PointsView<Scalar> all_sites{sites.data(), points.dimension, static_cast<Index>(count),
+                                     points.dimension};
+  const Metric metric(points.dimension, measured_domain(domain, points, all_sites));
   const auto at = [&](SiteNumber s) { return sites.data() + s * dimension; };
   std::vector<double> position(dimension);
   return put_back_sites(
@@ -48,6 +53,13 @@ PutBack put_back_to(PointsView<Scalar> points, std::span<const Index> owners,
 }  // namespace
 
 namespace detail {
+
+std::string about_region(const std::string& message) {
+  const std::string density = "density: ";
+  if (message.rfind(density, 0) != 0) return message;
+  return "region: has no points in the box, or too few to be found: the density that is 1 in it " +
+         message.substr(density.size());
+}
 
 PutBack put_back(PointsView<float> points, std::span<const Index> owners, std::span<float> sites,
                  const Region& region, const Domain& domain) {

@@ -11,6 +11,8 @@ namespace ccvt {
 namespace {
 
 constexpr double kLargestTotal = 1e100;
+/// So that the part of a site, a billionth, and its errors keep all their digits.
+constexpr double kSmallestTotal = 1e-280;
 /// By what share of the total mass the capacities may miss it.
 constexpr double kCapacityRounding = 1e-6;
 
@@ -32,9 +34,9 @@ double sum_of_masses(std::span<const double> masses, std::size_t points) {
     sum.add(masses[p]);
   }
   if (!(sum.value() > 0)) throw InvalidInput("masses: all are 0: some must be positive");
-  if (sum.value() > kLargestTotal) {
-    throw InvalidInput("masses: they sum to " + text(sum.value()) + ": it must be at most " +
-                       text(kLargestTotal));
+  if (sum.value() > kLargestTotal || sum.value() < kSmallestTotal) {
+    throw InvalidInput("masses: they sum to " + text(sum.value()) + ": it must be at least " +
+                       text(kSmallestTotal) + " and at most " + text(kLargestTotal));
   }
   return sum.value();
 }

@@ -122,7 +122,7 @@ void MassPair<Scalar>::sort_border(double heaviest, const Window& window) {
       if (taken > room && !better(own, next_.back())) continue;
       next_.insert(std::lower_bound(next_.begin(), next_.end(), own, better), own);
       taken += mass(k);
-      while (taken - mass(next_.back().member) > room) {
+      while (next_.size() > 1 && taken - mass(next_.back().member) > room) {
         taken -= mass(next_.back().member);
         next_.pop_back();
       }

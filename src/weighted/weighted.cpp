@@ -57,6 +57,7 @@ class MassRun {
   MassInputs inputs_;
   Stop stop_;
   Arena arena_;
+  Domain domain_;  ///< in which distances are measured
   Metric metric_;
   Box box_;                         ///< of the points
   Box around_;                      ///< where sites are looked for
@@ -83,9 +84,10 @@ MassRun<Scalar>::MassRun(PointsView<Scalar> points, std::span<const double> mass
       inputs_(masses, static_cast<std::size_t>(points.count), sites, options),
       stop_(options.relaxation.cancelled, options.relaxation.time_limit),
       arena_(options.relaxation.threads, &stop_),
-      metric_(points.dimension, options.domain),
+      domain_(measured_domain(problem_)),
+      metric_(points.dimension, domain_),
       box_(bounding_box(problem_, arena_)),
-      around_(search_box(problem_.domain(), box_)) {}
+      around_(search_box(domain_, box_)) {}
 
 /// A unit point at each part of the mass along a curve through the points.
 template <class Scalar>
@@ -237,7 +239,7 @@ void MassRun<Scalar>::own_whole() {
     std::vector<Index> owners = owners_of_most(units_, unit_owners_, inputs_.masses.size());
     own_by_nearest(metric_, problem_.points(), around_, sites_, arena_, owners);
     return MassCells<Scalar>(metric_, problem_.points(), inputs_.masses, inputs_.capacities, owners,
-                             sites_, largest_coordinate(box_), arena_);
+                             sites_, largest_coordinate(problem_, domain_, box_), arena_);
   };
   MassCells<Scalar> owned = cells();
   units_ = {};

@@ -63,16 +63,19 @@ bool WholePoints<Scalar>::settled() const {
 
 template <class Scalar>
 void WholePoints<Scalar>::balance() {
+  const bool hurried = stop_.requested();
   const Stop::Pause pause(stop_);
   const std::vector<Pair> pairs = near_.side_by_side(cells_.metric(), cells_.sites(), arena_);
-  for (int pass = 0; pass < kPasses && even_out(pairs); ++pass) {
-  }
+  const auto passes = [&] {
+    for (int pass = 0; pass < kPasses && !(hurried && settled()) && even_out(pairs); ++pass) {
+    }
+  };
+  passes();
   if (!settled()) {
     settle(cells_, SiteGraph(cells_.site_count(), pairs, arena_));
     std::fill(changed_.begin(), changed_.end(), std::uint8_t{1});
     update();
-    for (int pass = 0; pass < kPasses && even_out(pairs); ++pass) {
-    }
+    passes();
   }
   std::fill(changed_.begin(), changed_.end(), std::uint8_t{1});
 }

@@ -23,7 +23,8 @@ class WholePoints {
   /// Keeps references. `stop`: the arena's.
   WholePoints(MassCells<Scalar>& cells, const Arena& arena, Stop& stop);
 
-  /// Brings every error below MassCells::error_bound(), and mostly far below. Is not stopped.
+  /// Brings every error below MassCells::error_bound(), and mostly far below; where
+  /// the run is to stop, no farther than that. Is not stopped.
   void balance();
 
   /// What happened in a sweep.
