@@ -108,15 +108,6 @@ bool Descent<Scalar>::find_neighbours(const LevelState<Scalar>& state) {
     if (kImagesApart * widest > metric_.extent()[d]) return false;
   }
   const std::size_t most = kMostNeighbours * sites / 2;
-  const std::size_t all = sites * (sites - 1) / 2;
-  if (all <= most) {
-    near_.reset(all);
-    std::size_t k = 0;
-    for (const SiteNumber a : state.sites.all()) {
-      for (const SiteNumber b : state.sites.all().after(a)) near_[k++] = Pair(a, b);
-    }
-    return true;
-  }
   if (meeting_.refresh(metric_, state.sites, arena_, most) == MeetingPairs::Refreshed::too_many) {
     return false;
   }
