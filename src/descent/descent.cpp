@@ -267,7 +267,7 @@ PassCount Descent<Scalar>::step(LevelState<Scalar>& state) try {
     return result;
   }
   ended_ = depth_ == Depth::even;
-  if (!start(state) && depth_ == Depth::full) {
+  if (!start(state) && depth_ != Depth::even) {
     ended_ = unsuited_ = true;
     return result;
   }
@@ -281,7 +281,7 @@ PassCount Descent<Scalar>::step(LevelState<Scalar>& state) try {
       last_gain_ = (before - energy_) / before;
       if (first_gain_ == 0) first_gain_ = last_gain_;
       small_gains_ = last_gain_ < kLeastGain ? small_gains_ + 1 : 0;
-      ended_ = small_gains_ == kSmallGains;
+      ended_ = depth_ == Depth::brief || small_gains_ == kSmallGains;
     } else if (directions_.empty()) {
       borders_.count(at_);
       ended_ = true;
