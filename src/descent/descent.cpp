@@ -31,7 +31,7 @@ constexpr int kSmallGains = 3;
 constexpr double kLeastGain = 1e-4;
 /// Cells are full when the surplus is, in the mean, this share of how far sites are from their
 /// centroids, of the radius; or a point.
-constexpr double kFullness = 0.1;
+constexpr double kFullness = 0.3;
 constexpr double kLargestFullness = 0.01;
 /// What a diagram must be to say anything: its energy is a lower bound, and the worse the less full
 /// the cells are.
