@@ -163,7 +163,7 @@ bool Solver<Scalar>::Implementation::step() {
            end(Termination::energy_tolerance);
   }
   if (descent) {
-    const bool pairs_next = on_finest_level() && descent->depth() == Depth::full;
+    const bool pairs_next = on_finest_level() && descent->depth() != Depth::even;
     descent.reset();
     if (pairs_next) return true;
     if (on_finest_level()) return end(Termination::blue_noise);
@@ -197,10 +197,13 @@ double Solver<Scalar>::Implementation::progress(const PassCount& done) const {
     all += static_cast<double>(joined);
   }
   constexpr double kBeforePairs = 0.8;  // of a level that is descended first
-  const double here = !descent ? 1 - static_cast<double>(done.active_sites) / problem.site_count()
-                      : on_finest_level() && descent->depth() == Depth::full
-                          ? kBeforePairs * descent->progress()
-                          : descent->progress();
+  constexpr double kBrief = 0.1;
+  const auto descended = [this] {
+    if (!on_finest_level() || descent->depth() == Depth::even) return descent->progress();
+    return (descent->depth() == Depth::full ? kBeforePairs : kBrief) * descent->progress();
+  };
+  const double here =
+      descent ? descended() : 1 - static_cast<double>(done.active_sites) / problem.site_count();
   return (before + here * state.cells.point_count()) / all;
 }
 
@@ -214,8 +217,9 @@ std::optional<Depth> Solver<Scalar>::Implementation::descends() const {
     return {};
   }
   if (options.until == Until::blue_noise && level > 0) return Depth::even;
-  if (problem.point_count() < kTimesAsManyOnFinest * least) return {};
-  return Depth::full;
+  if (problem.point_count() >= kTimesAsManyOnFinest * least) return Depth::full;
+  if (on_finest_level() && level > 0) return Depth::brief;
+  return {};
 }
 
 /// Ends the run; points of levels that it has not reached join. False.

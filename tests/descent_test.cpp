@@ -205,8 +205,7 @@ void check_counts(int dimension, bool periodic, double share, double off) {
 }
 
 template <class Scalar>
-void check_descended(const Problem<Scalar>& problem, Options options = {}) {
-  options.descent_points = 4;
+void check_descended(const Problem<Scalar>& problem, Options options) {
   options.level_points = 4;
   const auto result = ccvt::tessellate(problem, options);
   CHECK(result.summary.termination == Termination::stable);
@@ -317,7 +316,8 @@ TEST_CASE_TEMPLATE("a tessellation descended to is what it claims", Scalar, floa
         const auto points = make_points<Scalar>(layout, box, 60 * 40 + 7);
         Problem<Scalar> problem(points, 60);
         if (periodic) problem.set_domain(Domain::periodic(box));
-        check_descended(problem, {.seed = 2});
+        check_descended(problem, {.seed = 2, .descent_points = 4});
+        check_descended(problem, {.seed = 2, .descent_points = 20});  // a step before pairs
       }
     }
   }
@@ -449,9 +449,8 @@ TEST_CASE("capacities far apart, and the same bits for any number of threads") {
   const auto points = make_points<float>(Layout::clusters, box, sum_of(capacities));
   Problem<float> problem(points, 50);
   problem.set_capacities(capacities);
-  Options options{.threads = 1, .seed = 5};
+  Options options{.threads = 1, .seed = 5, .descent_points = 4};
   check_descended(problem, options);
-  options.descent_points = 4;
   const auto one = ccvt::tessellate(problem, options);
   for (const int threads : {2, 3, 8}) {
     CAPTURE(threads);

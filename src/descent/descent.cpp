@@ -31,7 +31,7 @@ constexpr int kSmallGains = 3;
 constexpr double kLeastGain = 1e-4;
 /// Cells are full when the surplus is, in the mean, this share of how far sites are from their
 /// centroids, of the radius; or a point.
-constexpr double kFullness = 0.1;
+constexpr double kFullness = 0.3;
 constexpr double kLargestFullness = 0.01;
 /// What a diagram must be to say anything: its energy is a lower bound, and the worse the less full
 /// the cells are.
@@ -108,15 +108,6 @@ bool Descent<Scalar>::find_neighbours(const LevelState<Scalar>& state) {
     if (kImagesApart * widest > metric_.extent()[d]) return false;
   }
   const std::size_t most = kMostNeighbours * sites / 2;
-  const std::size_t all = sites * (sites - 1) / 2;
-  if (all <= most) {
-    near_.reset(all);
-    std::size_t k = 0;
-    for (const SiteNumber a : state.sites.all()) {
-      for (const SiteNumber b : state.sites.all().after(a)) near_[k++] = Pair(a, b);
-    }
-    return true;
-  }
   if (meeting_.refresh(metric_, state.sites, arena_, most) == MeetingPairs::Refreshed::too_many) {
     return false;
   }
@@ -276,7 +267,7 @@ PassCount Descent<Scalar>::step(LevelState<Scalar>& state) try {
     return result;
   }
   ended_ = depth_ == Depth::even;
-  if (!start(state) && depth_ == Depth::full) {
+  if (!start(state) && depth_ != Depth::even) {
     ended_ = unsuited_ = true;
     return result;
   }
@@ -290,7 +281,7 @@ PassCount Descent<Scalar>::step(LevelState<Scalar>& state) try {
       last_gain_ = (before - energy_) / before;
       if (first_gain_ == 0) first_gain_ = last_gain_;
       small_gains_ = last_gain_ < kLeastGain ? small_gains_ + 1 : 0;
-      ended_ = small_gains_ == kSmallGains;
+      ended_ = depth_ == Depth::brief || small_gains_ == kSmallGains;
     } else if (directions_.empty()) {
       borders_.count(at_);
       ended_ = true;

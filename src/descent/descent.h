@@ -14,8 +14,9 @@ namespace ccvt {
 
 /// How far a level is lowered.
 enum class Depth {
-  even,  ///< its cells become full, for the sites where they are, and these move once
-  full,  ///< until steps gain next to nothing
+  even,   ///< its cells become full, for the sites where they are, and these move once
+  brief,  ///< a step more
+  full,   ///< until steps gain next to nothing
 };
 
 /// Lowers the energy of a level whose sites own many points. An exchange of points between two
