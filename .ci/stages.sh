@@ -84,8 +84,8 @@ python_package() {
     /usr/bin/python3 -m venv --system-site-packages "$work/venv" &&
     "$work/venv/bin/pip" install --no-index --no-build-isolation \
       --config-settings "prefix=$work/ccvt" . &&
-    CCVT_PROGRAM=$work/ccvt/bin/ccvt "$work/venv/bin/python" -m pytest -q \
-      -p no:cacheprovider tests/python
+    CCVT_PROGRAM=$work/ccvt/bin/ccvt PYTHONDONTWRITEBYTECODE=1 \
+      "$work/venv/bin/python" -m pytest -q -p no:cacheprovider tests/python
 }
 
 developer_packages() {

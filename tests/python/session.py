@@ -18,7 +18,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 BRAIN = pathlib.Path("/usr/share/mricron/templates/ch2bet.nii.gz")
 
 
-def made_up_digits(count=2000):
+def made_up_digits(count=1000):
     """Strokes at random places: what a user without MNIST can try with."""
     random = np.random.default_rng(1)
     y, x = np.mgrid[:28, :28]

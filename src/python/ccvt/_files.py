@@ -7,6 +7,7 @@ the system refuses.
 
 from __future__ import annotations
 
+import errno
 import os
 from typing import Any, Dict, NamedTuple, Optional, Sequence, Union
 
@@ -17,6 +18,14 @@ from . import _ccvt, _checks
 from ._records import Array, Stippling, SurfaceSamples, VolumeSamples
 
 Path = Union[str, "os.PathLike[str]"]
+
+
+def _existing(path: Path) -> str:
+    """The library takes a missing file for a wrong name; Python has an error of its own for it."""
+    name = os.fspath(path)
+    if not os.path.exists(name):
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
+    return name
 
 
 def read_points(
@@ -48,7 +57,7 @@ def read_points(
     """
     names = [str(column) for column in columns] if columns is not None else []
     scalar = "" if dtype is None else _checks.dtype_of(dtype).name
-    return _ccvt.read_points(os.fspath(path), names, scalar)
+    return _ccvt.read_points(_existing(path), names, scalar)
 
 
 def write_points(path: Path, points: ArrayLike) -> None:
@@ -73,7 +82,7 @@ def read_owners(path: Path) -> Array:
     -------
     ndarray of int32, shape (N,)
     """
-    return _ccvt.read_indices(os.fspath(path))
+    return _ccvt.read_indices(_existing(path))
 
 
 def write_owners(path: Path, owners: ArrayLike) -> None:
@@ -98,7 +107,7 @@ def read_numbers(path: Path) -> Array:
     -------
     ndarray of float64, shape (N,)
     """
-    return _ccvt.read_numbers(os.fspath(path))
+    return _ccvt.read_numbers(_existing(path))
 
 
 def read_image(path: Path) -> Array:
@@ -113,7 +122,7 @@ def read_image(path: Path) -> Array:
     ndarray of float32, shape (height, width)
         From 0, black, to 1, white, as stored.
     """
-    return _ccvt.read_image(os.fspath(path))
+    return _ccvt.read_image(_existing(path))
 
 
 def write_png(path: Path, image: ArrayLike) -> None:
@@ -160,7 +169,7 @@ def read_volume(path: Path) -> VolumeFile:
         ``data`` of shape (X, Y, Z), in Fortran order, in the type of the file unless that scales
         its numbers, and ``affine`` of shape (4, 4): as :func:`sample_volume` takes them.
     """
-    read = _ccvt.read_volume(os.fspath(path))
+    read = _ccvt.read_volume(_existing(path))
     shape = read["shape"]
     data = read["values"].reshape(shape, order="F")
     if read["slope"] != 1 or read["intercept"] != 0:
@@ -194,7 +203,7 @@ def read_mesh(path: Path, density: str = "") -> Mesh:
         ``vertices`` of float64, shape (V, 3), ``triangles`` of int32, shape (F, 3), and ``density``,
         None or float64 of shape (V,).
     """
-    return Mesh._make(_ccvt.read_mesh(os.fspath(path), str(density)))
+    return Mesh._make(_ccvt.read_mesh(_existing(path), str(density)))
 
 
 def write_samples(path: Path, samples: Union[VolumeSamples, SurfaceSamples]) -> None:

@@ -69,10 +69,6 @@ else:
 _METHODS = ("exact", "pairwise", "lloyd")
 
 
-def _all_the_same(weights: Array) -> bool:
-    return bool(weights[0] > 0 and np.isfinite(weights[0]) and (weights == weights[0]).all())
-
-
 class BalancedKMeans(_Base):
     """K-means with clusters of given sizes: equal ones, but for one, by default.
 
@@ -132,7 +128,8 @@ class BalancedKMeans(_Base):
     With a `sample_weight` that is not the same for all samples, clusters have equal weight as nearly
     as whole samples allow: by less than the heaviest sample, which may not be heavier than a
     cluster. This is :func:`tessellate` with masses; `method`, `init`, `n_init`, `effort` and `gap`
-    do not count then, and weights of clusters are 0. Samples of weight 0 are not trained with.
+    do not count then, and weights of clusters are 0. Samples of weight 0 are not trained with, and
+    get the nearest cluster.
 
     Examples
     --------
@@ -202,11 +199,10 @@ class BalancedKMeans(_Base):
             )
         self._predicts_by_weight()
         weights = self._sample_weights(sample_weight, len(checked))
-        if weights is None or (self.capacities is None and _all_the_same(weights)):
+        if weights is None:
             self._fit_codebook(checked, clusters)
-            self.inertia_ *= 1.0 if weights is None else float(weights[0])
         else:
-            self._fit_masses(checked, clusters, weights)
+            self._fit_weighted(checked, clusters, weights)
         return self
 
     def fit_predict(
@@ -284,15 +280,28 @@ class BalancedKMeans(_Base):
             options["capacities"] = _checks.indices("capacities", self.capacities)
         return options
 
-    def _fit_masses(self, X: Array, clusters: int, weights: Array) -> None:
-        if not isinstance(self.init, str):
-            raise ValueError("init: an array cannot be given with sample_weight")
+    def _fit_weighted(self, X: Array, clusters: int, weights: Array) -> None:
+        """Trains with the samples that have a weight; the others then go to the nearest centre."""
         heavy = weights > 0
         if np.count_nonzero(heavy) < clusters:
             raise ValueError(
                 f"sample_weight: {np.count_nonzero(heavy)} are above 0, but must be at least "
                 f"n_clusters={clusters}"
             )
+        trained, masses = (X, weights) if heavy.all() else (X[heavy], weights[heavy])
+        if self.capacities is None and (masses == masses[0]).all():
+            self._fit_codebook(trained, clusters)
+            self.inertia_ *= float(masses[0])
+        else:
+            self._fit_masses(trained, clusters, masses)
+        if len(trained) < len(X):
+            labels = _ccvt.encode(X, self.cluster_centers_, self.weights_, False, self._threads())
+            labels[heavy] = self.labels_
+            self.labels_ = labels
+
+    def _fit_masses(self, X: Array, clusters: int, weights: Array) -> None:
+        if not isinstance(self.init, str):
+            raise ValueError("init: an array cannot be given with sample_weight")
         found: Any = tessellate(
             X,
             clusters,
@@ -437,6 +446,12 @@ class BalancedKMeans(_Base):
         if weights.shape != (samples,):
             raise ValueError(
                 f"sample_weight: has the shape {weights.shape}, but must be ({samples},): one a sample"
+            )
+        good = np.isfinite(weights) & (weights >= 0)
+        if not good.all():
+            first = int(np.argmin(good))
+            raise ValueError(
+                f"sample_weight: entry {first} is {weights[first]}, but must be finite and at least 0"
             )
         return weights
 
