@@ -30,9 +30,7 @@ py::dict dict_of(const Spectrum& spectrum) {
   result["power"] = figures(rings, [](const auto& ring) { return ring.power; });
   result["anisotropy_db"] = figures(rings, [](const auto& ring) { return ring.anisotropy_db; });
   std::vector<py::ssize_t> shape;  // the last axis of the array is the library's first dimension
-  for (auto half = spectrum.half.rbegin(); half != spectrum.half.rend(); ++half) {
-    shape.push_back(2 * *half + 1);
-  }
+  for (const int half : spectrum.half) shape.insert(shape.begin(), 2 * half + 1);
   result["periodogram"] = spectrum.power.empty()
                               ? py::object(py::none())
                               : py::object(array_of(spectrum.power.data(), shape));

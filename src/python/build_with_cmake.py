@@ -72,7 +72,10 @@ class Backend(build_meta._BuildMetaBackend):
             package_data={"ccvt": ["py.typed", "*.pyi"]},
             ext_modules=[setuptools.Extension("ccvt._ccvt", [])],
             cmdclass={"build_ext": BuildWithCMake},
-            options={"egg_info": {"egg_base": str(egg_info)}},
+            options={
+                "egg_info": {"egg_base": str(egg_info)},
+                "sdist": {"template": f"{SOURCES}/MANIFEST.in"},
+            },
             zip_safe=False,
         )
 

@@ -24,6 +24,7 @@ Domain domain_of(const std::optional<py::array_t<double>>& box, const std::vecto
 PYBIND11_MODULE(_ccvt, module) {
   namespace py = pybind11;
   module.attr("__version__") = CCVT_VERSION;
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): pybind11 wants it by value
   py::register_exception_translator([](std::exception_ptr error) {
     try {
       if (error) std::rethrow_exception(error);
