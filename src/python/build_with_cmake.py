@@ -17,9 +17,12 @@ import sys
 import setuptools
 from setuptools import build_meta
 from setuptools.command.build_ext import build_ext
+from setuptools.command.egg_info import manifest_maker
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SOURCES = "src/python"
+
+manifest_maker.template = f"{SOURCES}/MANIFEST.in"  # what the archive of sources holds
 
 _settings = {}
 
@@ -72,10 +75,7 @@ class Backend(build_meta._BuildMetaBackend):
             package_data={"ccvt": ["py.typed", "*.pyi"]},
             ext_modules=[setuptools.Extension("ccvt._ccvt", [])],
             cmdclass={"build_ext": BuildWithCMake},
-            options={
-                "egg_info": {"egg_base": str(egg_info)},
-                "sdist": {"template": f"{SOURCES}/MANIFEST.in"},
-            },
+            options={"egg_info": {"egg_base": str(egg_info)}},
             zip_safe=False,
         )
 
