@@ -74,6 +74,20 @@ consumers() {
     "$PWD/$work/installed/installed" "$PWD/$work/sub_project/shared"
 }
 
+# The Python package, as pip makes it, in an environment of its own, with the library and the program
+# that the release preset built. Its tests, scikit-learn's, doctests and types.
+python_package() {
+  local work=$PWD/build/release/python
+  cmake/install-packages.sh mypy pybind11-dev python3-dev python3-numpy python3-pip python3-pytest \
+    python3-setuptools python3-sklearn python3-tqdm python3-venv python3-wheel || return 1
+  rm -rf "$work" && cmake --install build/release --prefix "$work/ccvt" >/dev/null &&
+    /usr/bin/python3 -m venv --system-site-packages "$work/venv" &&
+    "$work/venv/bin/pip" install --no-index --no-build-isolation \
+      --config-settings "prefix=$work/ccvt" . &&
+    CCVT_PROGRAM=$work/ccvt/bin/ccvt PYTHONDONTWRITEBYTECODE=1 \
+      "$work/venv/bin/python" -m pytest -q -p no:cacheprovider tests/python
+}
+
 developer_packages() {
   cmake/install-packages.sh \
     chromium clang clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev python3 python3-faiss python3-h5py

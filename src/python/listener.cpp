@@ -1,0 +1,43 @@
+#include "listener.h"
+
+namespace ccvt::python {
+
+std::function<bool(const IterationRecord&)> Listener::on_iteration() {
+  return [this](const IterationRecord& record) { return hear(record); };
+}
+
+std::function<bool()> Listener::cancelled() {
+  return [this] { return ask(); };
+}
+
+bool Listener::hear(const IterationRecord& record) {
+  if (error_) return false;
+  const py::gil_scoped_acquire acquire;
+  try {
+    // Whatever is not False, None in particular, goes on.
+    return progress_(tuple_of(record)).ptr() != Py_False;
+  } catch (const py::error_already_set&) {
+    error_ = std::current_exception();
+    return false;
+  }
+}
+
+bool Listener::ask() {
+  if (error_) return true;
+  const py::gil_scoped_acquire acquire;
+  if (PyErr_CheckSignals() == 0) return false;
+  error_ = std::make_exception_ptr(py::error_already_set());
+  return true;
+}
+
+void Listener::rethrow() {
+  if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
+}
+
+py::tuple tuple_of(const IterationRecord& record) {
+  return py::make_tuple(record.iteration, record.level, record.levels, record.points, record.full,
+                        record.pairs, record.swaps, record.exchanged, record.active_sites,
+                        record.energy, record.seconds, record.progress);
+}
+
+}  // namespace ccvt::python
