@@ -41,6 +41,12 @@ void CellBounds::set(SiteNumber site, SiteNumber other, double cost) {
   of(site)[other] = cost - rounding_share(dimension_) * rounding - underflow_of(dimension_);
 }
 
+void CellBounds::raise(SiteNumber site, std::span<const double> least) {
+  const std::span<double> bounds = of(site);
+  std::transform(bounds.begin(), bounds.end(), least.begin(), bounds.begin(),
+                 [](double a, double b) { return std::max(a, b); });
+}
+
 void CellBounds::select(SiteNumber site, std::span<const double> weights,
                         std::vector<SiteNumber>& near) const {
   near.clear();

@@ -57,6 +57,9 @@ class CellBounds {
   /// What moving a point of a cell to another costs at least, but for rounding.
   void set(SiteNumber site, SiteNumber other, double cost);
 
+  /// What moving a point of a cell costs at least, to each site.
+  void raise(SiteNumber site, std::span<const double> least);
+
   /// The bounds of a cell whose points may have come since: those that did are added.
   std::span<const double> include(SiteNumber site, std::span<const PointNumber> members,
                                   const MoveCosts& costs, MoveCosts::Scratch& scratch);

@@ -16,8 +16,6 @@ constexpr std::size_t kSlots = std::size_t{1} << 16;
 constexpr std::size_t kLeastSlots = 64;
 /// Searches for so many surplus points look at most sites: their edges are bounded in parallel.
 constexpr std::int64_t kSitesPerSurplus = 32;
-/// When searches have weighed so many edges a site, others are weighed in parallel.
-constexpr std::size_t kSearched = 4;
 /// Slots that are looked at or passed over together.
 constexpr std::size_t kPage = 32;
 /// Of an edge that is weighed again so many moves are kept, or this share of the root of the
@@ -82,6 +80,7 @@ void ExchangeGraph::bound_edges(SiteNumber site, std::size_t edges, Scratch& scr
     }
   }
   cell.bounded = true;
+  cell.tight |= kept_ == nullptr;
   const std::span<const double> bounds =
       kept_ != nullptr ? kept_->include(site, cell.members, costs_, scratch.costs)
                        : costs_.bounds(site, cell.members, scratch.costs);
@@ -117,6 +116,15 @@ void ExchangeGraph::bound_edges(SiteNumber site, std::size_t edges, Scratch& scr
   }
 }
 
+/// Bounds all edges of a site by a product: what was kept may be far below what the edges of a cell
+/// weigh, and a search would weigh most of them.
+void ExchangeGraph::tighten(SiteNumber site) {
+  Cell& cell = cells_[site];
+  kept_->raise(site, costs_.bounds(site, cell.members, scratch_.costs));
+  bound_edges(site, cell.to.size(), scratch_);
+  cell.tight = true;
+}
+
 void ExchangeGraph::bound_all_edges(const Arena& arena) {
   PerWorker<Scratch> scratch(arena);
   arena.for_ranges(cells_.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
@@ -137,12 +145,13 @@ ExchangeGraph::Moves& ExchangeGraph::moves_of(Cell& cell, std::size_t slot) {
 }
 
 /// The cheapest moves along an edge.
-ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot,
-                                           std::vector<double>& squared) {
+ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
   Cell& cell = cells_[site];
   Moves& moves = moves_of(cell, slot);
   if (!moves.cheapest.empty()) return moves;
+  std::vector<double>& squared = scratch_.own;
   costs_.squared(cell.members, cell.to[slot], squared);
+  ++cell.weighings;
   const std::size_t kept = moves.kept;
   moves.kept = moves_kept(cell.members.size());
   std::vector<Move>& cheapest = moves.cheapest;
@@ -160,23 +169,6 @@ ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot,
   cell.bound[slot] = cheapest.empty() ? kNone : cheapest.front().cost;
   if (kept_ != nullptr) kept_->set(site, cell.to[slot], cell.bound[slot]);
   return moves;
-}
-
-/// Weighs all edges whose reduced costs may be below a limit: in parallel, and cell by cell, which
-/// reads points less often than searches do.
-void ExchangeGraph::weigh_below(double limit, const Arena& arena) {
-  PerWorker<std::vector<double>> squared(arena);
-  arena.for_ranges(cells_.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
-    for (const SiteNumber i : sites_between(begin, end)) {
-      arena.check();
-      const Cell& cell = cells_[i];
-      for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
-        if (cell.bound[slot] + weights_[i] - weights_[cell.to[slot]] >= limit) continue;
-        if (!is_weighed(cell, slot)) weigh(i, slot, squared[worker]);
-      }
-    }
-  });
-  searched_ = 0;
 }
 
 void ExchangeGraph::push(const Step& step) {
@@ -197,8 +189,7 @@ void ExchangeGraph::relax(const Way& way, SiteNumber to, double distance) {
 
 /// Along an edge of a site; never below `least`, whatever rounding has done to a reduced cost.
 void ExchangeGraph::relax_edge(SiteNumber from, std::size_t slot, double least) {
-  if (!is_weighed(cells_[from], slot)) ++searched_;
-  const Moves& moves = weigh(from, slot, scratch_.own);
+  const Moves& moves = weigh(from, slot);
   if (moves.cheapest.empty()) return;
   const Move& move = moves.cheapest.front();
   const SiteNumber to = cells_[from].to[slot];
@@ -276,10 +267,14 @@ double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
       const auto slot = static_cast<std::size_t>(step.what);
       const Cell& cell = cells_[i];
       const bool shorter = step.distance < std::min(nearest_, distance_[cell.to[slot]]);
-      if (shorter && !settled(cell.to[slot])) relax_edge(i, slot, step.distance);
-      continue;
-    }
-    if (step.what == kRest) {
+      if (!shorter || settled(cell.to[slot])) continue;
+      if (cell.tight || cell.weighings < costs_.weighings() || is_weighed(cell, slot)) {
+        relax_edge(i, slot, step.distance);
+        continue;
+      }
+      arena.check();
+      tighten(i);
+    } else if (step.what == kRest) {
       arena.check();
       bound_edges(i, 2 * cells_[i].to.size(), scratch_);
     } else {
@@ -388,8 +383,6 @@ void ExchangeGraph::settle(const Arena& arena) {
       const double length = find_path(s, arena);
       lower_weights(length);
       move_along_path(s, settled_.back());
-      // Where searches weigh many edges, those of the next will want what this one wanted.
-      if (searched_ >= kSearched * cells_.size()) weigh_below(length, arena);
     }
   }
 }

@@ -65,7 +65,9 @@ class ExchangeGraph {
   };
   struct Cell {
     std::vector<PointNumber> members;
-    bool bounded = false;  ///< what follows is there
+    bool bounded = false;       ///< what follows is there
+    bool tight = false;         ///< a product has bounded all edges
+    std::size_t weighings = 0;  ///< of edges
     // Edges, one in each slot.
     std::vector<SiteNumber> to;
     std::vector<double> bound;          ///< what moving a point there costs at least
@@ -116,9 +118,9 @@ class ExchangeGraph {
   };
   void bound_all_edges(const Arena& arena);
   void bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
+  void tighten(SiteNumber site);
   static Moves& moves_of(Cell& cell, std::size_t slot);
-  Moves& weigh(SiteNumber site, std::size_t slot, std::vector<double>& squared);
-  void weigh_below(double limit, const Arena& arena);
+  Moves& weigh(SiteNumber site, std::size_t slot);
   double find_path(SiteNumber source, const Arena& arena);
   [[nodiscard]] bool settled(SiteNumber site) const { return limit_[site] == -kNone; }
   [[nodiscard]] static bool is_weighed(const Cell& cell, std::size_t slot);
@@ -145,7 +147,6 @@ class ExchangeGraph {
   std::vector<double> own_storage_;
   std::vector<double>& own_cost_;  ///< of each point, in a cell that is bounded
   Scratch scratch_;
-  std::size_t searched_ = 0;  ///< edges that searches weighed since others were
   std::vector<std::uint8_t> in_slot_;
   std::int64_t augmentations_ = 0;
 

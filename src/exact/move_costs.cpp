@@ -16,6 +16,12 @@ namespace {
 constexpr double kMostScale = 500;
 /// In the units of the products: points farther from their site than this are not multiplied.
 constexpr double kFar = 1e12;
+/// A squared distance in double to a point that lies anywhere takes as long as so many in a product
+/// at hand, with so many dimensions more.
+constexpr std::size_t kScattered = 8;
+constexpr std::size_t kDimensionsMore = 192;
+/// What else is to be done for a product takes as long as this.
+constexpr std::size_t kLeastWeighings = 32;
 
 /// Cells are looked at in parts of so many points.
 constexpr std::size_t kPartPoints = 1024;
@@ -116,6 +122,12 @@ std::span<const double> SquaredDistances<Scalar>::bounds(SiteNumber site,
     rest = rest.subspan(part);
   }
   return scratch.bounds;
+}
+
+template <class Scalar>
+std::size_t SquaredDistances<Scalar>::weighings() const {
+  return std::max(kLeastWeighings,
+                  count() * dimension() / (kScattered * (dimension() + kDimensionsMore)));
 }
 
 /// With L the distance of two sites and x a point relative to its own: |x|^2 falls by

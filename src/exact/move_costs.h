@@ -37,6 +37,8 @@ class MoveCosts {
   /// site|^2; in `scratch`. O(members n D).
   virtual std::span<const double> bounds(SiteNumber site, std::span<const PointNumber> members,
                                          Scratch& scratch) const = 0;
+  /// squared() of a cell's points takes so many calls, about, until it takes as long as bounds().
+  [[nodiscard]] virtual std::size_t weighings() const = 0;
 };
 
 /// For fixed sites. All in double but for the bounds, which are products in float, and low enough
@@ -53,6 +55,7 @@ class SquaredDistances final : public MoveCosts {
   std::span<const double> squared_to_all(PointNumber point, Scratch& scratch) const override;
   std::span<const double> bounds(SiteNumber site, std::span<const PointNumber> members,
                                  Scratch& scratch) const override;
+  [[nodiscard]] std::size_t weighings() const override;
 
  private:
   [[nodiscard]] std::size_t dimension() const {
