@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -12,6 +13,7 @@
 
 #include "ccvt/io.h"
 #include "ccvt/weighted.h"
+#include "number_text.h"
 #include "support/files.h"
 #include "support/generate.h"
 #include "support/masses.h"
@@ -129,6 +131,34 @@ TEST_CASE("tessellate: resampled, with capacities in mass") {
   CHECK(json["masses"]["relative_error"] < 0.1);
 }
 
+TEST_CASE("tessellate: shares add up to masses, and what owners alone would miss is told") {
+  const TemporaryDirectory directory;
+  put(directory / "five.csv", "x,m\n1,2\n2,2\n3,5\n4,6\n5,5\n");
+  const Ran ran = run(directory,
+                      "tessellate five.csv --mass-column m --sites 4 --mass-method resampled "
+                      "--points-per-site 50 -o sites.csv --owners-out owners.csv "
+                      "--shares-out shares.csv");
+  CHECK(ran.status == 0);
+  const Points<double> shares = read_points<double>(directory / "shares.csv");
+  const std::vector<double> masses = {2, 2, 5, 6, 5};
+  std::vector<double> points(5, 0.0);
+  std::vector<double> sites(4, 0.0);
+  for (Eigen::Index k = 0; k < shares.cols(); ++k) {
+    points.at(static_cast<std::size_t>(shares(0, k))) += shares(2, k);
+    sites.at(static_cast<std::size_t>(shares(1, k))) += shares(2, k);
+  }
+  for (std::size_t p = 0; p < 5; ++p) CHECK(points[p] == doctest::Approx(masses[p]));
+  for (const double mass : sites) CHECK(mass == doctest::Approx(5).epsilon(0.05));
+  std::vector<double> owned(4, 0.0);
+  const std::vector<Index> owners = read_indices(directory / "owners.csv");
+  for (std::size_t p = 0; p < 5; ++p) owned.at(static_cast<std::size_t>(owners[p])) += masses[p];
+  double largest = 0;
+  for (const double mass : owned) largest = std::max(largest, std::abs(mass / 5 - 1));
+  CHECK(largest > 0.1);  // or nothing would be told
+  CHECK(ran.output.find("miss capacities by up to " + text(100 * largest, 3) + " %\n") !=
+        std::string::npos);
+}
+
 TEST_CASE("tessellate: what is wrong with masses is said in a line") {
   const TemporaryDirectory directory;
   write_inputs(directory);
@@ -161,9 +191,14 @@ TEST_CASE("tessellate: what is wrong with masses is said in a line") {
         "ccvt: error: few.txt: masses: there are 2 for 600 points: there must be one per point\n");
   CHECK(said("points.npy --masses masses.txt --capacities few.txt --sites 3") ==
         "ccvt: error: few.txt: capacities: there are 2 for 3 sites: there must be one per site\n");
-  CHECK(said("points.npy --masses masses.txt --sites 599")
-            .find("whole points must fit; the method resampled shares heavy points among sites") !=
-        std::string::npos);
+  put(directory / "five.csv", "x,m\n1,2\n2,2\n3,5\n4,6\n5,5\n");
+  CHECK(said("five.csv --mass-column m --sites 4 --mass-method whole") ==
+        "ccvt: error: five.csv: "
+        "masses[3] is 6, more than the capacity of site 0, 5, as are 1 of the points: whole points "
+        "must fit, which they do with 3 sites or fewer; the method resampled shares heavy points "
+        "among sites\n");
+  CHECK(said("five.csv --mass-column m --sites 2 --shares-out s.csv")
+            .find("--shares-out: needs --mass-method resampled") != std::string::npos);
   std::string masses = "-1\n";
   for (int p = 1; p < 600; ++p) masses += "1\n";
   put(directory / "negative.txt", masses);

@@ -36,6 +36,7 @@ std::string_view title_of(const CLI::Option& option, const std::string& name) {
       {"--output", "Output"},
       {"--points-out", "Output"},
       {"--owners-out", "Output"},
+      {"--shares-out", "Output"},
       {"--indices-out", "Output"},
       {"--codes-out", "Output"},
       {"--weights-out", "Output"},

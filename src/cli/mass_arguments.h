@@ -16,6 +16,7 @@ struct MassArguments {
   std::string column;          ///< of the file of points; empty: none
   std::optional<MassMethod> method;
   std::optional<Index> points_per_site;
+  std::filesystem::path shares_out;  ///< empty: none
 
   [[nodiscard]] bool given() const { return !file.empty() || !column.empty(); }
 };

@@ -127,6 +127,7 @@ int run_tessellate(const TessellateArguments& given) {
   Outputs()
       .add("--output", arguments.output, io::kTableFiles)
       .add("--owners-out", arguments.owners_out, io::kTableFiles)
+      .add("--shares-out", arguments.mass.shares_out, io::kTableFiles)
       .add("--summary", arguments.summary)
       .add_input("POINTS", arguments.points)
       .add_input("--initial-sites", arguments.initial_sites)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include "cli/run.h"
 #include "cli/signals.h"
 #include "cli/streams.h"
+#include "number_text.h"
 
 namespace ccvt::cli {
 namespace {
@@ -71,6 +73,31 @@ decltype(auto) blame_file_of(const TessellateArguments& arguments, const Work& w
   }
 }
 
+/// The largest difference of a cell's mass from its capacity, as a share of that, when each point
+/// is given whole to its owner.
+template <class Scalar>
+double error_of_owners(const MassResult<Scalar>& result, const std::vector<double>& masses) {
+  std::vector<double> cells(result.capacities.size(), 0.0);
+  for (std::size_t p = 0; p < masses.size(); ++p) {
+    cells[static_cast<std::size_t>(result.owners[p])] += masses[p];
+  }
+  double largest = 0;
+  for (std::size_t s = 0; s < cells.size(); ++s) {
+    largest = std::max(largest, std::abs(cells[s] / result.capacities[s] - 1));
+  }
+  return largest;
+}
+
+/// A row a share: the point, the site, and what that owns of the point's mass.
+Points<double> table_of(const std::vector<MassShare>& shares) {
+  Points<double> table(3, std::ssize(shares));
+  for (std::size_t k = 0; k < shares.size(); ++k) {
+    const MassShare& share = shares[k];
+    table.col(static_cast<Eigen::Index>(k)) << share.point, share.site, share.mass;
+  }
+  return table;
+}
+
 template <class Scalar>
 int tessellate_weighted(const TessellateArguments& arguments, const PointsHeader& header,
                         const Domain& domain) {
@@ -92,11 +119,21 @@ int tessellate_weighted(const TessellateArguments& arguments, const PointsHeader
 
   Publication outputs;
   if (!arguments.owners_out.empty()) write_owners(arguments.owners_out, result.owners);
+  if (!arguments.mass.shares_out.empty()) {
+    write_points(arguments.mass.shares_out, table_of(result.shares));
+  }
   write_summary(arguments, result.summary, {}, figures_of(result, options.method));
   write_points(arguments.output, result.sites);
   publish(outputs);
   warn(arguments.quiet, result.summary.warnings);
-  if (!arguments.quiet) print(result.summary.brief() + "; " + result.brief_error() + "\n");
+  if (arguments.quiet) return interrupted() ? 130 : 0;
+  print(result.summary.brief() + "; " + result.brief_error() + "\n");
+  if (options.method == MassMethod::resampled) {
+    print(std::to_string(result.shared_points) +
+          " points are shared by sites; given whole to their owners, they make masses miss "
+          "capacities by up to " +
+          text(100 * error_of_owners(result, masses), 3) + " %\n");
+  }
   return interrupted() ? 130 : 0;
 }
 
@@ -109,7 +146,13 @@ bool check_masses(const TessellateArguments& arguments) {
     if (mass.points_per_site) {
       throw InvalidInput("--points-per-site: needs --masses or --mass-column");
     }
+    if (!mass.shares_out.empty()) {
+      throw InvalidInput("--shares-out: needs --masses or --mass-column");
+    }
     return false;
+  }
+  if (!mass.shares_out.empty() && mass.method != MassMethod::resampled) {
+    throw InvalidInput("--shares-out: needs --mass-method resampled, which shares points");
   }
   if (!arguments.initial_sites.empty()) {
     throw InvalidInput("--initial-sites: is for points without masses; --sites says how many");

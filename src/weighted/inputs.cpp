@@ -70,18 +70,25 @@ std::vector<double> scaled_capacities(std::span<const double> given, std::size_t
   return capacities;
 }
 
-/// Throws when the heaviest point does not fit the smallest capacity.
-void require_room(const MassInputs& inputs, std::span<const double> masses) {
+/// Throws when the heaviest point does not fit the smallest capacity; `equal`: all are the same.
+void require_room(const MassInputs& inputs, std::span<const double> masses, bool equal) {
   const auto heaviest = std::max_element(inputs.masses.begin(), inputs.masses.end());
   const auto smallest = std::min_element(inputs.capacities.begin(), inputs.capacities.end());
   constexpr double kRounding = 1 + 1e-12;
   if (*heaviest <= *smallest * kRounding) return;
   const auto point = static_cast<std::size_t>(heaviest - inputs.masses.begin());
-  throw InvalidInput(
-      nth("masses", point, masses[point]) + ", more than the capacity of site " +
-      std::to_string(smallest - inputs.capacities.begin()) + ", " +
-      text(*smallest / inputs.scale, 6) +
-      ": whole points must fit; the method resampled shares heavy points among sites");
+  const auto heavy = std::count_if(inputs.masses.begin(), inputs.masses.end(),
+                                   [&](double mass) { return mass > *smallest * kRounding; });
+  std::string message = nth("masses", point, masses[point]) + ", more than the capacity of site " +
+                        std::to_string(smallest - inputs.capacities.begin()) + ", " +
+                        text(*smallest / inputs.scale, 6) + ", as are " + std::to_string(heavy) +
+                        " of the points: whole points must fit";
+  if (equal) {
+    message += ", which they do with " +
+               std::to_string(static_cast<Index>(inputs.total / *heaviest * kRounding)) +
+               " sites or fewer";
+  }
+  throw InvalidInput(message + "; the method resampled shares heavy points among sites");
 }
 
 }  // namespace
@@ -101,7 +108,7 @@ MassInputs::MassInputs(std::span<const double> given, std::size_t points, Index 
   }
   total = scaled.value();
   capacities = scaled_capacities(options.capacities, count, total);
-  if (options.method == MassMethod::whole) require_room(*this, given);
+  if (options.method == MassMethod::whole) require_room(*this, given, options.capacities.empty());
 }
 
 }  // namespace ccvt
