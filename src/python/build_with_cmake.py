@@ -11,6 +11,7 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 
@@ -44,7 +45,8 @@ class BuildWithCMake(build_ext):
             f"-DPython_EXECUTABLE={sys.executable}", "-DCMAKE_BUILD_TYPE=Release",
         ]  # fmt: skip
         if prefix:
-            configure += [f"-DCMAKE_PREFIX_PATH={pathlib.Path(prefix).resolve()}"]
+            # Not where an earlier call found it.
+            configure += ["-U", "ccvt_DIR", f"-DCMAKE_PREFIX_PATH={pathlib.Path(prefix).resolve()}"]
         else:
             configure += ["-DCCVT_BUILD_PYTHON=ON", "-DCCVT_BUILD_CLI=OFF", "-DCCVT_BUILD_TESTS=OFF",
                           "-DCCVT_BUILD_BENCHMARKS=OFF"]  # fmt: skip
@@ -66,8 +68,9 @@ class Backend(build_meta._BuildMetaBackend):
     """setuptools' backend, which calls setup() here instead of in a file setup.py."""
 
     def run_setup(self, setup_script="setup.py"):
-        egg_info = ROOT / "build" / "python-package"
-        egg_info.mkdir(parents=True, exist_ok=True)
+        work = ROOT / "build" / "python-package"
+        shutil.rmtree(work, ignore_errors=True)  # what an earlier package held
+        work.mkdir(parents=True)
         setuptools.setup(
             version=version(),
             package_dir={"": SOURCES},
@@ -75,7 +78,7 @@ class Backend(build_meta._BuildMetaBackend):
             package_data={"ccvt": ["py.typed", "*.pyi"]},
             ext_modules=[setuptools.Extension("ccvt._ccvt", [])],
             cmdclass={"build_ext": BuildWithCMake},
-            options={"egg_info": {"egg_base": str(egg_info)}},
+            options={"build": {"build_base": str(work)}, "egg_info": {"egg_base": str(work)}},
             zip_safe=False,
         )
 

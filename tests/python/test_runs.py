@@ -84,8 +84,9 @@ def test_progress_bar_without_tqdm(points, monkeypatch):
 
 
 LONG = """
-import sys, time
+import signal, sys
 import numpy as np, ccvt
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
 points = np.random.default_rng(1).random((400000, {dimension}))
 print("ready", flush=True)
 try:

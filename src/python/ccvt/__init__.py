@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, List
 
 from ._analysis import analyze, energy
 from ._ccvt import __version__
+from ._density import render, sample_volume, stipple
 from ._files import (
     Mesh,
     VolumeFile,
@@ -47,7 +48,7 @@ from ._records import (
     Thinning,
     VolumeSamples,
 )
-from ._sampling import render, sample, sample_surface, sample_volume, stipple, thin
+from ._sampling import sample, sample_surface, thin
 from ._tessellate import Solver, lloyd, tessellate
 
 if TYPE_CHECKING:

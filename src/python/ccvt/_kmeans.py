@@ -2,74 +2,22 @@
 
 from __future__ import annotations
 
-import inspect
 import os
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Union
+from typing import Any, Dict, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _ccvt, _checks
+from ._estimator import Estimator, NotFittedError
 from ._progress import listener
 from ._records import Array
 from ._tessellate import Progress, tessellate
 
-if TYPE_CHECKING:
-
-    class NotFittedError(ValueError, AttributeError): ...
-
-    class _Base:
-        def get_params(self, deep: bool = True) -> Dict[str, Any]: ...
-        def set_params(self, **params: Any) -> Any: ...
-
-else:
-    try:
-        from sklearn.base import BaseEstimator, ClusterMixin, TransformerMixin
-        from sklearn.exceptions import NotFittedError
-
-        class _Base(TransformerMixin, ClusterMixin, BaseEstimator):
-            pass
-
-    except ImportError:
-
-        class NotFittedError(ValueError, AttributeError):
-            """An estimator is used before it is fitted."""
-
-        class _Base:
-            """What scikit-learn's base classes do, without it."""
-
-            _estimator_type = "clusterer"
-
-            @classmethod
-            def _names(cls) -> List[str]:
-                return sorted(name for name in inspect.signature(cls.__init__).parameters
-                              if name != "self")  # fmt: skip
-
-            def get_params(self, deep: bool = True) -> Dict[str, Any]:
-                return {name: getattr(self, name) for name in self._names()}
-
-            def set_params(self, **params: Any) -> Any:
-                for name, value in params.items():
-                    if name not in self._names():
-                        raise ValueError(
-                            f"Invalid parameter {name!r} for estimator {self}. Valid parameters are: "
-                            f"{self._names()!r}."
-                        )
-                    setattr(self, name, value)
-                return self
-
-            def __repr__(self) -> str:
-                defaults = {name: parameter.default for name, parameter
-                            in inspect.signature(type(self).__init__).parameters.items()}  # fmt: skip
-                changed = [f"{name}={value!r}" for name, value in self.get_params().items()
-                           if repr(value) != repr(defaults[name])]  # fmt: skip
-                return f"{type(self).__name__}({', '.join(changed)})"
-
-
 _METHODS = ("exact", "pairwise", "lloyd")
 
 
-class BalancedKMeans(_Base):
+class BalancedKMeans(Estimator):
     """K-means with clusters of given sizes: equal ones, but for one, by default.
 
     Follows scikit-learn's conventions; scikit-learn need not be installed.
