@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <numeric>
 #include <set>
@@ -506,6 +507,24 @@ TEST_CASE("the preview shows the samples that can be seen") {
   };
   CHECK(ink_of({0.5, -0.75, 0.5}) > 20);
   CHECK(ink_of({-0.5, 0.75, -0.5}) == 0);
+  // Axes turned together with what points up: the same picture, but for rounding.
+  TriangleMesh turned = mesh;
+  SurfaceSamples with = samples;
+  for (auto* const columns : {&turned.vertices, &with.sites, &with.normals}) {
+    const Eigen::MatrixXd before = columns->eigen();
+    columns->eigen() << before.row(1), before.row(2), before.row(0);
+  }
+  const auto differing = [&](int up) {
+    const auto a = ccvt::preview(turned, with, 100, up).rgb;
+    const auto b = ccvt::preview(mesh, samples, 100).rgb;
+    REQUIRE(a.size() == b.size());
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0, std::plus<>(),
+                              std::not_equal_to<>());
+  };
+  CHECK(differing(1) < 100);
+  CHECK(differing(2) > 1000);
+  CHECK(message_of([&] { (void)ccvt::preview(mesh, samples, 100, 3); }) ==
+        "up: is 3; must be from 0 to 2");
   CHECK(message_of([&] { (void)ccvt::preview(mesh, samples, 15); }) ==
         "size: is 15; must be from 16 to 4096");
 }

@@ -145,10 +145,12 @@ CCVT_EXPORT SurfaceSamples sample_surface(const TriangleMesh& mesh, Index sites,
 /// u and v are the barycentric coordinates of the second and the third corner.
 CCVT_EXPORT void write_samples(const std::filesystem::path& path, const SurfaceSamples& samples);
 
-/// A picture of the surface, shaded, seen from the right, in front and above (x to the right, y to
-/// the back, z up), with the samples that can be seen on it. `size`: of its longest side, in
-/// pixels, from 16 to 4096. Throws InvalidInput for other sizes, and for what validate() refuses.
+/// A picture of the surface, shaded, seen from the right, in front and above, with the samples that
+/// can be seen on it. `size`: of its longest side, in pixels, from 16 to 4096. `up`: the dimension
+/// that points up, 0 to 2; the one after it, and x after z, points to the right, and the third one
+/// to the back: with 2 x to the right and y to the back, with 1 z to the right and x to the back.
+/// Throws InvalidInput for other sizes and dimensions, and for what validate() refuses.
 CCVT_EXPORT ColourImage preview(const TriangleMesh& mesh, const SurfaceSamples& samples,
-                                int size = 720);
+                                int size = 720, int up = 2);
 
 }  // namespace ccvt

@@ -42,6 +42,7 @@ std::string_view title_of(const CLI::Option& option, const std::string& name) {
       {"--weights-out", "Output"},
       {"--image-out", "Output"},
       {"--preview", "Output"},
+      {"--up", "Output"},
       {"--summary", "Output"},
       {"--dot-radius", "Output"},
       {"--box-size", "Output"},

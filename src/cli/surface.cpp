@@ -50,7 +50,8 @@ int sample(const SurfaceArguments& arguments) {
     return sample_surface<Scalar>(mesh, arguments.sites, options);
   });
   Publication outputs;
-  if (!arguments.preview.empty()) write_png(arguments.preview, preview(mesh, samples));
+  if (!arguments.preview.empty())
+    write_png(arguments.preview, preview(mesh, samples, 720, arguments.up));
   write_summary(arguments, samples.summary);
   write_samples(arguments.output, samples);
   const int status = finish(arguments, outputs, samples.summary);
@@ -79,6 +80,15 @@ CLI::App* add_surface(CLI::App& app, SurfaceArguments& arguments) {
   add_common(*command, arguments, io::kSampleFiles, "float32");
   add_file(*command, "--preview", arguments.preview, "Draw the surface with the samples on it",
            io::kPictureFiles);
+  add_parsed(
+      *command, "--up", arguments.up,
+      [](const std::string& name, int& axis) {
+        const std::size_t found = name.size() == 1 ? std::string("xyz").find(name) : 3;
+        if (found > 2) return "'" + name + "' is not x, y or z";
+        axis = static_cast<int>(found);
+        return std::string();
+      },
+      "Of --preview: which axis points up, x, y or z [z]", "AXIS");
   command->footer(
       "Example: ccvt surface bunny.obj --sites 5000 -o samples.ply --preview bunny.png");
   return command;

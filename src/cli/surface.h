@@ -16,6 +16,7 @@ struct SurfaceArguments : CommonArguments {
   std::string density;  ///< a property of the vertices; empty: none
   double normal_weight = SurfaceOptions{}.normal_weight;
   std::filesystem::path preview;  ///< empty: none
+  int up = 2;                     ///< the dimension that points up in it
 };
 
 CLI::App* add_surface(CLI::App& app, SurfaceArguments& arguments);

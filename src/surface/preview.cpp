@@ -29,12 +29,15 @@ constexpr std::array<std::uint8_t, 3> kBackground = {255, 255, 255};
 /// in pixels too.
 class View {
  public:
-  View(const Triangles& triangles, int size) {
+  View(const Triangles& triangles, int size, int up) {
     const Eigen::Vector3d towards = Eigen::Vector3d(0.5, -0.75, 0.5).normalized();
     const Eigen::Vector3d right = Eigen::Vector3d::UnitZ().cross(towards).normalized();
     turn_.row(0) = right;
     turn_.row(1) = -towards.cross(right);
     turn_.row(2) = towards;
+    Eigen::Matrix3d upright = Eigen::Matrix3d::Zero();  // what points up becomes z
+    for (int d = 0; d < 3; ++d) upright(d, (up + 1 + d) % 3) = 1;
+    turn_ *= upright;
     Eigen::Vector3d lower = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
     Eigen::Vector3d upper = -lower;
     const auto vertices = triangles.mesh().vertices.eigen();
@@ -185,18 +188,19 @@ ColourImage Canvas::picture() const {
 
 }  // namespace
 
-ColourImage preview(const TriangleMesh& mesh, const SurfaceSamples& samples, int size) {
+ColourImage preview(const TriangleMesh& mesh, const SurfaceSamples& samples, int size, int up) {
   mesh.validate();
   if (size < 16 || size > 4096) {
     throw InvalidInput(concat("size: is ", size, "; must be from 16 to 4096"));
   }
+  if (up < 0 || up > 2) throw InvalidInput(concat("up: is ", up, "; must be from 0 to 2"));
   const std::ptrdiff_t sites = samples.sites.cols();
   if (sites == 0 || samples.normals.cols() != sites) {
     throw InvalidInput(concat("samples: there are ", sites, " sites and ", samples.normals.cols(),
                               " normals; needs one for each, and one site"));
   }
   const Triangles triangles(mesh);
-  const View view(triangles, size);
+  const View view(triangles, size, up);
   Canvas canvas(view.width, view.height);
   for (std::size_t t = 0; t < triangles.count(); ++t) {
     const Eigen::Matrix3d corners = triangles.corners(static_cast<Index>(t));
