@@ -145,6 +145,8 @@ std::vector<OptionGroup> option_groups(const CLI::App& command) {
       OptionHelp help = help_of(*option);
       if (title_of(*option, help.longest()) == title) group.options.push_back(std::move(help));
     }
+    std::stable_partition(group.options.begin(), group.options.end(),
+                          [](const OptionHelp& option) { return option.required; });
     if (!group.options.empty()) groups.push_back(std::move(group));
   }
   return groups;

@@ -26,7 +26,7 @@ struct OptionGroup {
 /// The arguments without dashes.
 std::vector<OptionHelp> arguments_of(const CLI::App& command);
 
-/// The options, in groups; those groups that have any.
+/// The options, in groups, of each what is required first; those groups that have any.
 std::vector<OptionGroup> option_groups(const CLI::App& command);
 
 std::vector<const CLI::App*> commands_of(const CLI::App& app);
