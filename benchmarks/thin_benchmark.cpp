@@ -134,6 +134,7 @@ void row(const Scan& scan, double ratio, const char* name, const Choose& choose)
 ccvt::ThinOptions one_thread(bool spread) {
   ccvt::ThinOptions options;
   options.spread = spread;
+  options.equal_counts = true;
   options.tessellation.threads = 1;
   return options;
 }

@@ -5,7 +5,19 @@
 namespace ccvt {
 namespace {
 
-constexpr const char* kNotNormalized = " (not normalized: the domain has no volume)";
+const char* why_not_normalized(const Summary& summary) {
+  return summary.normal_dimensions > 0 ? " (not normalized: normals are dimensions)"
+                                       : " (not normalized: the domain has no volume)";
+}
+
+/// "normalized energy 0.17, ": what compares; nothing when energies are of normals as well.
+std::string energy_text(const Summary& summary) {
+  if (summary.normal_dimensions > 0) return "";
+  return (summary.has_normalized_energy()
+              ? "normalized energy " + text(summary.normalized_energy, 6)
+              : "energy " + text(summary.energy, 6) + why_not_normalized(summary)) +
+         ", ";
+}
 
 }  // namespace
 
@@ -29,15 +41,14 @@ const char* to_string(Termination termination) {
   return "unknown";
 }
 
-bool Summary::has_normalized_energy() const { return normalized_energy > 0 || !(energy > 0); }
+bool Summary::has_normalized_energy() const {
+  return normal_dimensions == 0 && (normalized_energy > 0 || !(energy > 0));
+}
 
 std::string Summary::brief() const {
   return std::string(to_string(termination)) + " after " + std::to_string(iterations) +
          " iterations: " + std::to_string(points) + " points, " + std::to_string(sites) +
-         " sites, " +
-         (has_normalized_energy() ? "normalized energy " + text(normalized_energy, 6)
-                                  : "energy " + text(energy, 6) + kNotNormalized) +
-         ", " + text(seconds_total, 3) + " s";
+         " sites, " + energy_text(*this) + text(seconds_total, 3) + " s";
 }
 
 std::string Summary::full() const {
@@ -59,8 +70,9 @@ std::string Summary::full() const {
   row("points exchanged", std::to_string(exchanged));
   row("initial energy", text(initial_energy, 9));
   row("energy", text(energy, 9));
-  row("normalized energy",
-      has_normalized_energy() ? text(normalized_energy, 6) : std::string("n/a") + kNotNormalized);
+  row("normalized energy", has_normalized_energy()
+                               ? text(normalized_energy, 6)
+                               : std::string("n/a") + why_not_normalized(*this));
   row("capacity error", text(capacity_error, 6));
   row("seconds", text(seconds_total, 4));
   row("  initialization", text(seconds_initialization, 4));

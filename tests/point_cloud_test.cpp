@@ -260,9 +260,10 @@ std::string numbered_ply(int count) {
 TEST_CASE("thin writes chosen points, their numbers and owners") {
   const TemporaryDirectory directory;
   put(directory / "p.ply", numbered_ply(900));
-  const Ran ran = run(directory,
-                      "thin p.ply --ratio 9 -o q.ply --indices-out i.npy --owners-out o.csv "
-                      "--summary s.json");
+  const Ran ran =
+      run(directory,
+          "thin p.ply --ratio 9 --equal-counts -o q.ply --indices-out i.npy --owners-out o.csv "
+          "--summary s.json");
   CHECK(ran.status == 0);
   CHECK(ran.output.find("chosen: 100 points that stand for 9 each") == 0);
   CHECK(ran.errors == "ccvt: p.ply: only vertices are thinned; dropped: 'face'\n");

@@ -98,6 +98,12 @@ struct Sheets {
   }
 };
 
+ThinOptions equal_counts() {
+  ThinOptions options;
+  options.equal_counts = true;
+  return options;
+}
+
 std::string refusal(const Points<double>& points, Index sites, const ThinOptions& options = {},
                     const Points<double>& normals = {}) {
   return message_of([&] {
@@ -118,9 +124,13 @@ TEST_CASE("every choice is of distinct points that own themselves, with equal co
       const auto points = make_points<float>(layout, uneven_box(dimension), 600);
       for (const Index sites : {1, 2, 70, 299, 301, 599, 600}) {
         CAPTURE(sites);
-        const Thinning thinning = thin(points, sites);
+        const Thinning thinning = thin(points, sites, equal_counts());
         check_valid(points, sites, thinning);
         check_equal_counts(thinning);
+        const Thinning nearest = thin(points, sites);
+        check_valid(points, sites, nearest);
+        CHECK(nearest.chosen == thinning.chosen);
+        CHECK(nearest.energy <= thinning.energy);
       }
     }
   }
@@ -128,16 +138,14 @@ TEST_CASE("every choice is of distinct points that own themselves, with equal co
 
 TEST_CASE("double, unequal sizes of cells, and many dimensions") {
   const auto points = make_points<double>(Layout::random, uneven_box(16), 500);
-  const Thinning thinning = thin(points, 130);
+  const Thinning thinning = thin(points, 130, equal_counts());
   check_valid(points, 130, thinning);
   check_equal_counts(thinning);
 }
 
 TEST_CASE("counts of nearest points are those of the nearest points") {
   const auto points = make_points<double>(Layout::random, uneven_box(3), 2000);
-  ThinOptions options;
-  options.equal_counts = false;
-  const Thinning thinning = thin(points, 300, options);
+  const Thinning thinning = thin(points, 300);
   check_valid(points, 300, thinning);
   for (Index p = 0; p < 2000; ++p) {
     double nearest = std::numeric_limits<double>::infinity();
@@ -213,7 +221,20 @@ TEST_CASE("repulsion ends where no move to a point near, and no jump, lowers it 
       }
     }
     CHECK(energy == doctest::Approx(repulsion.energy()));
+    CHECK(repulsion.quotas().worst_excess() == 0);
   }
+}
+
+TEST_CASE("energies that normals are a part of are not normalized") {
+  const Sheets sheets(1000);
+  const Summary with = thin(sheets.points, 100, {}, sheets.normals).summary;
+  CHECK(with.normal_dimensions == 3);
+  CHECK_FALSE(with.has_normalized_energy());
+  CHECK(with.brief().find("energy") == std::string::npos);
+  CHECK(with.full().find("n/a (not normalized: normals are dimensions)") != std::string::npos);
+  const Summary without = thin(sheets.points, 100).summary;
+  CHECK(without.has_normalized_energy());
+  CHECK(without.brief().find("normalized energy") != std::string::npos);
 }
 
 TEST_CASE("reaches follow the density of the points, in the dimension that they spread over") {
@@ -240,9 +261,7 @@ TEST_CASE("no cell spans two sheets that face apart") {
     none.normal_weight = 0;
     CHECK(thin(sheets.points, sites, none, sheets.normals).owners ==
           thin(sheets.points, sites).owners);
-    ThinOptions nearest;
-    nearest.equal_counts = false;
-    CHECK(sheets.across(thin(sheets.points, sites, nearest, sheets.normals)) == 0);
+    CHECK(sheets.across(thin(sheets.points, sites, equal_counts(), sheets.normals)) == 0);
   }
 }
 
@@ -312,7 +331,7 @@ TEST_CASE("the same bits for any number of threads, and others for another seed"
 TEST_CASE("whenever it is cancelled, what has been reached is a choice") {
   const auto points = sphere(3000, 6);
   int asked = 0;
-  ThinOptions options;
+  ThinOptions options = equal_counts();
   options.tessellation.cancelled = [&] { return ++asked < 0; };
   const Thinning whole = thin(points, 1000, options);
   CHECK(whole.summary.termination != Termination::cancelled);

@@ -91,6 +91,9 @@ struct CCVT_EXPORT Summary {
   /// energy * n^(2/D) / (m * |domain|^(2/D)); 0, and no figure, when the domain has no volume, or
   /// so little that this is beyond the range of double.
   double normalized_energy = 0;
+  /// How many of the dimensions hold normals in place of coordinates. Energies then are of both
+  /// together, and have no normalized figure.
+  int normal_dimensions = 0;
   /// See ccvt::capacity_error(): not zero when capacities are meant to differ.
   double capacity_error = 0;
 
@@ -104,7 +107,7 @@ struct CCVT_EXPORT Summary {
   /// coordinates so large that their type cannot tell points apart; an end before all had joined.
   std::vector<std::string> warnings;
 
-  /// False when normalized_energy is 0 for want of a volume.
+  /// False when normalized_energy is 0 for want of a volume, or as normals are dimensions.
   [[nodiscard]] bool has_normalized_energy() const;
   /// One line: how it ended, iterations, energy, seconds.
   [[nodiscard]] std::string brief() const;

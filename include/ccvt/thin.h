@@ -16,14 +16,14 @@ struct CCVT_EXPORT ThinOptions {
   /// as far away as 2 * normal_weight spacings of the chosen points. With much more than the
   /// default, noise in normals brings chosen points near each other. From 0 to 100.
   double normal_weight = 0.5;
-  /// Chosen points are moved apart, and cells are made anew around them. Without, each is the point
+  /// Chosen points are moved apart. Without, each is the point
   /// nearest to the centroid of its cell: faster, but neighbours come near each other where cells
   /// have few points.
   bool spread = true;
-  /// Each chosen point stands for as many points as the next. Without, points count for the nearest
-  /// chosen one: those that a chosen one stands for are nearer to it, as the more points by chance
-  /// are dense the more count for each.
-  bool equal_counts = true;
+  /// Each chosen point stands for as many points as the next, some of which are nearer to others:
+  /// the fewer points a cell has, the farther it reaches. Without, points count for the nearest
+  /// chosen one, on their own side where there are normals, and counts differ.
+  bool equal_counts = false;
   /// Of the cells in which points are chosen first. Its seed, threads, time limit and `cancelled`
   /// hold for all that is done. Until blue_noise, as choices are to have no lattices.
   Options tessellation = Options::samples();
@@ -32,15 +32,15 @@ struct CCVT_EXPORT ThinOptions {
   void validate() const;
 };
 
-/// Some of the points, evenly spread as dense as all of them, and what each stands for.
+/// Some of the points, evenly spread, and what each stands for.
 struct Thinning {
   /// n numbers of points, ascending, all different.
   std::vector<Index> chosen;
   /// Of each of the m points, for which of the chosen ones it counts: in 0..n-1. A chosen point
   /// counts for itself.
   std::vector<Index> owners;
-  /// n: how many points count for each, itself among them. They sum to m, and are floor(m / n) or
-  /// more by one, but for what `turned` says.
+  /// n: how many points count for each, itself among them. They sum to m. With equal_counts they
+  /// are floor(m / n) or more by one, but for what `turned` says.
   std::vector<Index> counts;
   /// Sum of squared distances of all points to the chosen ones they count for, normals aside.
   double energy = 0;
@@ -50,23 +50,29 @@ struct Thinning {
   /// How often a chosen point gave way to one near it, and to one anywhere.
   std::int64_t moves = 0;
   std::int64_t jumps = 0;
-  /// Points whose normals face away from those of the cell that had room for them. They count for
-  /// the nearest chosen point that they do not face away from.
+  /// Points whose normals face away from the nearest chosen point, or with equal_counts from that
+  /// of the cell that had room for them. They count for the nearest that they do not face away
+  /// from.
   Index turned = 0;
   /// Of the tessellation; its seconds and how it ended are those of the whole.
   Summary summary;
 };
 
-/// Chooses `sites` of the points, so that the chosen ones are far apart and every point is near to
-/// one, and so that each stands for as many points as the next: they are dense where points are.
+/// Chooses `sites` of the points, so that the chosen ones are far apart, every point is near to
+/// one, and they are as dense as the points are, within a tolerance.
 ///
 /// The points are tessellated into cells of equal capacity, and in each the point nearest to the
 /// centroid is chosen. These choices repel each other: two that are d apart by (1 - d / r)^8, the
 /// weight of sample elimination [C. Yuksel, Sample Elimination for Generating Poisson Disk Sample
 /// Sets, Computer Graphics Forum 34 (2), 2015], where r is the local spacing. They move to points
-/// near them, and from crowds to gaps anywhere, for as long as that lowers the sum over all pairs.
-/// Then cells are made anew, with the chosen points as sites that stay: their capacities are kept,
-/// and no exchange of points between two cells lowers the energy.
+/// near them, and from crowds to gaps anywhere, for as long as that lowers the sum over all pairs
+/// and keeps the density: of the cells of any block of 8, 16, 32, … (k) that bisection of space
+/// makes, as many points are chosen as there are cells, but for max(1, s sqrt(k n / m)), with s
+/// 2.5, within chance, or .5 where the density changes in the block. What is smaller than the
+/// distance between chosen points they cannot follow: at an edge they line up along it.
+///
+/// With equal_counts cells are made anew at last, with the chosen points as sites that stay: their
+/// capacities are kept, and no exchange of points between two cells lowers the energy.
 ///
 /// `points`: #dimensions by m, as ccvt::Problem takes them; `sites`: 1 <= n <= m. `normals`: none,
 /// or one a point, #dimensions by m, finite, of any length; of those of length 0 nothing is known.

@@ -63,7 +63,7 @@ Thinning thin_cloud(const ThinArguments& arguments, const PointCloud& cloud, Ind
   const Points<Scalar> normals = cloud.normals.eigen().template cast<Scalar>();
   ThinOptions options;
   options.normal_weight = arguments.normal_weight;
-  options.equal_counts = !arguments.nearest;
+  options.equal_counts = arguments.equal_counts;
   return blame(arguments.points, [&] {
     Progress progress(arguments.quiet);
     options.tessellation = make_options(arguments, options.tessellation, sites, progress);
@@ -72,14 +72,21 @@ Thinning thin_cloud(const ThinArguments& arguments, const PointCloud& cloud, Ind
   });
 }
 
-std::string closing_line(const Thinning& result, double points) {
+/// Points that count for another than they would without normals.
+std::string turned_text(const Thinning& result, bool equal_counts) {
+  if (result.turned == 0) return "";
+  return concat(
+      "; ", result.turned,
+      equal_counts ? " had no room on their own side" : " have a nearer one that faces away");
+}
+
+std::string closing_line(const Thinning& result, bool equal_counts) {
+  const auto points = static_cast<double>(result.owners.size());
   const auto [least, most] = std::minmax_element(result.counts.begin(), result.counts.end());
   return concat("chosen: ", result.chosen.size(), " points that stand for ", *least,
                 *least == *most ? std::string() : concat(" to ", *most), " each, at ",
-                text(std::sqrt(result.energy / points), 3), " from these in the mean; ",
-                result.moves + result.jumps, " moves apart",
-                result.turned > 0 ? concat("; ", result.turned, " had no room on their own side")
-                                  : std::string(),
+                text(std::sqrt(result.energy / points), 3), " from these (root mean square); ",
+                result.moves + result.jumps, " moves apart", turned_text(result, equal_counts),
                 "\n");
 }
 
@@ -110,7 +117,7 @@ int run_thin(const ThinArguments& arguments) {
   if (!arguments.owners_out.empty()) write_owners(arguments.owners_out, result.owners);
   write_summary(arguments, result.summary);
   write_point_cloud(arguments.output, cloud, result.chosen, result.counts);
-  if (!arguments.quiet) print(closing_line(result, static_cast<double>(cloud.points.cols())));
+  if (!arguments.quiet) print(closing_line(result, arguments.equal_counts));
   return finish(arguments, outputs, result.summary);
 }
 

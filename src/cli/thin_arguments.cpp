@@ -21,9 +21,9 @@ CLI::App* add_thin(CLI::App& app, ThinArguments& arguments) {
                      "How much normals nx, ny, nz count, where the file has them: opposite ones as "
                      "2 W spacings; 0: not at all [0.5]",
                      "W", {.least = 0, .most = 100});
-  add_flag(*command, "--nearest", arguments.nearest,
-           "Points count for the nearest chosen one, so that counts differ, instead of equally "
-           "many for each");
+  add_flag(*command, "--equal-counts", arguments.equal_counts,
+           "Equally many points count for each chosen one, some of them from farther away, instead "
+           "of each point for the nearest");
   add_common(*command, arguments, io::kThinFiles, "as the points are stored; text: float64");
   auto* const output = command->get_option("--output");
   output->description("Where the chosen points go, with how many points each stands for: " +

@@ -14,7 +14,7 @@ struct ThinArguments : CommonArguments {
   Index sites = 0;      ///< 0: by the ratio
   double ratio = 0;     ///< points to sites; 0: by the sites
   double normal_weight = 0.5;
-  bool nearest = false;  ///< each point counts for the nearest chosen one
+  bool equal_counts = false;  ///< not each point for the nearest chosen one
   std::filesystem::path indices_out;
   std::filesystem::path owners_out;
 };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ccvt/surface.h"
+#include "normalize.h"
 #include "number_text.h"
 #include "numbers.h"
 #include "parallel/loops.h"
@@ -124,6 +125,7 @@ SurfaceSamples sample(const TriangleMesh& mesh, Index sites, const SurfaceOption
 
   samples.scalar = sizeof(Scalar) == sizeof(float) ? ScalarType::float32 : ScalarType::float64;
   samples.summary = std::move(outcome.summary);
+  count_normals(samples.summary.dimension - 3, samples.summary);
   samples.sheets = sheets.count;
   samples.turned = static_cast<Index>(
       std::count_if(sheets.turned.begin(), sheets.turned.end(), [](auto t) { return t != 0; }));

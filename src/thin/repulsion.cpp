@@ -50,6 +50,8 @@ Repulsion<Scalar>::Repulsion(const Homes<Scalar>& homes, std::vector<Place> chos
                              const Arena& arena)
     : homes_(homes),
       arena_(arena),
+      quotas_(homes.reach,
+              static_cast<double>(homes.home_of.size()) / static_cast<double>(homes.count())),
       chosen_(std::move(chosen)),
       at_(chosen_.size() * homes.dimension()),
       taken_(homes.home_of.size(), 0),
@@ -65,13 +67,16 @@ void Repulsion<Scalar>::enter(SiteNumber site, Place place) {
   chosen_[site] = place;
   std::copy_n(homes_.at(place), homes_.dimension(), at_.data() + site * homes_.dimension());
   taken_[place] = 1;
+  quotas_.enter(home);
   next_in_[site] = std::exchange(first_in_[home], site);
 }
 
 template <class Scalar>
 void Repulsion<Scalar>::leave(SiteNumber site, Place place) {
+  const SiteNumber home = homes_.home_of[place];
   taken_[place] = 0;
-  SiteNumber* link = &first_in_[homes_.home_of[place]];
+  quotas_.leave(home);
+  SiteNumber* link = &first_in_[home];
   while (*link != site) link = &next_in_[*link];
   *link = next_in_[site];
 }
@@ -157,6 +162,7 @@ void Repulsion<Scalar>::weigh(SiteNumber site, Others& others, std::vector<Move>
   double least = before * (1 - kLeastGain);
   Place best = Place::none();
   for (const SiteNumber home : homes_.near[own]) {
+    if (!quotas_.allow(own, home)) continue;
     const double farthest = (homes_.centres.radius[home] + hop) * (1 + 1e-12);
     if (squared_distance(at, homes_.centres.at(home), dimension) > farthest * farthest) continue;
     gather(home, site, others);
@@ -184,7 +190,7 @@ void Repulsion<Scalar>::disturb(SiteNumber home) {
 template <class Scalar>
 bool Repulsion<Scalar>::make(const Move& move, double least_gain) {
   const Place from = chosen_[move.site];
-  if (taken_[move.to] != 0 ||
+  if (taken_[move.to] != 0 || !quotas_.allow(homes_.home_of[from], homes_.home_of[move.to]) ||
       repelled(move.to, move.site) >= repelled(from, move.site) * (1 - least_gain)) {
     return false;
   }

@@ -8,6 +8,7 @@
 #include "numbers.h"
 #include "parallel/loops.h"
 #include "thin/homes.h"
+#include "thin/quotas.h"
 
 namespace ccvt {
 
@@ -18,10 +19,13 @@ namespace ccvt {
 /// A move takes a site to the point near it, and not chosen by another, where it is repelled least.
 /// Each round weighs the moves of all sites that may have one, at the same time, against the
 /// choice as it is; then makes them one by one, the best first, where they still gain by then.
+/// From one home to another none is made that Quotas do not allow: without, choices would go from
+/// where the cloud is dense to beside it, as reaches are blurred there.
 ///
 /// Termination. A move is made only when it lowers what repels its site, of which rounding is a
 /// tiny share, by more than half of kLeastGain of it, and so it lowers the sum over all pairs: no
-/// choice ever returns, and there are finitely many.
+/// choice ever returns, and there are finitely many. That quotas forbid moves changes nothing of
+/// that; in every round that has moves the best one is made, as nothing has changed by then.
 template <class Scalar>
 class Repulsion {
  public:
@@ -36,6 +40,7 @@ class Repulsion {
   [[nodiscard]] std::int64_t moves() const { return moves_; }
   [[nodiscard]] std::int64_t jumps() const { return jumps_; }
   [[nodiscard]] int rounds() const { return rounds_; }
+  [[nodiscard]] const Quotas& quotas() const { return quotas_; }
   /// The sum over all pairs.
   [[nodiscard]] double energy() const;
 
@@ -78,6 +83,7 @@ class Repulsion {
 
   const Homes<Scalar>& homes_;
   const Arena& arena_;
+  Quotas quotas_;
   std::vector<Place> chosen_;
   std::vector<Scalar> at_;            ///< where they are, one after the other
   std::vector<std::uint8_t> taken_;   ///< by place

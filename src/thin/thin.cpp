@@ -12,6 +12,7 @@
 #include "ccvt/solver.h"
 #include "geometry/chosen_points.h"
 #include "geometry/metric.h"
+#include "normalize.h"
 #include "number_text.h"
 #include "numbers.h"
 #include "parallel/loops.h"
@@ -286,6 +287,7 @@ Thinning thin(PointsView<Scalar> points, Index sites, const ThinOptions& options
   sort(result);
   count(result);
   result.energy = energy_of(points, result, untold);
+  count_normals(space.dimension - points.dimension, result.summary);
   result.summary.seconds_total = thinner.seconds();
   return result;
 }
