@@ -309,6 +309,7 @@ TEST_CASE("a cancelled run ends soon, at whatever time") {
   const auto points = make_points<float>(Layout::random, Box::unit(2), 60000);
   const auto masses = make_masses(Masses::even, 60000);
   using Clock = std::chrono::steady_clock;
+  double seconds = 0;  // of a run to its end
   for (int after = 0;; after = after * 2 + 1) {
     int asked = 0;
     Clock::time_point said;
@@ -321,6 +322,7 @@ TEST_CASE("a cancelled run ends soon, at whatever time") {
     try {
       const auto result = tessellate_masses(points, masses, 300, options);
       cancelled = result.summary.termination == Termination::cancelled;
+      seconds = result.summary.seconds_total;
       CHECK(whole_faults(points, masses, options, result) == "");
       if (!cancelled) CHECK(result.summary.termination == Termination::stable);
     } catch (const ccvt::Cancelled&) {
@@ -330,7 +332,7 @@ TEST_CASE("a cancelled run ends soon, at whatever time") {
     CHECK(std::chrono::duration<double>(Clock::now() - said).count() < 2);
   }
   MassOptions options;
-  options.relaxation.time_limit = 0.05;
+  options.relaxation.time_limit = seconds / 4;
   try {
     const auto late = tessellate_masses(points, masses, 300, options);
     CHECK(late.summary.termination == Termination::time_limit);
@@ -367,11 +369,12 @@ TEST_CASE("bad input is refused in one line") {
   }
   CHECK(said(std::vector<double>(10, 0x1p330), 3).find("masses: they sum to 2.1") == 0);
   CHECK(with(5, 30) ==
-        "masses[5] is 30, more than the capacity of site 0, 16: whole points must fit; the method "
-        "resampled shares heavy points among sites");
+        "masses[5] is 30, more than the capacity of site 0, 16 (too heavy: 1 point): whole points "
+        "must fit, as they do with n <= 1; the method resampled shares heavy points among sites");
   CHECK(said(masses, 11) ==
-        "masses[0] is 2, more than the capacity of site 0, 1.81818: whole points must fit; the "
-        "method resampled shares heavy points among sites");
+        "masses[0] is 2, more than the capacity of site 0, 1.81818 (too heavy: 10 points): whole "
+        "points must fit, as they do with n <= 10; the method resampled shares heavy points among "
+        "sites");
   CHECK(said(masses, 0) == "sites: is 0; must be at least 1");
   MassOptions options;
   options.points_per_site = 0;

@@ -81,12 +81,12 @@ void require_room(const MassInputs& inputs, std::span<const double> masses, bool
                                    [&](double mass) { return mass > *smallest * kRounding; });
   std::string message = nth("masses", point, masses[point]) + ", more than the capacity of site " +
                         std::to_string(smallest - inputs.capacities.begin()) + ", " +
-                        text(*smallest / inputs.scale, 6) + ", as are " + std::to_string(heavy) +
-                        " of the points: whole points must fit";
+                        text(*smallest / inputs.scale, 6) +
+                        " (too heavy: " + std::to_string(heavy) +
+                        (heavy == 1 ? " point" : " points") + "): whole points must fit";
   if (equal) {
-    message += ", which they do with " +
-               std::to_string(static_cast<Index>(inputs.total / *heaviest * kRounding)) +
-               " sites or fewer";
+    message += ", as they do with n <= " +
+               std::to_string(static_cast<Index>(inputs.total / *heaviest * kRounding));
   }
   throw InvalidInput(message + "; the method resampled shares heavy points among sites");
 }

@@ -97,7 +97,7 @@ def thin(
     *,
     normal_weight: float = 0.5,
     spread: bool = True,
-    equal_counts: bool = True,
+    equal_counts: bool = False,
     seed: int = 0,
     threads: int = 0,
     progress: Progress = None,
@@ -120,7 +120,7 @@ def thin(
         How much the directions of normals count.
     spread : bool, default True
         Whether chosen points are moved apart; faster without.
-    equal_counts : bool, default True
+    equal_counts : bool, default False
         Whether each chosen point stands for as many points as the next; else points count for the
         nearest chosen one.
     seed, threads, progress, until, max_iterations, energy_tolerance, time_limit
