@@ -68,7 +68,7 @@ struct Thinning {
 /// near them, and from crowds to gaps anywhere, for as long as that lowers the sum over all pairs
 /// and keeps the density: of the cells of any block of 8, 16, 32, … (k) that bisection of space
 /// makes, as many points are chosen as there are cells, but for max(1, s sqrt(k n / m)), with s
-/// 2.5, within chance, or .5 where the density changes in the block. What is smaller than the
+/// 3, within chance, or .5 where the density changes in the block. What is smaller than the
 /// distance between chosen points they cannot follow: at an edge they line up along it.
 ///
 /// With equal_counts cells are made anew at last, with the chosen points as sites that stay: their

@@ -10,7 +10,7 @@ namespace {
 /// Homes of the smallest blocks: with 4, smallest distances fall where homes have ten points.
 constexpr std::size_t kSmallest = 8;
 /// Standard deviations. On clouds of even density hardly any block is held back by so much.
-constexpr double kTolerance = 2.5;
+constexpr double kTolerance = 3;
 constexpr double kToleranceOnSlopes = 0.5;
 /// Of the largest reach in a block to the smallest, in blocks on slopes.
 constexpr double kSlope = 1.25;
