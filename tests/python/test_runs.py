@@ -87,7 +87,7 @@ LONG = """
 import signal, sys
 import numpy as np, ccvt
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
-points = np.random.default_rng(1).random((400000, {dimension}))
+points = np.random.default_rng(1).random(({count}, {dimension}))
 print("ready", flush=True)
 try:
     {call}
@@ -98,17 +98,17 @@ print("done")
 """
 
 
-@pytest.mark.parametrize("dimension, call", [
-    (3, "ccvt.tessellate(points, 40000)"),
-    (3, "[record for record in ccvt.Solver(points, 40000)]"),
-    (16, "ccvt.BalancedKMeans(256, random_state=1).fit(points)"),
-    (2, "ccvt.analyze(points)"),
+@pytest.mark.parametrize("count, dimension, call", [
+    (4_000_000, 3, "ccvt.tessellate(points, 40000)"),
+    (4_000_000, 3, "[record for record in ccvt.Solver(points, 40000)]"),
+    (400_000, 16, "ccvt.BalancedKMeans(256, random_state=1).fit(points)"),
+    (400_000, 2, "ccvt.analyze(points)"),
 ])  # fmt: skip
-def test_interrupt(dimension, call):
-    child = subprocess.Popen([sys.executable, "-c", LONG.format(dimension=dimension, call=call)],
-                             stdout=subprocess.PIPE, text=True)  # fmt: skip
+def test_interrupt(count, dimension, call):
+    script = LONG.format(count=count, dimension=dimension, call=call)
+    child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
     assert child.stdout.readline() == "ready\n"
-    time.sleep(0.5)
+    time.sleep(0.4)  # into the call, which takes seconds
     child.send_signal(signal.SIGINT)
     sent = time.monotonic()
     output, _ = child.communicate(timeout=60)
