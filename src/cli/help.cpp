@@ -70,7 +70,7 @@ std::string_view title_of(const CLI::Option& option, const std::string& name) {
       {"--quiet", "Run"},
       {"--version", "Run"},
   };
-  const auto named = std::find(kTitles.begin(), kTitles.end(), option.get_group());
+  const auto* const named = std::find(kTitles.begin(), kTitles.end(), option.get_group());
   if (named != kTitles.end()) return *named;
   const auto found = titles.find(name);
   return found == titles.end() ? kTitles.front() : found->second;

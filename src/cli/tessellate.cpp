@@ -106,8 +106,7 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
 
 }  // namespace
 
-int run_tessellate(const TessellateArguments& given) {
-  TessellateArguments arguments = given;
+int run_tessellate(const TessellateArguments& arguments) {
   if (arguments.sites == 0 && arguments.initial_sites.empty()) {
     throw InvalidInput("tessellate: needs --sites or --initial-sites; see ccvt tessellate --help");
   }
@@ -121,26 +120,27 @@ int run_tessellate(const TessellateArguments& given) {
                        (arguments.units.empty() ? "--box, which it would turn" : "--units"));
   }
   const bool has_masses = check_masses(arguments);
-  arguments.reading = coordinates_beside_masses(arguments);
+  TessellateArguments chosen = arguments;
+  chosen.reading = coordinates_beside_masses(arguments);
   const PointsHeader header =
-      inspect_and_tell(arguments.points, arguments.reading, arguments.quiet, arguments.mass.column);
+      inspect_and_tell(chosen.points, chosen.reading, chosen.quiet, chosen.mass.column);
   Outputs()
-      .add("--output", arguments.output, io::kTableFiles)
-      .add("--owners-out", arguments.owners_out, io::kTableFiles)
-      .add("--shares-out", arguments.mass.shares_out, io::kTableFiles)
-      .add("--summary", arguments.summary)
-      .add_input("POINTS", arguments.points)
-      .add_input("--initial-sites", arguments.initial_sites)
-      .add_input("--fixed-sites", arguments.fixed_sites)
-      .add_input("--capacities", arguments.capacities)
-      .add_input("--masses", arguments.mass.file)
+      .add("--output", chosen.output, io::kTableFiles)
+      .add("--owners-out", chosen.owners_out, io::kTableFiles)
+      .add("--shares-out", chosen.mass.shares_out, io::kTableFiles)
+      .add("--summary", chosen.summary)
+      .add_input("POINTS", chosen.points)
+      .add_input("--initial-sites", chosen.initial_sites)
+      .add_input("--fixed-sites", chosen.fixed_sites)
+      .add_input("--capacities", chosen.capacities)
+      .add_input("--masses", chosen.mass.file)
       .check();
   if (has_masses) {
-    return run_with_masses(arguments, header, make_domain(arguments, header.dimension));
+    return run_with_masses(chosen, header, make_domain(chosen, header.dimension));
   }
-  return arguments.scalar.value_or(header.scalar) == ScalarType::float32
-             ? tessellate_file<float>(arguments, header)
-             : tessellate_file<double>(arguments, header);
+  return chosen.scalar.value_or(header.scalar) == ScalarType::float32
+             ? tessellate_file<float>(chosen, header)
+             : tessellate_file<double>(chosen, header);
 }
 
 }  // namespace ccvt::cli
