@@ -16,7 +16,12 @@ if(TARGET ccvt_cli)
   set_target_properties(ccvt_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${libdir_from_bindir}")
   install(TARGETS ccvt_cli COMPONENT program)
   set(pages ${PROJECT_BINARY_DIR}/pages)
-  install(DIRECTORY ${pages}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT program)
+  set(manual_pages "*.1")
+  if(CCVT_PACKAGE)
+    set(manual_pages "*.1.gz")
+  endif()
+  install(DIRECTORY ${pages}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT program
+    FILES_MATCHING PATTERN ${manual_pages})
   install(FILES ${pages}/completions/ccvt.bash RENAME ccvt
     DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
   install(FILES ${pages}/completions/_ccvt

@@ -23,7 +23,10 @@ set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "${PROJECT_DESCRIPTION} (shared library)
  Sites that own equally many points each, as blue noise: for sampling, stippling,
  and codebooks with equally full cells. This is what programs need to run that
  are linked with the library.")
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
+set(triggers ${PROJECT_BINARY_DIR}/package/triggers)
+file(WRITE ${triggers} "activate-noawait ldconfig\n")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${triggers})
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 
 set(this_library "lib${soname} (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libccvt-dev)
@@ -44,9 +47,16 @@ set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "${PROJECT_DESCRIPTION} (program)
 set(copyright ${PROJECT_BINARY_DIR}/package/copyright)
 file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
 file(WRITE ${copyright} "Upstream-Name: ccvt\n\n${licence}")
+file(WRITE ${PROJECT_BINARY_DIR}/package/changelog
+  "ccvt (${PROJECT_VERSION}) unstable; urgency=medium\n\n  * See CHANGELOG.md in libccvt-dev.\n\n"
+  " -- ${CPACK_PACKAGE_CONTACT}  Tue, 24 Nov 2026 00:00:00 +0000\n")
+find_program(CCVT_GZIP gzip REQUIRED)
+mark_as_advanced(CCVT_GZIP)
+execute_process(COMMAND ${CCVT_GZIP} -9nf ${PROJECT_BINARY_DIR}/package/changelog
+  COMMAND_ERROR_IS_FATAL ANY)
 set(packages lib${soname} libccvt-dev ccvt)
 foreach(component package IN ZIP_LISTS CPACK_COMPONENTS_ALL packages)
-  install(FILES ${copyright} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package}
+  install(FILES ${copyright} ${PROJECT_BINARY_DIR}/package/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package}
     COMPONENT ${component} EXCLUDE_FROM_ALL)
 endforeach()
 include(CPack)

@@ -62,10 +62,11 @@ void check_capacities(std::span<const double> capacities, std::size_t sites, dou
 /// Capacities scaled to sum to `total`; equal ones when there are none.
 std::vector<double> scaled_capacities(std::span<const double> given, std::size_t sites,
                                       double total) {
-  if (given.empty()) return std::vector<double>(sites, total / static_cast<double>(sites));
+  std::vector<double> capacities(sites, total / static_cast<double>(sites));
+  if (given.empty()) return capacities;
   MassSum sum;
   for (const double capacity : given) sum.add(capacity);
-  std::vector<double> capacities(given.begin(), given.end());
+  capacities.assign(given.begin(), given.end());
   for (double& capacity : capacities) capacity *= total / sum.value();
   return capacities;
 }

@@ -41,7 +41,7 @@ class MassRun {
   void share();
   void own_whole();
   bool sweep(WholePoints<Scalar>& whole);
-  void take_sites(const SiteState& sites, std::vector<double> masses, double energy);
+  void take_sites(const SiteState& sites, std::vector<double>&& masses, double energy);
   void own_massless(const SiteState& sites);
   void weigh();
   [[nodiscard]] double seconds() const {
@@ -150,7 +150,7 @@ void MassRun<Scalar>::end(Termination termination) {
 
 /// What the sites are and own, in the caller's units.
 template <class Scalar>
-void MassRun<Scalar>::take_sites(const SiteState& sites, std::vector<double> masses,
+void MassRun<Scalar>::take_sites(const SiteState& sites, std::vector<double>&& masses,
                                  double energy) {
   result_.sites = {problem_.dimension(), static_cast<std::ptrdiff_t>(sites.count())};
   for (const SiteNumber s : sites.all()) {

@@ -55,10 +55,10 @@ bool WholePoints<Scalar>::even_out(const std::vector<Pair>& pairs) {
 
 template <class Scalar>
 bool WholePoints<Scalar>::settled() const {
-  for (const SiteNumber s : cells_.sites().all()) {
-    if (std::abs(cells_.error(s)) >= cells_.error_bound()) return false;
-  }
-  return true;
+  const auto sites = cells_.sites().all();
+  return std::all_of(sites.begin(), sites.end(), [&](SiteNumber s) {
+    return std::abs(cells_.error(s)) < cells_.error_bound();
+  });
 }
 
 template <class Scalar>
