@@ -55,10 +55,11 @@ bool WholePoints<Scalar>::even_out(const std::vector<Pair>& pairs) {
 
 template <class Scalar>
 bool WholePoints<Scalar>::settled() const {
-  const auto sites = cells_.sites().all();
-  return std::all_of(sites.begin(), sites.end(), [&](SiteNumber s) {
-    return std::abs(cells_.error(s)) < cells_.error_bound();
-  });
+  double largest = 0;
+  for (const SiteNumber s : cells_.sites().all()) {
+    largest = std::max(largest, std::abs(cells_.error(s)));
+  }
+  return largest < cells_.error_bound();
 }
 
 template <class Scalar>
