@@ -7,12 +7,15 @@ site: to the guides, to the reference of headers, or to copies below files/, whi
 A line `<!-- site: TEXT -->` is TEXT on the site, and nothing elsewhere.
 
 usage: filter.py FILE
-       filter.py --files      prints the files of which the site needs copies
+       filter.py --files           prints the files of which the site needs copies
+       filter.py --pictures DIR    copies the repository's pictures there, under names of their own
 """
 
+import functools
 import pathlib
 import posixpath
 import re
+import shutil
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -27,6 +30,12 @@ PAGES = {str(path.relative_to(ROOT)): path.stem for path in sorted((ROOT / "src/
     "include/ccvt/README.md": "structure",
     "src/python/README.md": "python_reference",
 }  # fmt: skip
+TITLES = {  # of reports, which have none
+    "results": "The paper's table and figures",
+    "results_growth": "Many points a site",
+    "results_search_clouds": "Inverted lists: clouds",
+    "results_search_mnist": "Inverted lists: MNIST",
+}
 PAGES["README.md"] = "index"  # says the same in other words
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+)\)")
 
@@ -48,13 +57,18 @@ def target_of(page, link):
     return joined, anchor
 
 
+def picture_name(path):
+    """One name a picture: Doxygen knows no folders. Of those made for the site it is the name."""
+    return path.replace("/", "_") if (ROOT / path).exists() else posixpath.basename(path)
+
+
 def link_on_site(page, match):
     mark, text, link = match.groups()
     if re.match(r"[a-z]+:", link):
         return match.group()
     path, anchor = target_of(page, link)
     if mark:
-        return f"![{text}]({posixpath.basename(path)})"
+        return f"![{text}]({picture_name(path)})"
     if path in PAGES:
         return f"[{text}](@ref {label(path, anchor)})"
     if re.fullmatch(r"include/ccvt/\w+\.h", path):
@@ -78,7 +92,10 @@ def heading_on_site(page, match):
 
 
 def markdown(page, text):
+    if PAGES[page] in TITLES:
+        text = f"# {TITLES[PAGES[page]]}\n{text}"
     text = outside_code(text, lambda part: LINK.sub(lambda m: link_on_site(page, m), part))
+    text = outside_code(text, lambda part: re.sub(r"(?<=[\s(])#(?=[a-z])", r"\\#", part))
     fenced = re.split(r"(^```.*?^```$)", text, flags=re.M | re.S)
     for i in range(0, len(fenced), 2):
         fenced[i] = re.sub(r"^(#+) (.+)$", lambda m: heading_on_site(page, m), fenced[i], flags=re.M)
@@ -98,27 +115,41 @@ def header(text):
         while first > 0 and lines[first - 1].startswith("///"):
             first -= 1
         blank = first - 1 if lines[first].startswith("///") else lines.index("")
-        lines[blank] = "/// \\file"
+    else:
+        blank = lines.index("")
+    lines[blank] = "/// \\file"
     last = lines.index("}  // namespace ccvt") if "}  // namespace ccvt" in lines else len(lines)
     lines = [line if i <= last else "" for i, line in enumerate(lines)]
     return "\n".join(comment(line) if "///" in line else line for line in lines)
 
 
-def files():
-    found = set()
+def all_links():
+    """The page and the match of each link outside code."""
+    found = []
     for page in PAGES:
-        def note(match):
-            copied = re.search(r'<a href="files/(.*)\.txt"', link_on_site(page, match))
-            if copied:
-                found.add(copied.group(1))
-            return ""
-        outside_code((ROOT / page).read_text(), lambda part: LINK.sub(note, part))
-    return sorted(found)
+        note = functools.partial(lambda at, m: found.append((at, m)) or "", page)
+        outside_code((ROOT / page).read_text(), lambda part, note=note: LINK.sub(note, part))
+    return found
+
+
+def files():
+    links = [re.search(r'<a href="files/(.*)\.txt"', link_on_site(page, match)) for page, match in all_links()]
+    return sorted({link.group(1) for link in links if link})
+
+
+def copy_pictures(folder):
+    for page, match in all_links():
+        path, _ = target_of(page, match.group(3))
+        if match.group(1) and (ROOT / path).exists():
+            shutil.copy(ROOT / path, pathlib.Path(folder) / picture_name(path))
 
 
 def main():
     if sys.argv[1] == "--files":
         print("\n".join(files()))
+        return
+    if sys.argv[1] == "--pictures":
+        copy_pictures(sys.argv[2])
         return
     path = pathlib.Path(sys.argv[1]).resolve()
     text = path.read_text()
