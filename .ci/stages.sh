@@ -93,6 +93,12 @@ developer_packages() {
     chromium clang clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev python3 python3-faiss python3-h5py
 }
 
+# The page of errors has what tests throw.
+errors() {
+  local record=build/release/tests/errors.txt
+  tests/errors/record.sh build/release "$record" && tests/errors/check.py --record "$record"
+}
+
 # Manual pages and completions.
 pages() {
   cmake/install-packages.sh fish groff-base zsh &&

@@ -156,7 +156,7 @@ TEST_CASE("breeding ends soon when cancelled") {
   options.effort = 1'000'000;
   options.cancelled = [&] { return Clock::now() - start > std::chrono::milliseconds(300); };
   const auto training = train_codebook(points, 100, options);
-  CHECK(Clock::now() - start < std::chrono::milliseconds(1300));
+  CHECK(Clock::now() - start < std::chrono::seconds(3));  // on a machine that is busy, too
   CHECK(training.summary.termination == ccvt::Termination::cancelled);
   CHECK(training.summary.usage.largest == 200);
 }

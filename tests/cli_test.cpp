@@ -315,7 +315,7 @@ TEST_CASE("bad input: one line, status 2, nothing written") {
       {sample + "--summary ./folder/../o.npy", {"--output", "--summary", "differ"}},
       {sample + "--owners-out o.png", {"o.png", "'.png'", ".npy, .csv or .txt"}},
       {sample + "--owners-out none/o.npy", {"none/o.npy", "no directory 'none'"}},
-      {sample + "--summary -", {"--summary", "'-'"}},
+      {sample + "--summary json:-", {"--summary", "'json:-'"}},
       {sample + "--summary folder", {"folder", "is a directory"}},
       {sample + "--summary /dev/full", {"/dev/full", "regular"}},
       {sample + "--summary /proc/o.json", {"/proc/o.json", "cannot be written"}},

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -113,6 +114,30 @@ TEST_CASE("a gap ends training sooner, is kept, and leaves sizes exact") {
   CHECK(near.summary.gap == doctest::Approx(saved / near.summary.energy).epsilon(1e-9));
   const Training again = train_codebook(points, 40, {.threads = 3, .gap = 1e-3});
   CHECK(again.codes == near.codes);
+}
+
+TEST_CASE("progress tells how far a training is, never falls, and never runs ahead of the end") {
+  const auto vectors = clouds(20'000, 10, 4);
+  for (const auto method :
+       {CodebookMethod::exact, CodebookMethod::pairwise, CodebookMethod::lloyd}) {
+    for (const Index codewords : {3, 40}) {  // with and without levels
+      CAPTURE(to_string(method));
+      CAPTURE(codewords);
+      std::vector<double> progress;
+      CodebookOptions options = with(method);
+      options.on_iteration = [&](const IterationRecord& record) {
+        progress.push_back(record.progress);
+        return true;
+      };
+      const auto summary = train_codebook(vectors, codewords, options).summary;
+      REQUIRE(std::ssize(progress) == summary.iterations);
+      CHECK(std::is_sorted(progress.begin(), progress.end()));
+      CHECK(progress.front() >= 0);
+      if (progress.size() > 5) CHECK(progress.front() < 0.5);
+      CHECK(progress.back() <= 1);
+      CHECK(progress.back() > (method == CodebookMethod::exact ? 0.7 : 0.99));
+    }
+  }
 }
 
 TEST_CASE("all methods find separated clouds from any seed") {

@@ -36,23 +36,42 @@ bool wait_for(Condition&& done) {
   return true;
 }
 
-/// Interrupts runs at half of the time that a whole one takes, sooner if that is too late, until
-/// one is caught.
+/// When a signal came.
+enum class Caught { too_early, too_late, in_time };
+
+/// Tries delays until one is in time, from `delay` on: longer after one that was too early, shorter
+/// after one that was too late, by steps that grow finer. The machine's speed may change meanwhile.
+template <class Try>
+bool catch_in_time(std::chrono::duration<double> delay, const Try& attempt) {
+  double factor = 2;
+  Caught before = Caught::in_time;
+  for (int tries = 0; tries < 60; ++tries) {
+    const Caught now = attempt(delay);
+    if (now == Caught::in_time) return true;
+    if (before != Caught::in_time && now != before) factor = 1 + (factor - 1) / 1.5;
+    delay = now == Caught::too_early ? delay * factor : delay / factor;
+    before = now;
+  }
+  return false;
+}
+
+/// Interrupts runs, from half of the time that a whole one takes on, until one is caught.
 Ran interrupted_half_way(const TemporaryDirectory& directory, const std::string& line,
                          int status_of_whole) {
   const auto start = Clock::now();
   const Ran whole = run(directory, line);
   CAPTURE(whole.errors);
   REQUIRE(whole.status == status_of_whole);
-  const auto time = Clock::now() - start;
   Ran ran{};
-  for (int part = 2; part < 8; ++part) {
+  REQUIRE(catch_in_time((Clock::now() - start) / 2.0, [&](const auto& delay) {
     Process process(CCVT_PROGRAM, words(line), directory.path());
-    std::this_thread::sleep_for(time / part);
+    std::this_thread::sleep_for(delay);
     process.send(SIGINT);
     ran = {process.wait(), process.output(), process.errors()};
-    if (ran.status != status_of_whole) break;
-  }
+    if (ran.status == status_of_whole) return Caught::too_late;
+    // Before the program has set up how it ends, SIGINT ends it.
+    return ran.status == 1000 + SIGINT ? Caught::too_early : Caught::in_time;
+  }));
   return ran;
 }
 
@@ -77,24 +96,24 @@ TEST_CASE("Ctrl-C writes the tessellation reached so far") {
       "--owners-out o.npy --summary s.json";
   const auto started = Clock::now();
   REQUIRE(run(directory, line).status == 0);
-  const auto whole = Clock::now() - started;
-  // Later and later, until the tessellation has begun; then it must be in the middle.
-  for (int part = 3;; ++part) {
-    REQUIRE(part < 20);
+  REQUIRE(catch_in_time((Clock::now() - started) / 2.0, [&](const auto& delay) {
     for (const char* const name : {"s.npy", "p.npy", "o.npy", "s.json"}) {
       fs::remove(directory / name);
     }
     Process process(CCVT_PROGRAM, words(line), directory.path());
-    std::this_thread::sleep_for(whole * part / 20);
+    std::this_thread::sleep_for(delay);
     process.send(SIGINT);
-    CHECK(process.wait() == 130);
+    const int status = process.wait();
+    if (status == 0) return Caught::too_late;
+    if (status == 1000 + SIGINT) return Caught::too_early;
+    CHECK(status == 130);
     if (directory.entries() == 0) {
       CHECK(process.errors() == kNothingYet);
-      continue;
+      return Caught::too_early;
     }
     CHECK(directory.entries() == 4);
     const auto summary = nlohmann::json::parse(get(directory / "s.json"));
-    CHECK(summary["termination"] == "cancelled");
+    if (summary["termination"] != "cancelled") return Caught::too_late;  // it was writing
     // That points had not joined, or nothing.
     const auto& warnings = summary["warnings"];
     CHECK(process.errors() ==
@@ -103,8 +122,8 @@ TEST_CASE("Ctrl-C writes the tessellation reached so far") {
     CHECK(owners.size() == 4000 * 1024);
     CHECK(capacity_error(owners, 4000) == 0);
     CHECK(read_points<float>(directory / "s.npy").cols() == 4000);
-    break;
-  }
+    return Caught::in_time;
+  }));
 }
 
 TEST_CASE("Ctrl-C while a file is read ends the program at once") {
@@ -125,23 +144,22 @@ TEST_CASE("Ctrl-C while a file is read ends the program at once") {
 }
 
 TEST_CASE("Ctrl-C while analyze draws its pictures ends it at once, and leaves nothing") {
-  // Sooner and sooner, until it is not too late.
-  for (const int delay : {500, 250, 120, 60, 30, 15}) {
-    CAPTURE(delay);
-    const TemporaryDirectory directory;
-    // In four dimensions the picture of the spectrum takes longest.
-    write_points(directory / "p.npy", sample_uniform<double>(Box::unit(4), 3000, 1));
+  const TemporaryDirectory directory;
+  // In four dimensions the picture of the spectrum takes longest.
+  write_points(directory / "p.npy", sample_uniform<double>(Box::unit(4), 3000, 1));
+  REQUIRE(catch_in_time(std::chrono::milliseconds(500), [&](const auto& delay) {
+    fs::remove_all(directory / "out");
     Process process(CCVT_PROGRAM, words("analyze p.npy -q --threads 1 -o out"), directory.path());
     REQUIRE(wait_for([&] { return fs::exists(directory / "out") || !process.running(); }));
-    std::this_thread::sleep_for(std::chrono::milliseconds(delay));
+    std::this_thread::sleep_for(delay);
     process.send(SIGINT);
     const int status = process.wait();
-    if (status == 0 && delay > 15) continue;
+    if (status == 0) return Caught::too_late;
     CHECK(status == 130);
     CHECK(process.errors() == kNothingYet);
     CHECK(directory.entries() == 1);
-    break;
-  }
+    return Caught::in_time;
+  }));
 }
 
 TEST_CASE("a second Ctrl-C, or a termination, leaves no partial file") {
@@ -157,9 +175,13 @@ TEST_CASE("a second Ctrl-C, or a termination, leaves no partial file") {
       REQUIRE(wait_for([&] { return is_writing(directory) || !process.running(); }));
       process.send(twice ? SIGINT : SIGTERM);
       if (twice) {
-        // Signals less than 0.3 s apart count as one key press.
+        // Signals less than 0.3 s apart count as one key press. A fast machine would have written
+        // the file by then: the program is stopped meanwhile, once it has heard the first.
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        process.send(SIGSTOP);
         std::this_thread::sleep_for(std::chrono::milliseconds(350));
         process.send(SIGINT);
+        process.send(SIGCONT);
       }
       const int status = process.wait();
       if (fs::exists(directory / "p.txt")) {  // it was complete before

@@ -332,13 +332,18 @@ TEST_CASE("a cancelled run ends soon, at whatever time") {
     CHECK(std::chrono::duration<double>(Clock::now() - said).count() < 2);
   }
   MassOptions options;
-  options.relaxation.time_limit = seconds / 4;
-  try {
-    const auto late = tessellate_masses(points, masses, 300, options);
-    CHECK(late.summary.termination == Termination::time_limit);
-    CHECK(whole_faults(points, masses, options, late) == "");
-  } catch (const ccvt::Cancelled&) {  // on a slow machine, before there is anything
+  bool limited = false;
+  for (double limit = seconds / 2; !limited && limit > 1e-9; limit /= 2) {
+    options.relaxation.time_limit = limit;
+    try {
+      const auto late = tessellate_masses(points, masses, 300, options);
+      limited = late.summary.termination == Termination::time_limit;
+      CHECK(whole_faults(points, masses, options, late) == "");
+    } catch (const ccvt::Cancelled&) {  // on a slow machine, before there is anything
+      limited = true;
+    }
   }
+  CHECK(limited);
 }
 
 TEST_CASE("bad input is refused in one line") {

@@ -45,7 +45,9 @@ struct IterationRecord {
   Index active_sites = 0;      ///< sites whose cell changed
   double energy = 0;           ///< after the centroid update; falls within a level, up to rounding
   double seconds = 0;          ///< since the start of the run
-  double progress = 0;         ///< of the run, in [0, 1]; never falls; 1 when stable or blue_noise
+  /// Of the run, in [0, 1]; never falls; 1 when stable or blue_noise. Of the training of a codebook
+  /// an estimate, from how many vectors still change their codeword.
+  double progress = 0;
 };
 
 /// What part of a run took how long. Phases: initial "sites" and their order; "levels", which

@@ -22,6 +22,7 @@
 #include "cli/report.h"
 #include "cli/run.h"
 #include "cli/signals.h"
+#include "cli/standard_streams.h"
 #include "cli/streams.h"
 #include "cli/values.h"
 #include "precision.h"
@@ -166,7 +167,7 @@ AnalyzedSet read_set(const AnalyzeArguments& arguments, const PointFiles& given,
           spacing_in_box(domain.box(), static_cast<Index>(points.cols())));
       if (!warning.empty()) warn(arguments.quiet, {path.string() + ": " + warning});
     }
-    set.files.push_back(path.string());
+    set.files.push_back(with_names_of_streams(path.string()));
     blame(path, [&] { set.runs.emplace_back(std::move(points), domain); });
     check_same_box(set, path);
   }

@@ -4,10 +4,15 @@
 
 #include "cli/argument_kinds.h"
 #include "cli/commands.h"
+#include "cli/standard_streams.h"
 
 namespace ccvt::cli {
 
 namespace {
+
+std::filesystem::path points_file(const std::string& option, const std::string& text) {
+  return file_of(option, text, Stream::input, io::kPointFiles);
+}
 
 /// Words that start with NAME= start a set; words without go to the set before.
 void add_compared(const std::vector<std::string>& words, std::vector<PointFiles>& sets) {
@@ -15,7 +20,7 @@ void add_compared(const std::vector<std::string>& words, std::vector<PointFiles>
   for (const std::string& word : words) {
     const auto equals = word.find('=');
     if (equals == std::string::npos && !compared.empty()) {
-      compared.back().files.emplace_back(word);
+      compared.back().files.push_back(points_file("--compare", word));
       continue;
     }
     if (equals == std::string::npos || equals == 0 || equals + 1 == word.size()) {
@@ -25,7 +30,7 @@ void add_compared(const std::vector<std::string>& words, std::vector<PointFiles>
     if (width_of(name) > 40) {
       throw CLI::ValidationError("--compare: the name '" + name + "' is longer than 40 letters");
     }
-    compared.push_back({name, {word.substr(equals + 1)}});
+    compared.push_back({name, {points_file("--compare", word.substr(equals + 1))}});
   }
   for (PointFiles& set : compared) {
     for (const PointFiles& other : sets) {
@@ -46,7 +51,10 @@ CLI::App* add_analyze(CLI::App& app, AnalyzeArguments& arguments) {
       ->add_option_function<std::vector<std::string>>(
           "POINTS",
           [&arguments](const std::vector<std::string>& files) {
-            arguments.sets.push_back({"points", {files.begin(), files.end()}});
+            arguments.sets.push_back({"points", {}});
+            for (const std::string& file : files) {
+              arguments.sets.back().files.push_back(points_file("POINTS", file));
+            }
           },
           "Points: " + io::list_of(io::kPointFiles) +
               ". Several files are runs of one kind, and averaged")
@@ -68,9 +76,8 @@ CLI::App* add_analyze(CLI::App& app, AnalyzeArguments& arguments) {
   add_number<double>(*command, "--max-frequency", arguments.max_frequency,
                      "Up to which frequency, in units of n^(1/D) in the unit box [2]", "F",
                      {.least = 0, .most = 1000, .open_below = true});
-  add_file(*command, "-o,--output", arguments.output,
-           "The directory for metrics.json, report.html and the rest; made if need be")
-      ->type_name("DIR")
+  add_directory(*command, "-o,--output", arguments.output,
+                "The directory for metrics.json, report.html and the rest; made if need be")
       ->required();
   add_seed_and_threads(*command, arguments.seed, arguments.threads);
   add_flag(*command, "-q,--quiet", arguments.quiet, "Print nothing but errors");

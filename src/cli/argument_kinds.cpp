@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "ccvt/presets.h"
+#include "cli/standard_streams.h"
 
 namespace ccvt::cli {
 
@@ -32,25 +33,56 @@ std::string parse_columns(const std::string& text, std::vector<std::string>& col
   }
 }
 
-}  // namespace
-
-CLI::Option* add_file(CLI::App& app, const std::string& name, std::filesystem::path& target,
-                      const std::string& description) {
-  auto* const option = app.add_option_function<std::string>(
-      name, [&target](const std::string& text) { target = text; }, description);
-  option->type_name("FILE");
+template <class Take>
+CLI::Option* add_path(CLI::App& app, const std::string& name, const Take& take,
+                      const std::string& description, const char* placeholder) {
+  auto* const option = app.add_option_function<std::string>(name, take, description);
+  option->type_name(placeholder);
   option->check(CLI::Validator(
       [](std::string& text) { return text.empty() ? std::string("is empty") : std::string(); },
       ""));
   return option;
 }
 
+/// Of `name`, "-o,--output", the long one.
+std::string long_name(const std::string& name) { return name.substr(name.find(',') + 1); }
+
 CLI::Option* add_file(CLI::App& app, const std::string& name, std::filesystem::path& target,
-                      const std::string& description, io::Extensions extensions) {
+                      const std::string& description, Stream stream, io::Extensions extensions) {
   const auto end = std::min(description.find(" ["), description.size());  // a default comes last
-  return add_file(
-      app, name, target,
-      description.substr(0, end) + ": " + io::list_of(extensions) + description.substr(end));
+  const std::string kinds = extensions.empty() ? "" : ": " + io::list_of(extensions);
+  return add_path(
+      app, name,
+      [&target, stream, extensions, option = long_name(name)](const std::string& text) {
+        target = file_of(option, text, stream, extensions);
+      },
+      description.substr(0, end) + kinds + description.substr(end), "FILE");
+}
+
+}  // namespace
+
+CLI::Option* add_input(CLI::App& app, const std::string& name, std::filesystem::path& target,
+                       const std::string& description, io::Extensions extensions) {
+  return add_file(app, name, target, description, Stream::input, extensions);
+}
+
+CLI::Option* add_output(CLI::App& app, const std::string& name, std::filesystem::path& target,
+                        const std::string& description, io::Extensions extensions) {
+  return add_file(app, name, target, description, Stream::output, extensions);
+}
+
+CLI::Option* add_directory(CLI::App& app, const std::string& name, std::filesystem::path& target,
+                           const std::string& description) {
+  return add_path(
+      app, name,
+      [&target, name](const std::string& text) {
+        if (names_stream(text)) {
+          throw CLI::ValidationError(long_name(name) + ": '" + text +
+                                     "' cannot be a stream: a directory of files is written");
+        }
+        target = text;
+      },
+      description, "DIR");
 }
 
 void add_columns(CLI::App& app, ReadOptions& target) {
@@ -90,13 +122,13 @@ void add_run(CLI::App& app, CommonArguments& common) {
   add_number<double>(app, "--energy-tolerance", common.energy_tolerance,
                      "Stop when an iteration lowers the energy by less than this share [0]", "E",
                      {.least = 0, .most = 1, .open_above = true});
-  add_file(app, "--summary", common.summary, "Write a summary of the run as JSON");
+  add_output(app, "--summary", common.summary, "Write a summary of the run as JSON");
   add_flag(app, "-q,--quiet", common.quiet, "Print nothing but errors");
 }
 
 void add_common(CLI::App& app, CommonArguments& common, io::Extensions extensions,
                 const std::string& default_scalar, const std::string& default_until) {
-  add_file(app, "-o,--output", common.output, "Where the sites go", extensions)->required();
+  add_output(app, "-o,--output", common.output, "Where the sites go", extensions)->required();
   add_run(app, common);
   app.add_option(
          "--preset", common.preset,

@@ -53,11 +53,15 @@ CLI::Option* add_parsed(CLI::App& app, const std::string& name, Target& target, 
           ""));
 }
 
-CLI::Option* add_file(CLI::App& app, const std::string& name, std::filesystem::path& target,
-                      const std::string& description);
-/// The same, of one of `extensions`, which the help lists.
-CLI::Option* add_file(CLI::App& app, const std::string& name, std::filesystem::path& target,
-                      const std::string& description, io::Extensions extensions);
+/// A file that is read, of one of `extensions`, which the help lists; of none where there are none.
+/// It may be standard input: `target` is then the file that stands in for it.
+CLI::Option* add_input(CLI::App& app, const std::string& name, std::filesystem::path& target,
+                       const std::string& description, io::Extensions extensions = {});
+/// The same of a file that is written, and of standard output.
+CLI::Option* add_output(CLI::App& app, const std::string& name, std::filesystem::path& target,
+                        const std::string& description, io::Extensions extensions = {});
+CLI::Option* add_directory(CLI::App& app, const std::string& name, std::filesystem::path& target,
+                           const std::string& description);
 /// --columns: which columns of the files of points are coordinates.
 void add_columns(CLI::App& app, ReadOptions& target);
 /// An option without a value.

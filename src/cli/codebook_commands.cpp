@@ -3,13 +3,14 @@
 
 #include "cli/argument_kinds.h"
 #include "cli/commands.h"
+#include "cli/standard_streams.h"
 
 namespace ccvt::cli {
 
 CLI::App* add_quantize(CLI::App& app, QuantizeArguments& arguments) {
   auto* const command = app.add_subcommand("quantize", "A codebook for given vectors");
-  add_file(*command, "VECTORS", arguments.vectors,
-           "With --image-blocks a PNG or JPEG, else vectors", io::kPointFiles)
+  add_input(*command, "VECTORS", arguments.vectors,
+            "With --image-blocks a PNG or JPEG, else vectors", io::kPointFiles)
       ->required();
   add_columns(*command, arguments.reading);
   add_number<Index>(*command, "--codewords", arguments.codewords, "Number of codewords", "K",
@@ -33,7 +34,10 @@ CLI::App* add_quantize(CLI::App& app, QuantizeArguments& arguments) {
           ""));
   command
       ->add_option_function<std::string>(
-          "--seeding", [&arguments](const std::string& text) { arguments.seeding = text; },
+          "--seeding",
+          [&arguments](const std::string& text) {
+            arguments.seeding = file_of("--seeding", text, Stream::input, io::kPointFiles).string();
+          },
           "kmeans++, random, or a file of codewords to start from, " +
               io::list_of(io::kPointFiles) + " [kmeans++]")
       ->type_name("HOW");
@@ -48,19 +52,20 @@ CLI::App* add_quantize(CLI::App& app, QuantizeArguments& arguments) {
   add_number<double>(*command, "--gap", arguments.gap,
                      "Assignments that cost at most this share more than the cheapest will do [0]",
                      "G", {.least = 0, .most = 1, .open_above = true});
-  add_file(*command, "--capacities", arguments.capacities,
-           "How many vectors each codeword gets, summing to their number [equal]", io::kTableFiles);
-  add_file(*command, "-o,--output", arguments.output, "Where the codewords go", io::kTableFiles)
+  add_input(*command, "--capacities", arguments.capacities,
+            "How many vectors each codeword gets, summing to their number [equal]",
+            io::kTableFiles);
+  add_output(*command, "-o,--output", arguments.output, "Where the codewords go", io::kTableFiles)
       ->required();
-  add_file(*command, "--codes-out", arguments.codes_out, "Write the code of each vector too",
-           io::kTableFiles);
-  add_file(*command, "--weights-out", arguments.weights_out,
-           "Write the weights of the codewords too, for ccvt encode --weights", io::kTableFiles);
+  add_output(*command, "--codes-out", arguments.codes_out, "Write the code of each vector too",
+             io::kTableFiles);
+  add_output(*command, "--weights-out", arguments.weights_out,
+             "Write the weights of the codewords too, for ccvt encode --weights", io::kTableFiles);
   add_number<int>(*command, "--image-blocks", arguments.image_blocks,
                   "Take the B x B blocks of a picture for vectors of 3 B^2 values, 0 to 255", "B",
                   {.least = 1, .most = 256});
-  add_file(*command, "--image-out", arguments.image_out,
-           "Write the picture that the codes stand for", io::kPictureFiles);
+  add_output(*command, "--image-out", arguments.image_out,
+             "Write the picture that the codes stand for", io::kPictureFiles);
   add_run(*command, arguments);
   command->footer(
       "Example: ccvt quantize vectors.fvecs --codewords 1024 -o codebook.npy --codes-out "
@@ -70,15 +75,15 @@ CLI::App* add_quantize(CLI::App& app, QuantizeArguments& arguments) {
 
 CLI::App* add_encode(CLI::App& app, EncodeArguments& arguments) {
   auto* const command = app.add_subcommand("encode", "The code of each vector");
-  add_file(*command, "VECTORS", arguments.vectors, "Vectors", io::kPointFiles)->required();
+  add_input(*command, "VECTORS", arguments.vectors, "Vectors", io::kPointFiles)->required();
   add_columns(*command, arguments.reading);
-  add_file(*command, "--codebook", arguments.codebook, "The codewords, from ccvt quantize",
-           io::kPointFiles)
+  add_input(*command, "--codebook", arguments.codebook, "The codewords, from ccvt quantize",
+            io::kPointFiles)
       ->required();
-  add_file(*command, "--weights", arguments.weights,
-           "Their weights: codes are used as evenly as in training [nearest codeword]",
-           io::kPointFiles);
-  add_file(*command, "-o,--output", arguments.output, "Where the codes go", io::kTableFiles)
+  add_input(*command, "--weights", arguments.weights,
+            "Their weights: codes are used as evenly as in training [nearest codeword]",
+            io::kPointFiles);
+  add_output(*command, "-o,--output", arguments.output, "Where the codes go", io::kTableFiles)
       ->required();
   add_number<int>(*command, "--threads", arguments.threads,
                   "Threads; 0: one per processor [0]. The result is the same for any number", "T",

@@ -52,14 +52,14 @@ int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header)
 }  // namespace
 
 int run_encode(const EncodeArguments& arguments) {
-  const PointsHeader header =
-      inspect_and_tell(arguments.vectors, arguments.reading, arguments.quiet);
   Outputs()
       .add("--output", arguments.output, io::kTableFiles)
       .add_input("VECTORS", arguments.vectors)
       .add_input("--codebook", arguments.codebook)
       .add_input("--weights", arguments.weights)
       .check();
+  const PointsHeader header =
+      inspect_and_tell(arguments.vectors, arguments.reading, arguments.quiet);
   return header.scalar == ScalarType::float32 ? encode_vectors<float>(arguments, header)
                                               : encode_vectors<double>(arguments, header);
 }

@@ -14,8 +14,8 @@ constexpr std::size_t kLineWidth = 100;
 
 constexpr std::array kTitles = {"Problem", "Input", "Output", "Method", "Run"};
 
-/// The title under which an option stands, unless it names one itself.
-std::string_view title_of(const CLI::Option& option, const std::string& name) {
+/// The title under which an option stands: that of its name with its command's, or of its name.
+std::string_view title_of(const CLI::App& command, const std::string& name) {
   static const std::map<std::string_view, std::string_view> titles = {
       {"--columns", "Input"},
       {"--capacities", "Input"},
@@ -47,6 +47,7 @@ std::string_view title_of(const CLI::Option& option, const std::string& name) {
       {"--dot-radius", "Output"},
       {"--box-size", "Output"},
       {"--repeat", "Output"},
+      {"sample --density", "Output"},
       {"--redshift", "Output"},
       {"--gas", "Output"},
       {"--gadget-format", "Output"},
@@ -70,9 +71,8 @@ std::string_view title_of(const CLI::Option& option, const std::string& name) {
       {"--quiet", "Run"},
       {"--version", "Run"},
   };
-  const auto* const named = std::find(kTitles.begin(), kTitles.end(), option.get_group());
-  if (named != kTitles.end()) return *named;
-  const auto found = titles.find(name);
+  const auto own = titles.find(command.get_name() + " " + name);
+  const auto found = own != titles.end() ? own : titles.find(name);
   return found == titles.end() ? kTitles.front() : found->second;
 }
 
@@ -143,7 +143,7 @@ std::vector<OptionGroup> option_groups(const CLI::App& command) {
     for (const CLI::Option* const option : command.get_options()) {
       if (option->get_positional()) continue;
       OptionHelp help = help_of(*option);
-      if (title_of(*option, help.longest()) == title) group.options.push_back(std::move(help));
+      if (title_of(command, help.longest()) == title) group.options.push_back(std::move(help));
     }
     std::stable_partition(group.options.begin(), group.options.end(),
                           [](const OptionHelp& option) { return option.required; });
@@ -170,6 +170,16 @@ std::string usage_of(const CLI::App& command, const std::string& name) {
   return line + " [OPTIONS]";
 }
 
+std::string streams_text(const CLI::App& command) {
+  const auto is_file = [](const CLI::Option* option) { return option->get_type_name() == "FILE"; };
+  const std::vector<const CLI::Option*> options = command.get_options();
+  if (std::none_of(options.begin(), options.end(), is_file)) return "";
+  return "One FILE that is read may be -, standard input, and one that is written -, standard "
+         "output: as .csv, or the first kind named for it where .csv is none of them. npy:- and so "
+         "on name another kind; .hdf5 and .nhdr cannot be streams. Standard output gets the whole "
+         "file at the end, and what is printed goes to standard error.";
+}
+
 std::string HelpFormatter::make_help(const CLI::App* command, std::string name,
                                      CLI::AppFormatMode /*mode*/) const {
   std::string text = command->get_description() + "\n";
@@ -184,6 +194,8 @@ std::string HelpFormatter::make_help(const CLI::App* command, std::string name,
     text += "\n" + (commands.empty() ? group.title : std::string("Options")) + ":\n";
     for (const OptionHelp& option : group.options) text += entry(heading(option), option.text);
   }
+  const std::string streams = streams_text(*command);
+  if (!streams.empty()) text += "\nStandard streams:\n" + entry("", streams);
   if (!command->get_footer().empty()) text += "\n" + command->get_footer() + "\n";
   return text;
 }

@@ -34,6 +34,9 @@ std::vector<const CLI::App*> commands_of(const CLI::App& app);
 /// "ccvt sample [OPTIONS] --dim D -o FILE": what a line must have.
 std::string usage_of(const CLI::App& command, const std::string& name);
 
+/// What a FILE may be besides a file; empty where the command takes none.
+std::string streams_text(const CLI::App& command);
+
 /// Prints help in groups, in lines that fit into 100 columns.
 class HelpFormatter : public CLI::FormatterBase {
  public:

@@ -6,7 +6,7 @@
 namespace ccvt::cli {
 
 void add_masses(CLI::App& app, MassArguments& target) {
-  add_file(app, "--masses", target.file, "The mass of each point, not negative", io::kPointFiles);
+  add_input(app, "--masses", target.file, "The mass of each point, not negative", io::kPointFiles);
   app.add_option("--mass-column", target.column,
                  "The column of POINTS that is their mass, by name or number from 1")
       ->type_name("COLUMN")
@@ -22,10 +22,10 @@ void add_masses(CLI::App& app, MassArguments& target) {
       "whole: every point has one owner, cells miss their capacity by less than the heaviest "
       "point; resampled: unit points in place of masses, heavy points are shared [whole]",
       "NAME");
-  add_file(app, "--shares-out", target.shares_out,
-           "With --mass-method resampled: write a row for each share: the point, the site, both "
-           "from 0, and the mass",
-           io::kTableFiles);
+  add_output(app, "--shares-out", target.shares_out,
+             "With --mass-method resampled: write a row for each share: the point, the site, both "
+             "from 0, and the mass",
+             io::kTableFiles);
   add_number<Index>(app, "--points-per-site", target.points_per_site,
                     "With masses: unit points for each site [256]", "K", {.least = 1});
 }

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "cli/signals.h"
+#include "cli/standard_streams.h"
 
 namespace ccvt::cli {
 
@@ -64,8 +65,6 @@ Outputs& Outputs::add_input(const std::string& option, const fs::path& path) {
 void Outputs::check() const {
   for (const File& file : files_) {
     if (file.input) continue;
-    if (file.path == "-")
-      throw InvalidInput(file.option + ": '-' is no file; standard output is not written to");
     check_extension(file.path, file.extensions);
     for (const File& other : files_) {
       if (&other == &file) continue;
@@ -78,14 +77,21 @@ void Outputs::check() const {
     }
     check_no_stream(file.option, file.path);
   }
+  probe();
+  receive_standard_input();
+}
+
+void Outputs::probe() const {
   // Written, but never published: what else would tell for sure.
-  const Publication probe;
+  const Publication unpublished;
   for (const File& file : files_) {
     if (!file.input) check_before([&] { write_text(file.path, ""); });
   }
 }
 
 void publish(Publication& outputs) {
+  // The only copy that may fail late, or wait for who reads it.
+  send_standard_output(outputs);
   const EndsHeldBack until_done;
   outputs.publish();
 }

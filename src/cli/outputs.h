@@ -22,10 +22,12 @@ class Outputs {
   Outputs& add_input(const std::string& option, const std::filesystem::path& path);
 
   /// Throws InvalidInput unless all extensions are allowed, all files are different, whatever links
-  /// lead to them, and all outputs can be written.
+  /// lead to them, and all outputs can be written. Then reads standard input, if it is a file.
   void check() const;
 
  private:
+  void probe() const;
+
   struct File {
     std::string option;
     std::filesystem::path path;
@@ -48,7 +50,9 @@ decltype(auto) check_before(Check&& check) {
   }
 }
 
-/// Publishes all outputs of a run. A signal that ends the program waits until that is done.
+/// Sends what is for standard output there, then publishes all other outputs of a run. A signal
+/// that ends the program waits until that is done. Throws IoError; where standard output fails,
+/// before any file has been replaced.
 void publish(Publication& outputs);
 
 }  // namespace ccvt::cli

@@ -16,8 +16,7 @@ void add_particles(CLI::App& app, ParticleArguments& arguments) {
                   {.least = 1, .most = 1000});
   add_number<double>(app, "--density", arguments.density,
                      of + "mean density: a particle's mass is RHO L^3 / #particles [1]", "RHO",
-                     {.least = 0, .most = infinity, .open_below = true})
-      ->group("Output");
+                     {.least = 0, .most = infinity, .open_below = true});
   add_number<double>(app, "--redshift", arguments.redshift,
                      of + "redshift in the header; Time is 1 / (1 + Z) [0]", "Z",
                      {.least = 0, .most = infinity});

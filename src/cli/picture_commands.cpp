@@ -11,7 +11,7 @@ namespace ccvt::cli {
 
 CLI::App* add_stipple(CLI::App& app, StippleArguments& arguments) {
   auto* const command = app.add_subcommand("stipple", "A picture made of equal dots");
-  add_file(*command, "IMAGE", arguments.image, "The picture: PNG or JPEG")->required();
+  add_input(*command, "IMAGE", arguments.image, "The picture: PNG or JPEG")->required();
   add_sites(*command, arguments.sites, "Number of dots", true);
   add_points_per_site(*command, arguments.points_per_site);
   add_flag(*command, "--invert", arguments.invert, "Put the dots where the picture is light");
@@ -31,7 +31,7 @@ CLI::App* add_stipple(CLI::App& app, StippleArguments& arguments) {
 
 CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
   auto* const command = app.add_subcommand("volume", "Samples that follow a scalar field in 3D");
-  add_file(*command, "FILE", arguments.volume, "The field", io::kVolumeFiles)->required();
+  add_input(*command, "FILE", arguments.volume, "The field", io::kVolumeFiles)->required();
   add_sites(*command, arguments.sites, "Number of samples", true);
   add_points_per_site(*command, arguments.points_per_site);
   add_parsed(*command, "--map", arguments.map, parse_map,
@@ -40,8 +40,8 @@ CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
   add_flag(*command, "--invert", arguments.map.invert, "Dense where values are low");
   add_parsed(*command, "--interpolation", arguments.interpolation, parse_interpolation,
              "Of the density between the centres of cells: constant, linear [linear]", "NAME");
-  add_file(*command, "--mask", arguments.mask, "A volume that is 0 or NaN where samples may not be",
-           io::kVolumeFiles);
+  add_input(*command, "--mask", arguments.mask,
+            "A volume that is 0 or NaN where samples may not be", io::kVolumeFiles);
   add_parsed(
       *command, "--label", arguments.labels,
       [](const std::string& text, std::vector<std::int64_t>& values) {
@@ -68,8 +68,8 @@ CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
   add_parsed(*command, "--type", arguments.layout, parse_voxel_type,
              "Of .raw: uint8, int16, float32 and so on; int16be: big endian", "TYPE");
   add_common(*command, arguments, io::kSampleFiles, "float32");
-  add_file(*command, "--preview", arguments.preview,
-           "Draw the field along its three axes, with the samples over it", io::kPictureFiles);
+  add_output(*command, "--preview", arguments.preview,
+             "Draw the field along its three axes, with the samples over it", io::kPictureFiles);
   command->footer(
       "Example: ccvt volume head.nii.gz --sites 20000 -o samples.ply --preview samples.png");
   return command;

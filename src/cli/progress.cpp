@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
+#include <string_view>
 
 #include "number_text.h"
 
@@ -23,26 +25,34 @@ std::size_t terminal_width() {
   return size.ws_col;
 }
 
-void write_line(const std::string& text) {
-  const std::string line = "\r\x1b[K" + text;
-  std::fwrite(line.data(), 1, line.size(), stderr);
-  std::fflush(stderr);
+/// Whether standard error is a terminal on which a line can be drawn again.
+bool can_redraw() {
+  if (::isatty(STDERR_FILENO) == 0) return false;
+  const char* const kind = std::getenv("TERM");  // NOLINT(concurrency-mt-unsafe): nobody sets it
+  return kind == nullptr || std::string_view(kind) != "dumb";
 }
 
 }  // namespace
 
-Progress::Progress(bool quiet)
-    : live_(!quiet && ::isatty(STDERR_FILENO) != 0), last_(Clock::now() - kInterval) {}
+Progress::Progress(bool quiet) : live_(!quiet && can_redraw()), last_(Clock::now() - kInterval) {}
 
 Progress::~Progress() {
-  if (drawn_) write_line("");
+  if (drawn_ > 0) redraw("");
+}
+
+void Progress::redraw(const std::string& text) {
+  // Blanks and not an escape code: terminals differ in these, and what records them shows them.
+  const std::size_t blanks = drawn_ - std::min(drawn_, text.size());
+  const std::string line = "\r" + text + std::string(blanks, ' ') + (text.empty() ? "\r" : "");
+  std::fwrite(line.data(), 1, line.size(), stderr);
+  std::fflush(stderr);
+  drawn_ = text.size();
 }
 
 void Progress::show(const IterationRecord& record, Index sites) {
   const auto now = Clock::now();
   if (!live_ || now - last_ < kInterval) return;
   last_ = now;
-  drawn_ = true;
   const double active = 1.0 * record.active_sites / std::max(sites, Index{1});
   const auto settled =
       static_cast<std::size_t>(std::clamp(record.progress, 0.0, 1.0) * kBarWidth + 0.5);
@@ -57,7 +67,7 @@ void Progress::show(const IterationRecord& record, Index sites) {
   std::string line = "[" + std::string(settled, '#') + std::string(kBarWidth - settled, '.');
   line.append(text, static_cast<std::size_t>(std::max(length, 0)));
   if (foreseeable) line += ", about " + ccvt::text(left, 2) + " s left";
-  write_line(line.substr(0, terminal_width() - 1));
+  redraw(line.substr(0, terminal_width() - 1));
 }
 
 }  // namespace ccvt::cli

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <string>
 
 #include "ccvt/summary.h"
 
 namespace ccvt::cli {
 
-/// One line on the terminal behind stderr, redrawn in place; nothing when stderr is no terminal.
+/// One line on the terminal behind stderr, redrawn in place; nothing when stderr is no terminal, or
+/// a dumb one (TERM). Without colours and other escape codes.
 class Progress {
  public:
   explicit Progress(bool quiet);
@@ -21,8 +24,10 @@ class Progress {
  private:
   using Clock = std::chrono::steady_clock;
 
+  void redraw(const std::string& text);
+
   bool live_;
-  bool drawn_ = false;
+  std::size_t drawn_ = 0;  ///< letters of the line as it stands
   Clock::time_point last_;
 };
 

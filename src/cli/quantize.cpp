@@ -181,9 +181,6 @@ int run_quantize(const QuantizeArguments& arguments) {
   if (picture && !arguments.reading.columns.empty()) {
     throw InvalidInput("--columns: a picture, which --image-blocks reads, has none");
   }
-  const PointsHeader header =
-      picture ? PointsHeader{}
-              : inspect_and_tell(arguments.vectors, arguments.reading, arguments.quiet);
   Outputs()
       .add("--output", arguments.output, io::kTableFiles)
       .add("--codes-out", arguments.codes_out, io::kTableFiles)
@@ -195,6 +192,8 @@ int run_quantize(const QuantizeArguments& arguments) {
       .add_input("--seeding", seeds_from_file(arguments) ? arguments.seeding : "")
       .check();
   if (picture) return quantize_picture(arguments);
+  const PointsHeader header =
+      inspect_and_tell(arguments.vectors, arguments.reading, arguments.quiet);
   return header.scalar == ScalarType::float32 ? quantize_vectors<float>(arguments, header)
                                               : quantize_vectors<double>(arguments, header);
 }

@@ -9,6 +9,7 @@
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/signals.h"
+#include "cli/standard_streams.h"
 #include "cli/streams.h"
 #include "number_text.h"
 
@@ -117,17 +118,24 @@ Box make_box(const std::vector<double>& numbers, int dimension, const std::strin
   return box;
 }
 
-PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptions& options,
-                              bool quiet, const std::string& used) {
-  PointsHeader header = inspect_points(path, options);
-  std::erase(header.left_out, used);
-  if (quiet || header.left_out.empty()) return header;
+void tell_left_out(const std::filesystem::path& path, const PointsHeader& header, bool quiet,
+                   const std::string& used) {
+  std::vector<std::string> left_out = header.left_out;
+  std::erase(left_out, used);
+  if (quiet || left_out.empty()) return;
   std::cerr << one_line("ccvt: " + path.string() + ": coordinates are " + few_of(header.columns) +
-                        "; left out: " + few_of(header.left_out) + "; --columns says otherwise");
+                        "; left out: " + few_of(left_out) + "; --columns says otherwise");
+}
+
+PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptions& options,
+                              bool quiet) {
+  PointsHeader header = inspect_points(path, options);
+  tell_left_out(path, header, quiet);
   return header;
 }
 
 std::string one_line(std::string message) {
+  message = with_names_of_streams(std::move(message));
   std::replace_if(
       message.begin(), message.end(),
       [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, '?');

@@ -41,12 +41,17 @@ Points<Scalar> read_sites(const std::filesystem::path& path, const std::string& 
   return sites;
 }
 
-/// inspect_points(), and says on standard error which columns are left out, if any are, unless the
-/// user said which are wanted, or wants quiet. `used` is another column that is not left out.
-PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptions& options,
-                              bool quiet, const std::string& used = "");
+/// Says on standard error which columns are left out, if any are, unless `quiet`. `used` is another
+/// column that is not left out.
+void tell_left_out(const std::filesystem::path& path, const PointsHeader& header, bool quiet,
+                   const std::string& used = "");
 
-/// `message` with what is no letter replaced, and a line end: one line, whatever names it holds.
+/// inspect_points(), and tells what is left out.
+PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptions& options,
+                              bool quiet);
+
+/// `message` with streams for the files that stand in for them, what is no letter replaced, and a
+/// line end: one line, whatever names it holds.
 std::string one_line(std::string message);
 
 /// How far the masses of cells are from their capacities.

@@ -25,8 +25,20 @@ std::atomic<bool> somebody_reads = false;      // standard error is a terminal
 std::atomic<std::int64_t> interrupted_at = 0;  // nanoseconds; 0: not interrupted
 std::atomic<bool> held_back = false;
 std::atomic<int> held_signal = 0;
-std::array<char, 4096> directory_to_remove = {};
-std::atomic<bool> has_directory = false;
+/// A name that a handler can read at any moment.
+struct Name {
+  std::array<char, 4096> text = {};
+  std::atomic<bool> whole = false;
+
+  void set(const std::string& name) {
+    whole = false;  // a name that is being written is not read
+    if (name.empty() || name.size() >= text.size()) return;
+    std::memcpy(text.data(), name.c_str(), name.size() + 1);
+    whole = true;
+  }
+};
+Name directory_to_remove;
+std::array<Name, 2> files_to_remove;
 static_assert(std::atomic<std::int64_t>::is_always_lock_free);
 
 std::int64_t now() {
@@ -41,7 +53,10 @@ void say(std::string_view text) {
 
 [[noreturn]] void leave(int signal) {
   remove_unfinished_files();
-  if (has_directory) ::rmdir(directory_to_remove.data());
+  for (const Name& file : files_to_remove) {
+    if (file.whole) ::unlink(file.text.data());
+  }
+  if (directory_to_remove.whole) ::rmdir(directory_to_remove.text.data());
   ::_exit(128 + signal);
 }
 
@@ -114,12 +129,12 @@ EndsHeldBack::~EndsHeldBack() {
   if (held_signal != 0) leave(held_signal);
 }
 
+void unlink_at_end(std::size_t slot, const std::filesystem::path& file) {
+  files_to_remove.at(slot).set(file.string());
+}
+
 void remove_at_end(const std::filesystem::path& directory) {
-  has_directory = false;  // a name that is being written is not read
-  const std::string name = directory.string();
-  if (name.empty() || name.size() >= directory_to_remove.size()) return;
-  std::memcpy(directory_to_remove.data(), name.c_str(), name.size() + 1);
-  has_directory = true;
+  directory_to_remove.set(directory.string());
 }
 
 }  // namespace ccvt::cli

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 
@@ -27,6 +28,9 @@ class EndsHeldBack {
   EndsHeldBack& operator=(const EndsHeldBack&) = delete;
   ~EndsHeldBack();
 };
+
+/// Two files that a signal which ends the program removes; "": none any more.
+void unlink_at_end(std::size_t slot, const std::filesystem::path& file);
 
 /// A directory that a signal which ends the program removes, if it is empty; "": none any more.
 void remove_at_end(const std::filesystem::path& directory);

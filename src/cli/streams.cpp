@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "ccvt/io.h"
+#include "cli/standard_streams.h"
 
 namespace ccvt::cli {
 
@@ -21,9 +22,15 @@ void fill_closed_streams() {
 }
 
 void print(const std::string& text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) {
+  const bool taken = standard_output_is_taken();
+  std::FILE* const stream = taken ? stderr : stdout;
+  if (std::fwrite(text.data(), 1, text.size(), stream) == text.size() && std::fflush(stream) == 0) {
     return;
   }
+  if (!taken) fail_to_print();
+}
+
+void fail_to_print() {
   throw IoError("standard output: cannot be written: " + std::generic_category().message(errno));
 }
 

@@ -63,7 +63,7 @@ int sample(const SurfaceArguments& arguments) {
 
 CLI::App* add_surface(CLI::App& app, SurfaceArguments& arguments) {
   auto* const command = app.add_subcommand("surface", "Samples on a triangle mesh");
-  add_file(*command, "MESH", arguments.mesh, "The surface", io::kMeshFiles)->required();
+  add_input(*command, "MESH", arguments.mesh, "The surface", io::kMeshFiles)->required();
   add_sites(*command, arguments.sites, "Number of samples", true);
   add_points_per_site(*command, arguments.points_per_site);
   command
@@ -78,8 +78,8 @@ CLI::App* add_surface(CLI::App& app, SurfaceArguments& arguments) {
                          text(arguments.normal_weight) + "]",
                      "W", {.least = 0, .most = 100});
   add_common(*command, arguments, io::kSampleFiles, "float32");
-  add_file(*command, "--preview", arguments.preview, "Draw the surface with the samples on it",
-           io::kPictureFiles);
+  add_output(*command, "--preview", arguments.preview, "Draw the surface with the samples on it",
+             io::kPictureFiles);
   add_parsed(
       *command, "--up", arguments.up,
       [](const std::string& name, int& axis) {

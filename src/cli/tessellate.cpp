@@ -120,21 +120,21 @@ int run_tessellate(const TessellateArguments& arguments) {
                        (arguments.units.empty() ? "--box, which it would turn" : "--units"));
   }
   const bool has_masses = check_masses(arguments);
-  TessellateArguments chosen = arguments;
-  chosen.reading = coordinates_beside_masses(arguments);
-  const PointsHeader header =
-      inspect_and_tell(chosen.points, chosen.reading, chosen.quiet, chosen.mass.column);
   Outputs()
-      .add("--output", chosen.output, io::kTableFiles)
-      .add("--owners-out", chosen.owners_out, io::kTableFiles)
-      .add("--shares-out", chosen.mass.shares_out, io::kTableFiles)
-      .add("--summary", chosen.summary)
-      .add_input("POINTS", chosen.points)
-      .add_input("--initial-sites", chosen.initial_sites)
-      .add_input("--fixed-sites", chosen.fixed_sites)
-      .add_input("--capacities", chosen.capacities)
-      .add_input("--masses", chosen.mass.file)
+      .add("--output", arguments.output, io::kTableFiles)
+      .add("--owners-out", arguments.owners_out, io::kTableFiles)
+      .add("--shares-out", arguments.mass.shares_out, io::kTableFiles)
+      .add("--summary", arguments.summary)
+      .add_input("POINTS", arguments.points)
+      .add_input("--initial-sites", arguments.initial_sites)
+      .add_input("--fixed-sites", arguments.fixed_sites)
+      .add_input("--capacities", arguments.capacities)
+      .add_input("--masses", arguments.mass.file)
       .check();
+  const auto [reading, header] = inspect_beside_masses(arguments);
+  tell_left_out(arguments.points, header, arguments.quiet, arguments.mass.column);
+  TessellateArguments chosen = arguments;
+  chosen.reading = reading;
   if (has_masses) {
     return run_with_masses(chosen, header, make_domain(chosen, header.dimension));
   }

@@ -12,9 +12,9 @@ namespace ccvt::cli {
 namespace {
 
 void add_fixed_sites(CLI::App& command, std::filesystem::path& target) {
-  add_file(command, "--fixed-sites", target,
-           "Sites that stay where they are; they count among --sites, and come first",
-           io::kPointFiles);
+  add_input(command, "--fixed-sites", target,
+            "Sites that stay where they are; they count among --sites, and come first",
+            io::kPointFiles);
 }
 
 /// What distances are.
@@ -67,9 +67,10 @@ CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
           },
           ""));
   add_common(*command, arguments, io::kSiteFiles, "float32");
-  add_file(*command, "--points-out", arguments.points_out, "Write the points too", io::kTableFiles);
-  add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too",
-           io::kTableFiles);
+  add_output(*command, "--points-out", arguments.points_out, "Write the points too",
+             io::kTableFiles);
+  add_output(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too",
+             io::kTableFiles);
   add_particles(*command, arguments.particles);
   command->footer(
       "Examples: ccvt sample --dim 2 --sites 1024 --periodic -o sites.npy\n"
@@ -79,24 +80,24 @@ CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
 
 CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
   auto* const command = app.add_subcommand("tessellate", "Sites and owners for given points");
-  add_file(*command, "POINTS", arguments.points, "Points", io::kPointFiles)->required();
+  add_input(*command, "POINTS", arguments.points, "Points", io::kPointFiles)->required();
   add_columns(*command, arguments.reading);
   add_sites(*command, arguments.sites, "Number of sites, drawn from the points", false);
-  add_file(*command, "--initial-sites", arguments.initial_sites, "Where the sites start",
-           io::kPointFiles)
+  add_input(*command, "--initial-sites", arguments.initial_sites, "Where the sites start",
+            io::kPointFiles)
       ->excludes("--sites");
   add_fixed_sites(*command, arguments.fixed_sites);
-  add_file(*command, "--capacities", arguments.capacities,
-           "How many points each site owns, summing to the number of points, or, with masses, how "
-           "much mass [equal]",
-           io::kTableFiles);
+  add_input(*command, "--capacities", arguments.capacities,
+            "How many points each site owns, summing to the number of points, or, with masses, how "
+            "much mass [equal]",
+            io::kTableFiles);
   add_spaces(*command, arguments);
   add_masses(*command, arguments.mass);
   add_box(*command, arguments.box, "The box that holds the points");
   add_common(*command, arguments, io::kTableFiles, "as the points are stored; text: float64",
              "stable");
-  add_file(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too",
-           io::kTableFiles);
+  add_output(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too",
+             io::kTableFiles);
   command->footer(
       "Examples: ccvt tessellate points.csv --sites 100 --periodic --box 0 0 1 1 -o sites.csv\n"
       "          ccvt tessellate stars.csv --mass-column m --sites 100 -o sites.csv");

@@ -41,6 +41,47 @@ std::vector<std::string> all_but(const std::string& column, const PointsHeader& 
   return others;
 }
 
+[[noreturn]] void refuse_coordinate(const TessellateArguments& arguments) {
+  throw InvalidInput("--mass-column: '" + arguments.mass.column + "' is among the coordinates of " +
+                     arguments.points.string() + "; --columns says which columns these are");
+}
+
+/// Whether the file is known to have the column, by name or by number from 1.
+bool is_known(const std::string& column, const PointsHeader& header) {
+  const auto is_among = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), column) != names.end();
+  };
+  if (is_among(header.columns) || is_among(header.left_out)) return true;
+  const std::size_t count = header.columns.empty() ? static_cast<std::size_t>(header.dimension)
+                                                   : header.columns.size() + header.left_out.size();
+  for (std::size_t i = 1; i <= count; ++i) {
+    if (column == std::to_string(i)) return true;
+  }
+  return false;
+}
+
+/// Nobody said which columns of `points` are coordinates: those that a header names as such, or, of
+/// a table, all but that of the masses.
+PointsToRead without_masses(const TessellateArguments& arguments, PointsToRead points) {
+  const std::string& column = arguments.mass.column;
+  PointsHeader& header = points.header;
+  if (!is_known(column, header)) inspect_points(arguments.points, {.columns = {column}});  // throws
+  if (names_coordinates(header)) {
+    const auto& names = header.columns;
+    if (std::find(names.begin(), names.end(), column) != names.end()) refuse_coordinate(arguments);
+    return points;
+  }
+  if (!io::is_among(kTables, lower_extension(arguments.points))) return points;
+  points.reading.columns = all_but(column, header);
+  if (points.reading.columns.empty()) {
+    throw InvalidInput("--mass-column: " + arguments.points.string() + " has no column but '" +
+                       column + "', and so no coordinates");
+  }
+  header.dimension = static_cast<int>(points.reading.columns.size());
+  if (!header.columns.empty()) header.columns = points.reading.columns;
+  return points;
+}
+
 std::vector<double> read_masses(const TessellateArguments& arguments) {
   if (!arguments.mass.file.empty()) return read_numbers(arguments.mass.file);
   const Points<double> column =
@@ -167,25 +208,20 @@ bool check_masses(const TessellateArguments& arguments) {
   return true;
 }
 
-ReadOptions coordinates_beside_masses(const TessellateArguments& arguments) {
-  const ReadOptions& reading = arguments.reading;
+PointsToRead inspect_beside_masses(const TessellateArguments& arguments) {
+  PointsToRead points{arguments.reading, {}};
   const std::string& column = arguments.mass.column;
-  if (column.empty()) return reading;
-  inspect_points(arguments.points, {.columns = {column}});  // throws unless it is there
-  const PointsHeader header = inspect_points(arguments.points, reading);
-  const auto among = [&](const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), column) != names.end();
-  };
-  if (among(reading.columns) || (names_coordinates(header) && among(header.columns))) {
-    throw InvalidInput("--mass-column: '" + column + "' is among the coordinates of " +
-                       arguments.points.string() + "; --columns says which columns these are");
+  if (column.empty() || arguments.reading.columns.empty()) {
+    points.header = inspect_points(arguments.points, arguments.reading);
+    return column.empty() ? points : without_masses(arguments, std::move(points));
   }
-  const bool table = io::is_among(kTables, lower_extension(arguments.points));
-  if (!reading.columns.empty() || !table || names_coordinates(header)) return reading;
-  ReadOptions others{.columns = all_but(column, header)};
-  if (!others.columns.empty()) return others;
-  throw InvalidInput("--mass-column: " + arguments.points.string() + " has no column but '" +
-                     column + "', and so no coordinates");
+  std::vector<std::string> all = arguments.reading.columns;
+  if (std::find(all.begin(), all.end(), column) != all.end()) refuse_coordinate(arguments);
+  all.push_back(column);
+  points.header = inspect_points(arguments.points, {.columns = std::move(all)});
+  --points.header.dimension;
+  if (!points.header.columns.empty()) points.header.columns.pop_back();
+  return points;
 }
 
 int run_with_masses(const TessellateArguments& arguments, const PointsHeader& header,

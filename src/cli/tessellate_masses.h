@@ -10,9 +10,15 @@ namespace ccvt::cli {
 /// rest.
 bool check_masses(const TessellateArguments& arguments);
 
-/// How the points are to be read: as --columns says, or else as the file has it, but for the column
-/// of their masses. Throws InvalidInput when that is a coordinate, or is not there.
-ReadOptions coordinates_beside_masses(const TessellateArguments& arguments);
+/// A file of points, and which of its columns are their coordinates.
+struct PointsToRead {
+  ReadOptions reading;
+  PointsHeader header;
+};
+
+/// Looks at the file of points once. Coordinates are as --columns says, or else as the file has it,
+/// but for the column of masses. Throws InvalidInput when that is a coordinate, or is not there.
+PointsToRead inspect_beside_masses(const TessellateArguments& arguments);
 
 /// `ccvt tessellate` of points with masses.
 int run_with_masses(const TessellateArguments& arguments, const PointsHeader& header,

@@ -96,7 +96,6 @@ int run_thin(const ThinArguments& arguments) {
   if (arguments.sites == 0 && arguments.ratio == 0) {
     throw InvalidInput("thin: needs --sites or --ratio; see ccvt thin --help");
   }
-  const PointsHeader header = inspect_points(arguments.points, arguments.reading);
   Outputs()
       .add("--output", arguments.output, io::kThinFiles)
       .add("--indices-out", arguments.indices_out, io::kTableFiles)
@@ -104,6 +103,7 @@ int run_thin(const ThinArguments& arguments) {
       .add("--summary", arguments.summary)
       .add_input("POINTS", arguments.points)
       .check();
+  const PointsHeader header = inspect_points(arguments.points, arguments.reading);
   check_memory(arguments.points.string(), header.count, 2 * header.dimension, sizeof(double),
                header.count * kOtherBytes + std::filesystem::file_size(arguments.points));
   const PointCloud cloud = read_point_cloud(arguments.points, arguments.reading);

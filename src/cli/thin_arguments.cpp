@@ -9,7 +9,7 @@ namespace ccvt::cli {
 CLI::App* add_thin(CLI::App& app, ThinArguments& arguments) {
   auto* const command = app.add_subcommand(
       "thin", "Some of the points of a cloud, evenly spread, and all they carry");
-  add_file(*command, "POINTS", arguments.points, "Points", io::kPointFiles)->required();
+  add_input(*command, "POINTS", arguments.points, "Points", io::kPointFiles)->required();
   add_columns(*command, arguments.reading);
   add_sites(*command, arguments.sites, "How many points to choose", false);
   constexpr double infinity = std::numeric_limits<double>::max();
@@ -29,10 +29,10 @@ CLI::App* add_thin(CLI::App& app, ThinArguments& arguments) {
   output->description("Where the chosen points go, with how many points each stands for: " +
                       io::list_of(io::kThinFiles) +
                       ". From PLY to PLY and text to text with all that they carry");
-  add_file(*command, "--indices-out", arguments.indices_out,
-           "Write which points were chosen, from 0", io::kTableFiles);
-  add_file(*command, "--owners-out", arguments.owners_out,
-           "Write for which of the chosen points each point counts, from 0", io::kTableFiles);
+  add_output(*command, "--indices-out", arguments.indices_out,
+             "Write which points were chosen, from 0", io::kTableFiles);
+  add_output(*command, "--owners-out", arguments.owners_out,
+             "Write for which of the chosen points each point counts, from 0", io::kTableFiles);
   command->footer("Example: ccvt thin scan.ply --sites 20000 -o thin.ply");
   return command;
 }

@@ -7,6 +7,7 @@
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
+#include "cli/standard_streams.h"
 #include "cli/streams.h"
 #include "cli/volume_input.h"
 
@@ -50,6 +51,7 @@ int run_volume(const VolumeArguments& arguments) {
   if (!arguments.labels.empty() && arguments.mask.empty()) {
     throw InvalidInput("--label: needs --mask, the volume of labels; see ccvt volume --help");
   }
+  receive_standard_input();  // with it comes the name of the file that holds its data
   const VolumeHeader header = inspect_volume(arguments.volume, arguments.layout);
   std::optional<VolumeHeader> mask;
   if (!arguments.mask.empty()) {

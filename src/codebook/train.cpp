@@ -7,93 +7,30 @@
 #include <string>
 #include <utility>
 
-#include "ccvt/capacity.h"
 #include "ccvt/codebook.h"
-#include "ccvt/problem.h"
 #include "codebook/breeding.h"
 #include "codebook/centroids.h"
 #include "codebook/pairwise.h"
-#include "codebook/sample.h"
 #include "codebook/seeding.h"
 #include "codebook/share.h"
-#include "exact/assignment.h"
-#include "geometry/chosen_points.h"
+#include "codebook/trainer.h"
+#include "exact/cell_bounds.h"
+#include "exact/grouping.h"
+#include "exact/move_costs.h"
+#include "exact/pricing.h"
 #include "numbers.h"
 #include "precision.h"
-#include "streams.h"
 
 namespace ccvt {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A level ends when an iteration gains less than this share, times codewords a vector: the more
-/// vectors a codeword, the better the sample tells where codewords belong, and the more iterations
-/// does each level save the next. With 1e-3 for all, 16 codewords of 2^20 vectors take two and a
-/// half times as long.
-constexpr double kLevelTolerance = 0.032;
-/// Exchanges between pairs before the first exact assignment end when an iteration gains less than
-/// this share.
-constexpr double kStartTolerance = 1e-3;
-/// A gain below this share is rounding.
-constexpr double kRounding = 1e-13;
-
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-template <class Scalar>
-class Trainer {
- public:
-  Trainer(PointsView<Scalar> vectors, Index codewords, const CodebookOptions& options)
-      : problem_(vectors, codewords),
-        vectors_(vectors),
-        options_(options),
-        stop_(options.cancelled),
-        arena_(options.threads, &stop_),
-        metric_(vectors.dimension, Domain()) {
-    if (!options.capacities.empty()) problem_.set_capacities(options.capacities);
-    summary_.method = options.method;
-    summary_.dimension = vectors.dimension;
-    summary_.vectors = vectors.count;
-    summary_.codewords = codewords;
-    summary_.seed = options.seed;
-    summary_.threads_used = arena_.threads();
-  }
-
-  Training run(const Columns<double>* codewords);
-
- private:
-  void seed();
-  void train();
-  void prove();
-  void end_cancelled();
-  void settle_for_less();
-  void lloyd();
-  void pairwise();
-  void exchange_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities, double tolerance);
-  void start_exact(PointsView<Scalar> vectors, std::vector<Index> capacities);
-  void exact();
-  void exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities, bool finest);
-  bool go_on(IterationRecord record);
-  bool go_on(Index vectors, double energy, std::int64_t moved);
-  bool ended() const { return summary_.termination != Termination::running; }
-
-  Problem<Scalar> problem_;
-  PointsView<Scalar> vectors_;
-  const CodebookOptions& options_;
-  Stop stop_;
-  Arena arena_;
-  Metric metric_;
-  Clock::time_point start_ = Clock::now();
-  std::vector<double> sites_;
-  std::vector<double> weights_;
-  std::vector<Index> owners_;
-  std::vector<Index> met_;  ///< the last owners of all vectors that met the capacities
-  bool bred_ = false;       ///< the sites are those of balanced cells
-  bool placed_ = false;     ///< the sites are where capacities want them
-  CodebookSummary summary_;
-};
+}  // namespace
 
 template <class Scalar>
 void Trainer<Scalar>::seed() {
@@ -141,6 +78,7 @@ void Trainer<Scalar>::lloyd() {
   std::vector<std::uint8_t> changed;
   if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
   double before = std::numeric_limits<double>::infinity();
+  progress_.begin(1);
   while (!ended()) {
     if (kept && std::isfinite(before)) {
       kept->include_all(owners_, SquaredDistances<Scalar>(metric_, vectors_, sites_), arena_);
@@ -151,7 +89,7 @@ void Trainer<Scalar>::lloyd() {
     changed = changed_cells(given, owners_, n);
     const double energy = prices.cheapest_energy;
     const bool running = go_on(vectors_.count, energy, prices.moved);
-    if (prices.moved == 0 || energy >= before * (1 - kRounding)) {
+    if (prices.moved == 0 || energy >= before * (1 - kTrainingRounding)) {
       summary_.termination = Termination::stable;
     } else if (running && before - energy < options_.tolerance * before) {
       summary_.termination = Termination::energy_tolerance;
@@ -166,6 +104,7 @@ bool Trainer<Scalar>::go_on(Index vectors, double energy, std::int64_t moved) {
   record.points = vectors;
   record.exchanged = moved;
   record.energy = energy;
+  record.progress = progress_.moved(moved);
   record.active_sites = problem_.site_count();
   return go_on(record);
 }
@@ -184,7 +123,7 @@ void Trainer<Scalar>::exchange_pairs(PointsView<Scalar> vectors, std::vector<Ind
   options.max_iterations = options_.max_iterations;
   options.energy_tolerance = tolerance;
   options.on_iteration = [&](IterationRecord record) {
-    if (options_.method == CodebookMethod::exact) record.progress = 0;  // only the start of it
+    record.progress = progress_.reach(record.progress);
     return go_on(record);
   };
   options.cancelled = options_.cancelled;
@@ -198,96 +137,9 @@ void Trainer<Scalar>::exchange_pairs(PointsView<Scalar> vectors, std::vector<Ind
 
 template <class Scalar>
 void Trainer<Scalar>::pairwise() {
+  progress_.begin(1);
   exchange_pairs(vectors_, problem_.capacities(), options_.tolerance);
   stop_.off();
-}
-
-/// What exact assignments start from where no codewords are given.
-template <class Scalar>
-void Trainer<Scalar>::start_exact(PointsView<Scalar> vectors, std::vector<Index> capacities) {
-  if (capacities.empty()) capacities = equal_capacities(vectors.count, problem_.site_count());
-  exchange_pairs(vectors, std::move(capacities), kStartTolerance);
-  if (vectors.count == vectors_.count) met_ = owners_;
-  if (summary_.termination == Termination::cancelled) throw Stopped();
-  if (summary_.termination != Termination::iteration_limit) {
-    summary_.termination = Termination::running;
-  }
-}
-
-/// Exact assignments and centroids in turn. On the finest level until the assignment is optimal, or
-/// within the gap of that, for the centroids of its own cells.
-template <class Scalar>
-void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities,
-                                  bool finest) {
-  const Index n = problem_.site_count();
-  ExactAssignment<Scalar> assignment(metric_, vectors, n, std::move(capacities), arena_,
-                                     options_.gap);
-  using Round = typename ExactAssignment<Scalar>::Round;
-  if (std::cmp_not_equal(owners_.size(), vectors.count)) {
-    owners_ = nearest_owners(metric_, vectors, sites_, arena_);
-  }
-  const double tolerance = finest ? options_.tolerance : kLevelTolerance * n / vectors.count;
-  double before = std::numeric_limits<double>::infinity();
-  bool assigned = false;  // the owners meet the capacities, and the sites are their centroids
-  while (!ended()) {
-    const std::vector<Index> given = owners_;
-    const bool optimal = assignment.improve(sites_, weights_, owners_) == Round::optimal;
-    // What the owners given, those of the iteration before, cost at their own centroids.
-    const double energy = assignment.last().energy;
-    if (assigned && (optimal || before - energy < kRounding * before)) {
-      if (finest) summary_.termination = Termination::stable;
-      break;
-    }
-    if (assigned && before - energy < tolerance * before) {
-      if (finest) summary_.termination = Termination::energy_tolerance;
-      break;
-    }
-    std::vector<std::uint8_t> changed;
-    if (assigned) {
-      before = energy;
-      changed = changed_cells(given, owners_, weights_.size());
-    }
-    assigned = true;
-    if (finest) met_ = owners_;
-    std::int64_t moved = 0;
-    for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
-    if (!go_on(vectors.count, energy, moved)) break;
-    move_to_centroids(metric_, vectors, Grouping(owners_, weights_.size()), arena_, sites_,
-                      changed);
-  }
-}
-
-template <class Scalar>
-void Trainer<Scalar>::exact() {
-  const Index m = vectors_.count;
-  const auto& capacities = options_.capacities;
-  const std::vector<Index> counts = level_sizes(m, problem_.site_count());
-  if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
-  for (const Index count : counts) {
-    if (ended()) break;
-    arena_.check();
-    // What was bred fits the shares of the clouds, which a sample that has others would undo.
-    const Points<Scalar> sample = chosen_points(
-        vectors_, bred_ ? draw_evenly(vectors_, sites_, count, options_.seed, arena_)
-                        : draw_distinct(count, m, options_.seed, streams::codebook_levels));
-    const std::vector<Index> shares = share_capacities(capacities, m, count);
-    if (!placed_ && count == counts.front()) start_exact(view_points(sample), shares);
-    exact_level(view_points(sample), shares, false);
-  }
-  if (!placed_ && counts.empty() && !ended()) start_exact(vectors_, capacities);
-  if (summary_.termination == Termination::cancelled) throw Stopped();
-  exact_level(vectors_, capacities, true);
-  if (summary_.termination == Termination::cancelled) throw Stopped();
-  prove();
-}
-
-/// The exact assignment for the codewords as they are, and its certificate.
-template <class Scalar>
-void Trainer<Scalar>::prove() {
-  ExactAssignment<Scalar> assignment(metric_, vectors_, problem_.site_count(), options_.capacities,
-                                     arena_, options_.gap);
-  const Certificate certificate = assignment.solve(sites_, weights_, owners_);
-  summary_.gap = certificate.energy > 0 ? std::min(1.0, certificate.gap / certificate.energy) : 0;
 }
 
 template <class Scalar>
@@ -373,7 +225,8 @@ Training Trainer<Scalar>::run(const Columns<double>* codewords) {
   return {std::move(codebook), std::move(owners_), summary_};
 }
 
-}  // namespace
+template class Trainer<float>;
+template class Trainer<double>;
 
 template <class Scalar>
 Training train_codebook(PointsView<Scalar> vectors, Index codewords,

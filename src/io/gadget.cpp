@@ -172,7 +172,7 @@ class GadgetInput {
       file_.fail("its positions have " + std::to_string(bytes_) + " bytes; " +
                  std::to_string(points_.count) + " particles take 12 or 24 times as many");
     }
-    check_rest(path);
+    check_rest();
     points_.scalar = bytes_ == 12 * points_.count ? ScalarType::float32 : ScalarType::float64;
   }
 
@@ -236,20 +236,20 @@ class GadgetInput {
 
   /// What is behind the positions is not read, but has to be there: records to the file's last
   /// byte.
-  void check_rest(const std::filesystem::path& path) const {
-    InputFile rest(path);
+  void check_rest() {
     const std::uint64_t size = file_.size();
     std::uint64_t at = at_ - sizeof(std::uint32_t);
-    rest.skip(at);
+    file_.go_to(at);
     while (at < size) {
       std::uint32_t bytes = 0;
-      if (size - at >= 2 * sizeof bytes) rest.read(&bytes, sizeof bytes);
+      if (size - at >= 2 * sizeof bytes) file_.read(&bytes, sizeof bytes);
       if (size - at < 2 * sizeof bytes || bytes > size - at - 2 * sizeof bytes) {
         file_.fail("is truncated: it ends in the middle of its data");
       }
-      rest.skip(bytes + sizeof bytes);
+      file_.skip(bytes + sizeof bytes);
       at += bytes + 2 * sizeof bytes;
     }
+    file_.go_to(at_);
   }
 
   /// Skips what is before them; their length.

@@ -52,10 +52,13 @@ std::size_t InputFile::read_some(void* data, std::size_t count) {
   return got;
 }
 
-void InputFile::skip(std::uint64_t count) {
-  if (::fseeko(file_.get(), static_cast<off_t>(count), SEEK_CUR) != 0) {
-    throw IoError(name_ + ": cannot be read: " + std::generic_category().message(errno));
-  }
+void InputFile::skip(std::uint64_t count) { move(count, SEEK_CUR); }
+
+void InputFile::go_to(std::uint64_t position) { move(position, SEEK_SET); }
+
+void InputFile::move(std::uint64_t count, int from) {
+  if (::fseeko(file_.get(), static_cast<off_t>(count), from) == 0) return;
+  throw IoError(name_ + ": cannot be read: " + std::generic_category().message(errno));
 }
 
 void InputFile::read(void* data, std::size_t count) {

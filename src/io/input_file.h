@@ -31,6 +31,8 @@ class InputFile {
   std::size_t read_some(void* data, std::size_t count);
   /// Moves on by `count` bytes, past the end too. Throws IoError.
   void skip(std::uint64_t count);
+  /// To the byte of this number, from 0. Throws IoError.
+  void go_to(std::uint64_t position);
   /// Exactly `count` bytes; throws InvalidInput when the file ends before.
   void read(void* data, std::size_t count);
 
@@ -38,6 +40,8 @@ class InputFile {
   [[noreturn]] void fail(const std::string& message) const;
 
  private:
+  void move(std::uint64_t count, int from);
+
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };

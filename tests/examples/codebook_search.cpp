@@ -49,7 +49,8 @@ int main() {
   const ccvt::Tessellation inverted(codes, lists);  // the vectors of each list
   const Eigen::MatrixXf words = codebook.codewords().cast<float>();
 
-  std::size_t found = 0, scanned = 0;
+  std::size_t scanned = 0;
+  std::ptrdiff_t found = 0;
   for (const Eigen::VectorXf query : queries.colwise()) {
     std::vector<ccvt::Index> candidates;
     for (const auto list : nearest(words, query, numbers_to(lists), probes)) {

@@ -47,7 +47,7 @@ int main() {
   std::cout << "site 0 at " << cells.sites.col(0).transpose() << ", mean temperature " << mean[0]
             << "\n";
 
-  std::vector<double> lent(2 * 25'600);
+  std::vector<double> lent(51'200);
   for (double& number : lent) number = uniform(random);
   const ccvt::Problem<double> problem(plane_points(lent), 100);
   const ccvt::Result<double, 2> plane = ccvt::tessellate<2>(problem);

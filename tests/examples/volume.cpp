@@ -6,8 +6,8 @@
 
 #include <cmath>
 #include <cstddef>
+#include <exception>
 #include <iostream>
-#include <numeric>
 #include <vector>
 
 constexpr ccvt::Index count = 5000;
@@ -38,17 +38,21 @@ int main(int argc, char** argv) {
     std::cerr << "usage: volume SAMPLES.ply [VOLUME]\n";
     return 2;
   }
-  const ccvt::VolumeSamples samples = argc == 3 ? sample_file(argv[2]) : sample_shell();
-  ccvt::write_samples(argv[1], samples);  // x, y, z, radius, capacity, weight
+  try {
+    const ccvt::VolumeSamples samples = argc == 3 ? sample_file(argv[2]) : sample_shell();
+    ccvt::write_samples(argv[1], samples);  // x, y, z, radius, capacity, weight
 
-  // The sum of weight * f(site) is an estimate of the integral of density * f.
-  const auto& weights = samples.weights;
-  double second_moment = 0;
-  for (std::size_t s = 0; s < weights.size(); ++s) {
-    const auto column = static_cast<std::ptrdiff_t>(s);
-    second_moment += weights[s] * double(samples.sites.col(column).squaredNorm());
+    // The sum of weight * f(site) is an estimate of the integral of density * f.
+    double mass = 0, second_moment = 0;
+    for (std::ptrdiff_t s = 0; s < samples.sites.cols(); ++s) {
+      const double weight = samples.weights[static_cast<std::size_t>(s)];
+      mass += weight;
+      second_moment += weight * samples.sites.col(s).cast<double>().squaredNorm();
+    }
+    std::cout << samples.summary.brief() << "\nmass " << mass << ", root mean square of the radius "
+              << std::sqrt(second_moment / mass) << "\n";
+  } catch (const std::exception& error) {  // one line: what is wrong, with which file or argument
+    std::cerr << "volume: " << error.what() << "\n";
+    return 1;
   }
-  const double mass = std::accumulate(weights.begin(), weights.end(), 0.0);
-  std::cout << samples.summary.brief() << "\nmass " << mass << ", root mean square of the radius "
-            << std::sqrt(second_moment / mass) << "\n";
 }

@@ -2,7 +2,7 @@
 """Particle loads of ccvt in HDF5, read by h5py: load.py PROGRAM
 
 Writes loads with PROGRAM (ccvt) in a directory of its own, and checks what GADGET-4, SWIFT and
-AREPO look for in them. Needs python3-h5py.
+AREPO look for in them; then reads files that are no such loads. Needs python3-h5py.
 """
 import subprocess
 import sys
@@ -73,6 +73,39 @@ def check_load(path, kind, sites):
                   "SmoothingLength")
 
 
+def check_refusals(program, directory):
+    """Each file lacks one thing."""
+    xyz = numpy.zeros((4, 3), numpy.float32)
+    name = "PartType1/Coordinates"
+    changes = {
+        "has no group 'Header'": lambda file: file.__delitem__("Header"),
+        "is one of several files; only all particles in one are supported":
+            lambda file: file["Header"].attrs.__setitem__("NumFilesPerSnapshot", 2),
+        "has no dataset 'PartType*/Coordinates' with particles":
+            lambda file: file.__delitem__(name),
+        f"'{name}' is no dataset":
+            lambda file: (file.__delitem__(name), file.create_group(name)),
+        f"'{name}' is not of shape (#particles, 3)":
+            lambda file: (file.__delitem__(name), file.create_dataset(name, data=xyz[:, :2])),
+        f"'{name}' holds no real numbers":
+            lambda file: (file.__delitem__(name), file.create_dataset(name, data=xyz.astype(int))),
+        # A filter that h5py brings along.
+        "its coordinates cannot be read: it is damaged or truncated":
+            lambda file: (file.__delitem__(name),
+                          file.create_dataset(name, data=xyz, compression="lzf")),
+    }
+    for message, change in changes.items():
+        with h5py.File(directory / "bad.hdf5", "w") as file:
+            file.create_group("Header").attrs["NumFilesPerSnapshot"] = 1
+            file.create_dataset(name, data=xyz)
+            change(file)
+        run = subprocess.run([program, "tessellate", "bad.hdf5", "--sites", "2", "-o", "s.npy"],
+                             cwd=directory, capture_output=True, text=True)
+        check(run.returncode == 2 and run.stderr == f"ccvt: error: bad.hdf5: {message}\n",
+              f"{message}: {run.returncode} {run.stderr}")
+    return len(changes)
+
+
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__.strip())
@@ -87,7 +120,8 @@ def main():
         check_load(directory / "matter.hdf5", 1, sites)
         sample(program, directory, *options, "--gas", "-o", "gas.hdf5")
         check_load(directory / "gas.hdf5", 0, sites)
-    print(f"{COUNT} particles, dark matter and gas: as documented")
+        refused = check_refusals(program, directory)
+    print(f"{COUNT} particles, dark matter and gas: as documented; {refused} files refused")
 
 
 if __name__ == "__main__":

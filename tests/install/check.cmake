@@ -74,6 +74,12 @@ function(install_and_consume binary_dir name)
   cmake_path(GET pc_dir PARENT_PATH libdir)
   run(${COMPILER} -std=c++20 ${consumer}/main.cpp -o ${program} ${flags} -Wl,-rpath,${libdir})
   run(${program})
+
+  # The examples as a project by itself; of one, all must be found that the others need.
+  run(${CMAKE_COMMAND} -S ${consumer}/../examples -B ${WORK_DIR}/${name}_examples ${common}
+    -D CMAKE_PREFIX_PATH=${WORK_DIR}/${name} -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
+  run(${CMAKE_COMMAND} --build ${WORK_DIR}/${name}_examples --target example_start)
+  run(${WORK_DIR}/${name}_examples/start)
 endfunction()
 
 if(WAY STREQUAL "installed")

@@ -85,6 +85,8 @@ std::string manual_page(const CLI::App& app, const CLI::App* command) {
     if (commands.empty()) page += ".SS " + group.title + "\n";
     for (const OptionHelp& option : group.options) page += option_text(option);
   }
+  const std::string streams = streams_text(shown);
+  if (!streams.empty()) page += ".SH STANDARD STREAMS\n" + escaped(streams) + "\n";
   page += footer_text(shown);
   if (command != nullptr) page += ".SH SEE ALSO\n.BR ccvt (1)\n";
   return page;

@@ -29,6 +29,8 @@ PAGES = {str(path.relative_to(ROOT)): path.stem for path in sorted((ROOT / "src/
     "benchmarks/results/thin/report.md": "results_thin",
     "include/ccvt/README.md": "structure",
     "src/python/README.md": "python_reference",
+    "tests/errors/README.md": "errors",
+    "tests/examples/README.md": "examples",
 }  # fmt: skip
 TITLES = {  # of reports, which have none
     "results": "The paper's table and figures",

@@ -1,0 +1,208 @@
+#include "cli/standard_streams.h"
+
+#include <fcntl.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "ccvt/io.h"
+#include "cli/signals.h"
+#include "cli/streams.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kMark = ":-";
+constexpr std::array<std::string_view, 3> kTextFiles = {".csv", ".txt", ".svg"};
+/// These are read and written here and there, or have their data in another file.
+constexpr std::array<std::string_view, 2> kNoStreams = {".hdf5", ".nhdr"};
+
+std::string name_of(Stream stream) {
+  return stream == Stream::input ? "standard input" : "standard output";
+}
+
+[[noreturn]] void fail(const std::string& what, int error) {
+  throw IoError(what + ": " + std::generic_category().message(error));
+}
+
+/// An empty file in the directory for such, which is removed at the end.
+class StandIn {
+ public:
+  StandIn(Stream stream, std::string option, const std::string& extension)
+      : option_(std::move(option)), stream_(stream) {
+    std::error_code error;
+    const fs::path directory = fs::temp_directory_path(error);
+    if (error) fail(name_of(stream) + ": there is no directory for temporary files", error.value());
+    std::string name = (directory / "ccvt-XXXXXX").string() + extension;
+    // Nobody else may read it.
+    const int file = ::mkstemps(name.data(), static_cast<int>(extension.size()));
+    if (file < 0) fail(name_of(stream) + ": cannot be kept in " + directory.string(), errno);
+    ::close(file);
+    path_ = name;
+    unlink_at_end(slot(), path_);
+  }
+  StandIn(const StandIn&) = delete;
+  StandIn& operator=(const StandIn&) = delete;
+  ~StandIn() {
+    ::unlink(path_.c_str());
+    unlink_at_end(slot(), "");
+  }
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+  [[nodiscard]] const std::string& option() const { return option_; }
+
+ private:
+  [[nodiscard]] std::size_t slot() const { return stream_ == Stream::input ? 0 : 1; }
+
+  std::string option_;
+  fs::path path_;
+  Stream stream_;
+};
+
+std::optional<StandIn>& of(Stream stream) {
+  static std::optional<StandIn> input;
+  static std::optional<StandIn> output;
+  return stream == Stream::input ? input : output;
+}
+
+/// "csv:-, npy:- or txt:-": what may be a stream.
+std::string list_of_streams(io::Extensions extensions) {
+  std::vector<std::string> names;
+  for (const std::string_view extension : extensions) {
+    if (io::is_among(kNoStreams, extension)) continue;
+    names.push_back(std::string(extension.substr(1)) + std::string(kMark));
+  }
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) list += i + 1 == names.size() ? " or " : ", ";
+    list += names[i];
+  }
+  return list;
+}
+
+std::string extension_of_stream(const std::string& option, const std::string& text,
+                                io::Extensions extensions) {
+  if (text == "-") {
+    if (extensions.empty()) return "";
+    return std::string(io::is_among(extensions, ".csv") ? ".csv" : extensions.front());
+  }
+  const std::string extension = "." + text.substr(0, text.size() - kMark.size());
+  if (extensions.empty()) {
+    throw InvalidInput(option + ": '" + text + "' names a format, but there is one only; say -");
+  }
+  if (io::is_among(kNoStreams, extension)) {
+    throw InvalidInput(option + ": '" + text + "' cannot be a stream: " + extension +
+                       (extension == ".hdf5" ? " is not read and written from its start to its end"
+                                             : " has its data in another file") +
+                       "; name a file");
+  }
+  if (io::is_among(extensions, extension)) return extension;
+  throw InvalidInput(option + ": '" + text + "' has an unknown format; must be " +
+                     list_of_streams(extensions));
+}
+
+/// Throws unless standard output takes a file of this kind.
+void check_standard_output(const std::string& option, const std::string& extension,
+                           io::Extensions extensions) {
+  const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
+  if (flags == -1 || (flags & O_ACCMODE) == O_RDONLY) {
+    throw InvalidInput(option + ": standard output is closed");
+  }
+  const bool text = extension.empty() || io::is_among(kTextFiles, extension);
+  if (text || ::isatty(STDOUT_FILENO) == 0) return;
+  throw InvalidInput(option + ": " + extension +
+                     " is not for a terminal; redirect standard output" +
+                     (io::is_among(extensions, ".csv") ? ", or say csv:-" : ""));
+}
+
+struct Close {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, Close>;
+
+constexpr std::size_t kBlock = std::size_t{1} << 16;
+
+}  // namespace
+
+bool names_stream(const std::string& text) {
+  return text == "-" || (text.ends_with(kMark) && text.size() > kMark.size() &&
+                         text.find('/') == std::string::npos);
+}
+
+fs::path stand_in(const std::string& option, const std::string& text, Stream stream,
+                  io::Extensions extensions) {
+  std::optional<StandIn>& there = of(stream);
+  if (there) {
+    throw InvalidInput(option + ": " + name_of(stream) + " is that of " + there->option() +
+                       " already; one file only may be a stream");
+  }
+  const std::string extension = extension_of_stream(option, text, extensions);
+  if (stream == Stream::output) check_standard_output(option, extension, extensions);
+  return there.emplace(stream, option, extension).path();
+}
+
+fs::path file_of(const std::string& option, const std::string& text, Stream stream,
+                 io::Extensions extensions) {
+  if (!names_stream(text)) return text;
+  return stand_in(option, text, stream, extensions);
+}
+
+void receive_standard_input() {
+  static bool received = false;
+  const std::optional<StandIn>& input = of(Stream::input);
+  if (!input || std::exchange(received, true)) return;
+  const std::string kept =
+      name_of(Stream::input) + ": cannot be kept in " + input->path().parent_path().string();
+  File file(std::fopen(input->path().c_str(), "wb"));
+  if (!file) fail(kept, errno);
+  std::array<char, kBlock> block;
+  while (const std::size_t got = std::fread(block.data(), 1, block.size(), stdin)) {
+    if (std::fwrite(block.data(), 1, got, file.get()) < got) fail(kept, errno);
+  }
+  if (std::ferror(stdin) != 0) fail(name_of(Stream::input) + ": cannot be read", errno);
+  if (std::fclose(file.release()) != 0) fail(kept, errno);
+}
+
+void send_standard_output(const Publication& outputs) {
+  const std::optional<StandIn>& output = of(Stream::output);
+  if (!output) return;
+  const fs::path path = outputs.unpublished(output->path());
+  const File file(std::fopen(path.c_str(), "rb"));
+  if (!file) fail(name_of(Stream::output) + ": cannot be kept in " + path.string(), errno);
+  std::array<char, kBlock> block;
+  while (const std::size_t got = std::fread(block.data(), 1, block.size(), file.get())) {
+    if (std::fwrite(block.data(), 1, got, stdout) < got) fail_to_print();
+  }
+  if (std::ferror(file.get()) != 0) fail(path.string() + ": cannot be read", errno);
+  if (std::fflush(stdout) != 0) fail_to_print();
+}
+
+bool standard_output_is_taken() { return of(Stream::output).has_value(); }
+
+std::string with_names_of_streams(std::string message) {
+  for (const Stream stream : {Stream::input, Stream::output}) {
+    const std::optional<StandIn>& there = of(stream);
+    if (!there) continue;
+    const std::string path = there->path().string();
+    for (std::size_t at = 0; (at = message.find(path, at)) != std::string::npos;) {
+      message.replace(at, path.size(), name_of(stream));
+    }
+  }
+  return message;
+}
+
+}  // namespace ccvt::cli

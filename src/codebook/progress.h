@@ -1,0 +1,41 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace ccvt {
+
+/// How far a training has come, from 0 to 1, without ever falling. It goes through parts: levels,
+/// and what comes before them. Within one, the number of vectors that still change their codeword
+/// falls about geometrically from iteration to iteration: its logarithm tells how many are left.
+class TrainingProgress {
+ public:
+  /// The next part, and its share of all the work.
+  void begin(double share) {
+    before_ = std::min(1.0, before_ + share_);
+    share_ = std::min(share, 1 - before_);
+    most_ = 0;
+  }
+
+  /// An iteration moved so many vectors.
+  double moved(std::int64_t vectors) {
+    const double size = std::log1p(static_cast<double>(vectors));
+    most_ = std::max(most_, size);
+    return reach(most_ > 0 ? 1 - size / most_ : 1);
+  }
+
+  /// So much of the part is done.
+  double reach(double share) {
+    value_ = std::max(value_, before_ + share_ * std::clamp(share, 0.0, 1.0));
+    return value_;
+  }
+
+ private:
+  double before_ = 0;
+  double share_ = 0;
+  double most_ = 0;
+  double value_ = 0;
+};
+
+}  // namespace ccvt

@@ -1,0 +1,135 @@
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "ccvt/capacity.h"
+#include "codebook/centroids.h"
+#include "codebook/sample.h"
+#include "codebook/share.h"
+#include "codebook/trainer.h"
+#include "exact/assignment.h"
+#include "exact/pricing.h"
+#include "geometry/chosen_points.h"
+#include "streams.h"
+
+namespace ccvt {
+namespace {
+
+/// A level ends when an iteration gains less than this share, times codewords a vector: the more
+/// vectors a codeword, the better the sample tells where codewords belong, and the more iterations
+/// does each level save the next. With 1e-3 for all, 16 codewords of 2^20 vectors take two and a
+/// half times as long.
+constexpr double kLevelTolerance = 0.032;
+/// Exchanges between pairs before the first exact assignment end when an iteration gains less than
+/// this share.
+constexpr double kStartTolerance = 1e-3;
+/// They take about as long as so much of a level on the same vectors.
+constexpr double kStartWork = 0.5;
+
+}  // namespace
+
+/// What exact assignments start from where no codewords are given.
+template <class Scalar>
+void Trainer<Scalar>::start_exact(PointsView<Scalar> vectors, std::vector<Index> capacities) {
+  if (capacities.empty()) capacities = equal_capacities(vectors.count, problem_.site_count());
+  exchange_pairs(vectors, std::move(capacities), kStartTolerance);
+  if (vectors.count == vectors_.count) met_ = owners_;
+  if (summary_.termination == Termination::cancelled) throw Stopped();
+  if (summary_.termination != Termination::iteration_limit) {
+    summary_.termination = Termination::running;
+  }
+}
+
+/// Exact assignments and centroids in turn. On the finest level until the assignment is optimal, or
+/// within the gap of that, for the centroids of its own cells.
+template <class Scalar>
+void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities,
+                                  bool finest) {
+  const Index n = problem_.site_count();
+  ExactAssignment<Scalar> assignment(metric_, vectors, n, std::move(capacities), arena_,
+                                     options_.gap);
+  using Round = typename ExactAssignment<Scalar>::Round;
+  if (std::cmp_not_equal(owners_.size(), vectors.count)) {
+    owners_ = nearest_owners(metric_, vectors, sites_, arena_);
+  }
+  const double tolerance = finest ? options_.tolerance : kLevelTolerance * n / vectors.count;
+  double before = std::numeric_limits<double>::infinity();
+  bool assigned = false;  // the owners meet the capacities, and the sites are their centroids
+  while (!ended()) {
+    const std::vector<Index> given = owners_;
+    const bool optimal = assignment.improve(sites_, weights_, owners_) == Round::optimal;
+    // What the owners given, those of the iteration before, cost at their own centroids.
+    const double energy = assignment.last().energy;
+    if (assigned && (optimal || before - energy < kTrainingRounding * before)) {
+      if (finest) summary_.termination = Termination::stable;
+      break;
+    }
+    if (assigned && before - energy < tolerance * before) {
+      if (finest) summary_.termination = Termination::energy_tolerance;
+      break;
+    }
+    std::vector<std::uint8_t> changed;
+    if (assigned) {
+      before = energy;
+      changed = changed_cells(given, owners_, weights_.size());
+    }
+    assigned = true;
+    if (finest) met_ = owners_;
+    std::int64_t moved = 0;
+    for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
+    if (!go_on(vectors.count, energy, moved)) break;
+    move_to_centroids(metric_, vectors, Grouping(owners_, weights_.size()), arena_, sites_,
+                      changed);
+  }
+}
+
+template <class Scalar>
+void Trainer<Scalar>::exact() {
+  const Index m = vectors_.count;
+  const auto& capacities = options_.capacities;
+  const std::vector<Index> counts = level_sizes(m, problem_.site_count());
+  const double first = counts.empty() ? m : counts.front();
+  double work = std::accumulate(counts.begin(), counts.end(), 1.0 * m);
+  if (!placed_) work += kStartWork * first;
+  if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
+  for (const Index count : counts) {
+    if (ended()) break;
+    arena_.check();
+    // What was bred fits the shares of the clouds, which a sample that has others would undo.
+    const Points<Scalar> sample = chosen_points(
+        vectors_, bred_ ? draw_evenly(vectors_, sites_, count, options_.seed, arena_)
+                        : draw_distinct(count, m, options_.seed, streams::codebook_levels));
+    const std::vector<Index> shares = share_capacities(capacities, m, count);
+    if (!placed_ && count == counts.front()) {
+      progress_.begin(kStartWork * first / work);
+      start_exact(view_points(sample), shares);
+    }
+    progress_.begin(count / work);
+    exact_level(view_points(sample), shares, false);
+  }
+  if (!placed_ && counts.empty() && !ended()) {
+    progress_.begin(kStartWork * first / work);
+    start_exact(vectors_, capacities);
+  }
+  if (summary_.termination == Termination::cancelled) throw Stopped();
+  progress_.begin(m / work);
+  exact_level(vectors_, capacities, true);
+  if (summary_.termination == Termination::cancelled) throw Stopped();
+  prove();
+}
+
+/// The exact assignment for the codewords as they are, and its certificate.
+template <class Scalar>
+void Trainer<Scalar>::prove() {
+  ExactAssignment<Scalar> assignment(metric_, vectors_, problem_.site_count(), options_.capacities,
+                                     arena_, options_.gap);
+  const Certificate certificate = assignment.solve(sites_, weights_, owners_);
+  summary_.gap = certificate.energy > 0 ? std::min(1.0, certificate.gap / certificate.energy) : 0;
+}
+
+template void Trainer<float>::exact();
+template void Trainer<double>::exact();
+template void Trainer<float>::prove();
+template void Trainer<double>::prove();
+
+}  // namespace ccvt

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+#include "ccvt/codebook.h"
+#include "ccvt/problem.h"
+#include "codebook/progress.h"
+#include "geometry/metric.h"
+#include "parallel/arena.h"
+#include "parallel/stop.h"
+
+namespace ccvt {
+
+/// A gain below this share is rounding.
+constexpr double kTrainingRounding = 1e-13;
+
+/// One training of a codebook, from seeds to codes.
+template <class Scalar>
+class Trainer {
+ public:
+  Trainer(PointsView<Scalar> vectors, Index codewords, const CodebookOptions& options)
+      : problem_(vectors, codewords),
+        vectors_(vectors),
+        options_(options),
+        stop_(options.cancelled),
+        arena_(options.threads, &stop_),
+        metric_(vectors.dimension, Domain()) {
+    if (!options.capacities.empty()) problem_.set_capacities(options.capacities);
+    summary_.method = options.method;
+    summary_.dimension = vectors.dimension;
+    summary_.vectors = vectors.count;
+    summary_.codewords = codewords;
+    summary_.seed = options.seed;
+    summary_.threads_used = arena_.threads();
+  }
+
+  Training run(const Columns<double>* codewords);
+
+ private:
+  void seed();
+  void train();
+  void prove();
+  void end_cancelled();
+  void settle_for_less();
+  void lloyd();
+  void pairwise();
+  void exchange_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities, double tolerance);
+  void start_exact(PointsView<Scalar> vectors, std::vector<Index> capacities);
+  void exact();
+  void exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities, bool finest);
+  bool go_on(IterationRecord record);
+  bool go_on(Index vectors, double energy, std::int64_t moved);
+  bool ended() const { return summary_.termination != Termination::running; }
+
+  Problem<Scalar> problem_;
+  PointsView<Scalar> vectors_;
+  const CodebookOptions& options_;
+  Stop stop_;
+  Arena arena_;
+  Metric metric_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::vector<double> sites_;
+  std::vector<double> weights_;
+  std::vector<Index> owners_;
+  std::vector<Index> met_;  ///< the last owners of all vectors that met the capacities
+  bool bred_ = false;       ///< the sites are those of balanced cells
+  bool placed_ = false;     ///< the sites are where capacities want them
+  TrainingProgress progress_;
+  CodebookSummary summary_;
+};
+
+}  // namespace ccvt
