@@ -100,6 +100,8 @@ def markdown(page, text):
     text = outside_code(text, lambda part: re.sub(r"(?<=[\s(])#(?=[a-z])", r"\\#", part))
     fenced = re.split(r"(^```.*?^```$)", text, flags=re.M | re.S)
     for i in range(0, len(fenced), 2):
+        # Doxygen takes a code span with a quote in it for a quotation, unless it has two backticks.
+        fenced[i] = re.sub(r"(?<!`)`([^`\n]*'[^`\n]*)`(?!`)", r"``\1``", fenced[i])
         fenced[i] = re.sub(r"^(#+) (.+)$", lambda m: heading_on_site(page, m), fenced[i], flags=re.M)
         fenced[i] = re.sub(r"^<!-- site: (.*) -->$", r"\1", fenced[i], flags=re.M)
     return "".join(fenced)
