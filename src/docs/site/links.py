@@ -10,7 +10,6 @@ usage: links.py HTML
 import html.parser
 import pathlib
 import re
-import subprocess
 import sys
 import urllib.parse
 
@@ -54,15 +53,22 @@ def check_site(folder):
             yield (path, link, there)
 
 
+def check_menus(folder):
+    """What the scripts of the menu and of the tree at the side lead to."""
+    for script in (folder / "menudata.js", folder / "navtreedata.js"):
+        for link in re.findall(r'"(@ref [^"]*|[\w./-]+\.html)(?:#\w+)?"', script.read_text()):
+            yield (script, link, (folder / link).is_file())
+
+
 def anchors_of(path):
     text = re.sub(r"^```.*?^```$", "", path.read_text(), flags=re.M | re.S)
     return {slug(heading) for heading in re.findall(r"^#+ (.+)$", text, flags=re.M)}
 
 
 def check_markdown():
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.md"], cwd=ROOT, check=True,
-                            capture_output=True, text=True).stdout.splitlines()  # fmt: skip
-    for name in listed:
+    folders = ("benchmarks", "cmake", "include", "src", "tests")
+    listed = [*ROOT.glob("*.md"), *(path for folder in folders for path in (ROOT / folder).rglob("*.md"))]
+    for name in sorted(str(path.relative_to(ROOT)) for path in listed):
         links = []
         outside_code((ROOT / name).read_text(), lambda part: LINK.sub(lambda m: links.append(m.group(3)) or "", without_site(part)))
         for link in links:
@@ -81,7 +87,8 @@ def without_site(text):
 
 
 def main():
-    checked = [*check_site(pathlib.Path(sys.argv[1]).resolve()), *check_markdown()]
+    folder = pathlib.Path(sys.argv[1]).resolve()
+    checked = [*check_site(folder), *check_menus(folder), *check_markdown()]
     dead = [(where, link) for where, link, fine in checked if not fine]
     for where, link in dead:
         print(f"{where}: leads nowhere: {link}")
