@@ -105,6 +105,13 @@ pages() {
     tests/pages/check.sh build/release/bin/ccvt build/release/pages
 }
 
+# The documentation site, its guides' commands, links and layers, with the program that the release
+# preset built.
+documents() {
+  cmake/install-packages.sh doxygen graphviz python3 &&
+    src/docs/site/build.sh build/release/bin/ccvt build/release/site
+}
+
 format() {
   find include src tests benchmarks \( -name '*.h' -o -name '*.cpp' \) -print0 |
     xargs -0 clang-format-14 --dry-run --Werror

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The figures of README.md's "Particle loads": ten loads of 16^3 sites x 1000 points for each kind of
+# The figures of src/docs/particles.md: ten loads of 16^3 sites x 1000 points for each kind of
 # points under the cells, white noise and a grid beside them, and the picture of their spectra.
 # usage: benchmarks/particles.sh PROGRAM DIR     (about two minutes; the picture needs librsvg2-bin)
 set -eu

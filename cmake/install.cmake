@@ -43,14 +43,24 @@ install(FILES
 # other links and of pictures the text stays.
 set(documents README.md CHANGELOG.md include/ccvt/README.md)
 set(installed_documents README.md CHANGELOG.md architecture.md)
+file(GLOB guides CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} src/docs/*.md)
+foreach(guide IN LISTS guides)
+  cmake_path(GET guide FILENAME name)
+  list(APPEND documents ${guide})
+  list(APPEND installed_documents guides/${name})
+endforeach()
 foreach(document installed IN ZIP_LISTS documents installed_documents)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${document})
   file(READ ${document} text)
-  string(REPLACE "[include/ccvt/README.md](include/ccvt/README.md)"
-    "[architecture.md](architecture.md)" text "${text}")
+  string(REPLACE "(include/ccvt/README.md" "(architecture.md" text "${text}")
+  string(REPLACE "(../../include/ccvt/README.md" "(:architecture.md" text "${text}")
+  string(REPLACE "(../../CHANGELOG.md" "(:CHANGELOG.md" text "${text}")
+  string(REPLACE "(src/docs/" "(guides/" text "${text}")
   string(REGEX REPLACE "!\\[([^]]*)\\]\\([^)]*\\)" "*\\1*" text "${text}")
-  string(REGEX REPLACE "\\[([^]]*)\\]\\((benchmarks|cmake|include|src|tests)/[^)]*\\)" "\\1"
+  string(REGEX REPLACE "\\[([^]]*)\\]\\((benchmarks|cmake|include|src|tests|site)/[^)]*\\)" "\\1"
     text "${text}")
+  string(REGEX REPLACE "\\[([^]]*)\\]\\(\\.\\./[^)]*\\)" "\\1" text "${text}")
+  string(REPLACE "](:" "](../" text "${text}")
   file(WRITE ${PROJECT_BINARY_DIR}/documents/${installed} "${text}")
 endforeach()
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)

@@ -16,6 +16,7 @@ struct BuildInfo {
   bool hdf5 = false;            ///< whether .hdf5 is read and written
 };
 
+/// Of the library that the program runs with.
 [[nodiscard]] CCVT_EXPORT BuildInfo build_info();
 
 }  // namespace ccvt

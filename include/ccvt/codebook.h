@@ -41,6 +41,7 @@ enum class Seeding {
 
 CCVT_EXPORT const char* to_string(CodebookMethod method);
 
+/// How, from where and for how long a codebook is trained.
 struct CCVT_EXPORT CodebookOptions {
   CodebookMethod method = CodebookMethod::exact;
   Seeding seeding = Seeding::kmeans_plus_plus;

@@ -81,6 +81,7 @@ struct PointsHeader {
   std::vector<double> box = {};
 };
 
+/// How a file of points is read where its format leaves a choice.
 struct ReadOptions {
   /// The columns that are coordinates, in this order: names of a text file's header or of
   /// properties of PLY vertices, or numbers, from 1, in any file. Empty: as the format has it.

@@ -119,6 +119,7 @@ CCVT_EXPORT BondOrder bond_order(const PointSet& set, int threads = 0);
 
 // Spectra
 
+/// How finely, and how far, a spectrum is measured.
 struct SpectrumOptions {
   /// Up to which frequency, in 1 / mean spacing. Above 0.
   double max_frequency = 2;
@@ -238,6 +239,8 @@ struct IntegrationVariance {
   double disk = 0;      ///< |x - c| < 1/4; in a box that is no torus with the disk inside
   double step = 0;      ///< x_d < a; on a torus the half of the box behind it
 };
+/// Of the places that `seed` draws. O(n) for each function and place; any number of threads gives
+/// identical bits.
 CCVT_EXPORT IntegrationVariance integration_variance(const PointSet& set, std::uint64_t seed = 0,
                                                      int threads = 0);
 

@@ -28,8 +28,10 @@
 /// files say nothing of them.
 namespace ccvt {
 
+/// The types of GADGET that a load may have; the numbers are those in files.
 enum class ParticleType { gas = 0, dark_matter = 1 };
 
+/// What is written of particles beside their places.
 struct ParticleOptions {
   /// Side of the periodic cube that is written, BoxSize; 1e-30 to 1e30.
   double box_size = 1;

@@ -78,6 +78,7 @@ struct CCVT_EXPORT ValueMap {
 /// The types of values that files of volumes hold.
 enum class VoxelType { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
 
+/// What one value takes, 1 to 8.
 CCVT_EXPORT std::size_t bytes_of(VoxelType type);
 /// "int8", "uint8", …
 CCVT_EXPORT const char* to_string(VoxelType type);

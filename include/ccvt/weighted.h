@@ -29,6 +29,7 @@ enum class MassMethod {
 /// The words of the enumerators: "whole", "resampled".
 CCVT_EXPORT const char* to_string(MassMethod method);
 
+/// How points with masses are tessellated.
 struct CCVT_EXPORT MassOptions {
   MassMethod method = MassMethod::whole;
   /// Unit points for each site: all of what `resampled` works with, and where `whole` starts from.

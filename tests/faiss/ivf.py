@@ -2,7 +2,7 @@
 """A codebook of ccvt as an inverted file of FAISS: ivf.py PROGRAM
 
 Trains with PROGRAM (ccvt) in a directory of its own, loads the result in the two ways that
-README.md shows, and checks what that promises. Needs python3-faiss.
+src/docs/codebooks.md shows, and checks what that promises. Needs python3-faiss.
 """
 import subprocess
 import sys
