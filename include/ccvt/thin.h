@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "ccvt/columns.h"
 #include "ccvt/export.h"
 #include "ccvt/options.h"
 #include "ccvt/summary.h"
@@ -98,6 +99,12 @@ Thinning thin(const Eigen::DenseBase<Derived>& points, Index sites,
 template <class Derived, class Normals>
 Thinning thin(const Eigen::DenseBase<Derived>& points, Index sites, const ThinOptions& options,
               const Eigen::DenseBase<Normals>& normals) {
+  return thin(view_points(points), sites, options, view_points(normals));
+}
+/// The same of what readers return.
+template <class Scalar>
+Thinning thin(const Columns<Scalar>& points, Index sites, const ThinOptions& options = {},
+              const Columns<Scalar>& normals = {}) {
   return thin(view_points(points), sites, options, view_points(normals));
 }
 

@@ -16,8 +16,8 @@ int main(int argc, char** argv) {
   try {
     const ccvt::PointCloud cloud = ccvt::read_point_cloud(argv[1]);
     // Where the file has normals, points that face away from each other are kept apart.
-    const ccvt::Thinning few = ccvt::thin(ccvt::view_points(cloud.points), std::stoi(argv[2]),
-                                          /*options=*/{}, ccvt::view_points(cloud.normals));
+    const ccvt::Thinning few =
+        ccvt::thin(cloud.points, std::stoi(argv[2]), /*options=*/{}, cloud.normals);
     ccvt::write_point_cloud(argv[3], cloud, few.chosen, few.counts);
     std::cout << few.chosen.size() << " of " << cloud.points.cols() << " points, " << few.spacing
               << " apart if they were packed as densely as can be\n";
