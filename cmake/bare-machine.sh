@@ -47,7 +47,8 @@ new_system() {  # name
 
 # A command for the shell in a system that has nothing of ours, and no environment but this.
 as_root() {  # name, command
-  chroot "$directory/$1" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 \
+  chroot "$directory/$1" /usr/bin/env -i HOME=/root LC_ALL=C.UTF-8 \
+    PATH=/usr/sbin:/usr/bin:/sbin:/bin \
     SOURCE_DATE_EPOCH="$(git -C "$source_dir" log -1 --format=%ct)" sh -euc "cd; $2"
 }
 
@@ -92,7 +93,7 @@ refusals() {
   # No network.
   echo "deb http://127.0.0.1:9/debian bookworm main" >"$directory/refusals/etc/apt/sources.list"
   for script in demo test; do
-    must_fail as_root refusals "ccvt/cmake/$script.sh" "$without" "$by_hand" "is there a network"
+    must_fail as_root refusals "ccvt/cmake/$script.sh" "$without" "$by_hand" "does /etc/apt name a mirror"
   done
   # Nobody who may install anything.
   add_user refusals

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs the Debian packages that are missing: those in debian-packages.txt, and any named as
-# arguments. Does nothing, and needs no root, when all are there. Fails, and says what is missing and
-# how to get it, when that cannot be done.
+# arguments. Does nothing, and needs no root, when all are there. When it cannot, it fails and says
+# what is missing and how to get it.
 set -eu
 cd "$(dirname "$0")"
 wanted="$(sed 's/#.*//' debian-packages.txt | tr '\n' ' ') $*"
@@ -53,5 +53,5 @@ echo "== Installing Debian packages:$missing"
 { $as_root apt-get update -q &&
   $as_root env DEBIAN_FRONTEND=noninteractive \
     apt-get install -y -q --no-install-recommends $missing </dev/null; } ||
-  give_up "What sudo or apt-get says above is why. They are in Debian 12's component main: is there \
-a network, and does /etc/apt name a mirror?"
+  give_up "What sudo or apt-get says above is why. All of them are in Debian 12's main: is there a \
+network, and does /etc/apt name a mirror?"
