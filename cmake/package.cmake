@@ -51,6 +51,7 @@ set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "${PROJECT_DESCRIPTION} (program)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-ccvt)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 if(TARGET ccvt_python)
+  find_package(Python REQUIRED COMPONENTS Interpreter)  # as src/python has found it: for the version
   math(EXPR next_python "${Python_VERSION_MINOR} + 1")
   string(JOIN ", " CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${this_library}"
     "python3 (>= 3.${Python_VERSION_MINOR})" "python3 (<< 3.${next_python})" python3-numpy)
