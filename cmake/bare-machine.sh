@@ -40,7 +40,7 @@ new_system() {  # name
   rm -rf "$root"
   cp -a "$base" "$root"
   mount -t proc proc "$root/proc"
-  mount --bind /dev "$root/dev"
+  mount --rbind /dev "$root/dev"
   git clone -q --no-hardlinks "$source_dir" "$root/root/ccvt"
   say "$1: a bare system in $root"
 }

@@ -23,9 +23,9 @@ set(soname ccvt${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME lib${soname})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "${PROJECT_DESCRIPTION} (shared library)
- Sites that own equally many points each, as blue noise: for sampling, stippling,
- and codebooks with equally full cells. This is what programs need to run that
- are linked with the library.")
+ Sites that own equally many points each, as blue noise: for sampling,
+ stippling, and codebooks with equally full cells. This is what programs need to
+ run that are linked with the library.")
 set(triggers ${PROJECT_BINARY_DIR}/package/triggers)
 file(WRITE ${triggers} "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${triggers})
@@ -63,8 +63,8 @@ endif()
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-sklearn, python3-tqdm")
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION "${PROJECT_DESCRIPTION} (Python module)
  Tessellations of NumPy's arrays, samples of volumes and surfaces, stippling,
- analysis of point sets, and k-means with clusters of equal size as scikit-learn
- has its estimators.")
+ analysis of point sets, and k-means with clusters of equal size, in the manner
+ of scikit-learn's estimators.")
 
 # What Debian's policy wants in each package. The changelog's date is that of the sources, so that
 # the same sources make the same packages: SOURCE_DATE_EPOCH, or the last commit.
