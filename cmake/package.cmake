@@ -24,8 +24,8 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME lib${soname})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "${PROJECT_DESCRIPTION} (shared library)
  Sites that own equally many points each, as blue noise: for sampling,
- stippling, and codebooks with equally full cells. This is what programs need to
- run that are linked with the library.")
+ stippling, and codebooks with equally full cells. This is what programs need
+ to run that are linked with the library.")
 set(triggers ${PROJECT_BINARY_DIR}/package/triggers)
 file(WRITE ${triggers} "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${triggers})
