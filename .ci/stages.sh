@@ -99,6 +99,19 @@ errors() {
   tests/errors/record.sh build/release "$record" && tests/errors/check.py --record "$record"
 }
 
+# The binary interface of the shared library that the tests installed, beside that of programs.
+binary_interface() {
+  local shared=build/release/tests/install/sub_project/shared
+  cmake/install-packages.sh abigail-tools &&
+    tests/abi/check.sh "$(find "$shared" -name libccvt.so)" "$shared/include/ccvt"
+}
+
+# What README says of Debian packages, without errors of lintian's.
+debian_packages() {
+  cmake/install-packages.sh lintian && cmake/package.sh &&
+    lintian --fail-on error build/package/packages/*.deb
+}
+
 # Manual pages and completions.
 pages() {
   cmake/install-packages.sh fish groff-base zsh &&

@@ -1,5 +1,6 @@
-# What `cmake --install` puts under the prefix. The prefix may be moved afterwards. Components become
-# packages: library, what programs need that are linked with a shared one; development; program.
+# What `cmake --install` puts under the prefix. The prefix may be moved afterwards. Components
+# become packages: library, what programs need that are linked with a shared one; development;
+# program; python.
 
 include(CMakePackageConfigHelpers)
 get_target_property(CCVT_LIBRARY_TYPE ccvt TYPE)
@@ -28,6 +29,16 @@ if(TARGET ccvt_cli)
     DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT program)
   install(FILES ${pages}/completions/ccvt.fish
     DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
+endif()
+if(TARGET ccvt_python AND CCVT_PACKAGE)  # else pip installs it
+  set(modules lib/python3/dist-packages)
+  install(TARGETS ccvt_python LIBRARY DESTINATION ${modules}/ccvt COMPONENT python)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/python/ccvt DESTINATION ${modules} COMPONENT python
+    FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN py.typed PATTERN __pycache__ EXCLUDE)
+  file(WRITE ${PROJECT_BINARY_DIR}/package/METADATA "Metadata-Version: 2.1\nName: ccvt\n"
+    "Version: ${PROJECT_VERSION}\nSummary: ${PROJECT_DESCRIPTION}\nRequires-Dist: numpy\n")
+  install(FILES ${PROJECT_BINARY_DIR}/package/METADATA
+    DESTINATION ${modules}/ccvt-${PROJECT_VERSION}.dist-info COMPONENT python)
 endif()
 
 install(EXPORT ccvtTargets NAMESPACE ccvt:: DESTINATION ${package_dir} COMPONENT development)

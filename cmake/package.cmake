@@ -1,5 +1,5 @@
-# Debian packages, made by `cpack --preset package`: the shared library, what is needed to build with
-# it, and the program.
+# Debian packages, made by `cpack --preset package`: the shared library, what is needed to build
+# with it, the program, and the Python module where it is built.
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME ccvt)
@@ -9,6 +9,9 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL library development program)
+if(TARGET ccvt_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
@@ -20,9 +23,9 @@ set(soname ccvt${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME lib${soname})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "${PROJECT_DESCRIPTION} (shared library)
- Sites that own equally many points each, as blue noise: for sampling, stippling,
- and codebooks with equally full cells. This is what programs need to run that
- are linked with the library.")
+ Sites that own equally many points each, as blue noise: for sampling,
+ stippling, and codebooks with equally full cells. This is what programs need
+ to run that are linked with the library.")
 set(triggers ${PROJECT_BINARY_DIR}/package/triggers)
 file(WRITE ${triggers} "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${triggers})
@@ -43,20 +46,50 @@ set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "${PROJECT_DESCRIPTION} (program)
  trains codebooks with equally full cells, and analyses point sets. With manual
  pages, and completions for bash, zsh and fish.")
 
-# What Debian's policy wants in each package.
+# The module is for the one version of Python that it was compiled with. When the package comes, its
+# files are compiled; what that made goes with the package.
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-ccvt)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+if(TARGET ccvt_python)
+  find_package(Python REQUIRED COMPONENTS Interpreter)  # as src/python has found it: for the version
+  math(EXPR next_python "${Python_VERSION_MINOR} + 1")
+  string(JOIN ", " CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${this_library}"
+    "python3 (>= 3.${Python_VERSION_MINOR})" "python3 (<< 3.${next_python})" python3-numpy)
+  set(scripts ${PROJECT_BINARY_DIR}/package/python)
+  file(WRITE ${scripts}/postinst "#!/bin/sh\nset -e\npy3compile -p python3-ccvt\n")
+  file(WRITE ${scripts}/prerm "#!/bin/sh\nset -e\npy3clean -p python3-ccvt\n")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${scripts}/postinst ${scripts}/prerm)
+endif()
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-sklearn, python3-tqdm")
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "${PROJECT_DESCRIPTION} (Python module)
+ Tessellations of NumPy's arrays, samples of volumes and surfaces, stippling,
+ analysis of point sets, and k-means with clusters of equal size, in the manner
+ of scikit-learn's estimators.")
+
+# What Debian's policy wants in each package. The changelog's date is that of the sources, so that
+# the same sources make the same packages: SOURCE_DATE_EPOCH, or the last commit.
 set(copyright ${PROJECT_BINARY_DIR}/package/copyright)
 file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
 file(WRITE ${copyright} "Upstream-Name: ccvt\n\n${licence}")
+if(NOT DEFINED ENV{SOURCE_DATE_EPOCH})
+  execute_process(COMMAND git -C ${PROJECT_SOURCE_DIR} log -1 --format=%ct
+    OUTPUT_VARIABLE last_commit OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE no_commit)
+  if(no_commit)
+    message(FATAL_ERROR "Packages need a date, in seconds since 1970, in the environment's "
+      "SOURCE_DATE_EPOCH: git knows no last commit of ${PROJECT_SOURCE_DIR}")
+  endif()
+  set(ENV{SOURCE_DATE_EPOCH} ${last_commit})  # for this run of CMake alone
+endif()
+string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 file(WRITE ${PROJECT_BINARY_DIR}/package/changelog
   "ccvt (${PROJECT_VERSION}) unstable; urgency=medium\n\n  * See CHANGELOG.md in libccvt-dev.\n\n"
-  " -- ${CPACK_PACKAGE_CONTACT}  Tue, 24 Nov 2026 00:00:00 +0000\n")
-find_program(CCVT_GZIP gzip REQUIRED)
-mark_as_advanced(CCVT_GZIP)
+  " -- ${CPACK_PACKAGE_CONTACT}  ${date}\n")
 execute_process(COMMAND ${CCVT_GZIP} -9nf ${PROJECT_BINARY_DIR}/package/changelog
   COMMAND_ERROR_IS_FATAL ANY)
-set(packages lib${soname} libccvt-dev ccvt)
-foreach(component package IN ZIP_LISTS CPACK_COMPONENTS_ALL packages)
-  install(FILES ${copyright} ${PROJECT_BINARY_DIR}/package/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${package}
+foreach(component IN LISTS CPACK_COMPONENTS_ALL)
+  string(TOUPPER ${component} upper)
+  install(FILES ${copyright} ${PROJECT_BINARY_DIR}/package/changelog.gz
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME}
     COMPONENT ${component} EXCLUDE_FROM_ALL)
 endforeach()
 include(CPack)

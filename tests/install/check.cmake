@@ -1,9 +1,9 @@
 # Installs ccvt and builds and runs the consumer project in every way a user may. Called as
 #   cmake -D WAY=installed|sub_project -D SOURCE_DIR= -D BINARY_DIR= -D WORK_DIR= -D GENERATOR=
-#         -D COMPILER= -D PARALLEL= -P check.cmake
+#         -D COMPILER= -D NM= -D PARALLEL= -P check.cmake
 # installed     what BINARY_DIR built, installed to a prefix that is then moved; CMake, pkg-config
 # sub_project   FetchContent, with a shared library compiled for this very processor; then that
-#               library installed
+#               library installed, and its symbols (Debug has the -g that tests/abi/check.sh needs)
 # flags         the first of them under some sets of flags; flags.sh has more, for both
 
 # Debug, since that compiles fastest.
@@ -94,6 +94,8 @@ elseif(WAY STREQUAL "sub_project")
     -D CCVT_INSTALL=ON -D CCVT_PARALLEL=${PARALLEL}
     "-DCMAKE_CXX_FLAGS=-DHWY_COMPILE_ONLY_STATIC -march=native -O1")
   install_and_consume(${WORK_DIR}/sub_project shared)
+  file(GLOB_RECURSE shared_library ${WORK_DIR}/shared/*/libccvt.so)
+  run(${CMAKE_COMMAND} -D LIBRARY=${shared_library} -D NM=${NM} -P ${consumer}/symbols.cmake)
 elseif(WAY STREQUAL "flags")
   run(${CMAKE_CURRENT_LIST_DIR}/flags.sh --short ${WORK_DIR}
     ${WORK_DIR}/../installed/installed)
