@@ -1,0 +1,327 @@
+#include "run.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "bounds.h"
+#include "descent/descent.h"
+#include "parallel/loops.h"
+#include "relax/deal.h"
+#include "relax/initial_sites.h"
+#include "relax/initialize.h"
+#include "relax/levels.h"
+#include "relax/relaxer.h"
+#include "relax/site_order.h"
+#include "relax/update.h"
+#include "run_record.h"
+
+namespace ccvt {
+namespace {
+
+constexpr int kBalancedDimensions = 8;
+/// Points of levels that a cancelled run has not reached: with more, kTimeToFinish is not tried.
+constexpr Index kMostToFinish = 1 << 24;
+constexpr std::size_t kPointsPerGrain = std::size_t{1} << 16;
+
+const char* name_of(Initialization initialization) {
+  switch (initialization) {
+    case Initialization::automatic:
+      return "automatic";
+    case Initialization::balanced:
+      return "balanced";
+    case Initialization::coherent:
+      return "coherent";
+    case Initialization::random:
+      return "random";
+  }
+  return "unknown";
+}
+
+/// `one_level`: when levels have nothing to give, as owners are there or no site moves.
+Options resolved(Options options, int dimension, bool one_level) {
+  options.validate();
+  if (options.initialization == Initialization::automatic) {
+    options.initialization =
+        dimension <= kBalancedDimensions ? Initialization::balanced : Initialization::coherent;
+  }
+  if (one_level) options.multilevel = false;
+  return options;
+}
+
+}  // namespace
+
+template <class Scalar>
+Run<Scalar>::Run(Problem<Scalar> given_problem, Options given_options)
+    : problem(std::move(given_problem)),
+      warm(!problem.initial_owners().empty()),
+      options(resolved(std::move(given_options), problem.dimension(),
+                       warm || problem.fixed_sites().cols() == problem.site_count())),
+      stop(options.cancelled, options.time_limit),
+      record(options),
+      arena(options.threads, &stop, &record.clock()),
+      domain(measured_domain(problem)),
+      metric(problem.dimension(), domain) {
+  const auto timed = record.initializing();
+  Summary& summary = record.summary();
+  summary.dimension = problem.dimension();
+  summary.points = problem.point_count();
+  summary.sites = problem.site_count();
+  summary.seed = options.seed;
+  summary.threads_given = options.threads;
+  summary.threads_used = arena.threads();
+  summary.initialization_used = warm ? "owners" : name_of(options.initialization);
+
+  {
+    const Stop::Pause pause(stop);  // without sites there is no tessellation
+    place_sites();
+  }
+  try {
+    divide_points();
+  } catch (const Stopped&) {
+    deal({}, {});
+    end(Termination::cancelled);
+    return;
+  }
+  summary.levels = static_cast<int>(levels.size());
+  if (warm) {
+    take_owners();
+  } else {
+    enter_level(0);
+  }
+  if (!dealt.empty()) end(Termination::cancelled);
+}
+
+/// Fast CCVT [Program 2]: one turn of its loop. With several levels [5.2] the tessellation of one
+/// that is stable goes on with the points that join on the next.
+template <class Scalar>
+bool Run<Scalar>::step() {
+  if (record.ended()) return false;
+  stop.enter();
+  if (record.iterations() >= options.max_iterations) return end(Termination::iteration_limit);
+
+  const double energy_before = record.energy();
+  const PassCount done = pass();
+  const double energy = energy_of_sites();
+  const bool go_on = record.add(done, static_cast<int>(level), state.cells.point_count(), energy,
+                                progress(done), options);
+
+  if (done.stopped || !go_on) return end(Termination::cancelled);
+  if (!(descent ? descent->ended() : relaxer->stable())) {
+    const bool improved = energy_before - energy >= options.energy_tolerance * energy_before;
+    return improved || !on_finest_level() || options.energy_tolerance == 0 ||
+           end(Termination::energy_tolerance);
+  }
+  if (descent) {
+    const bool pairs_next = on_finest_level() && descent->depth() != Depth::even;
+    descent.reset();
+    if (pairs_next) return true;
+    if (on_finest_level()) return end(Termination::blue_noise);
+  }
+  if (on_finest_level()) return end(Termination::stable);
+  enter_level(level + 1);
+  return dealt.empty() || end(Termination::cancelled);
+}
+
+template <class Scalar>
+PassCount Run<Scalar>::pass() {
+  const auto timed = record.relaxing();
+  if (descent) {
+    const PassCount done = descent->step(state);
+    if (!descent->unsuited()) return done;
+    descent.reset();
+  }
+  return relaxer->step(state);
+}
+
+/// How far the run has come: levels count as their points, and a level by how many sites are at
+/// rest.
+template <class Scalar>
+double Run<Scalar>::progress(const PassCount& done) const {
+  double before = 0;
+  double all = 0;
+  std::size_t joined = 0;
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    if (l == level) before = all;
+    joined += levels[l].joining.size();
+    all += static_cast<double>(joined);
+  }
+  constexpr double kBeforePairs = 0.8;  // of a level that is descended first
+  constexpr double kBrief = 0.1;
+  const auto descended = [this] {
+    if (!on_finest_level() || descent->depth() == Depth::even) return descent->progress();
+    return (descent->depth() == Depth::full ? kBeforePairs : kBrief) * descent->progress();
+  };
+  const double here =
+      descent ? descended() : 1 - static_cast<double>(done.active_sites) / problem.site_count();
+  return (before + here * state.cells.point_count()) / all;
+}
+
+/// Whether this level is lowered by Descent, and how far.
+template <class Scalar>
+std::optional<Depth> Run<Scalar>::descends() const {
+  constexpr double kTimesAsManyOnFinest = 4;
+  const double least = static_cast<double>(options.descent_points) * problem.site_count();
+  if (options.descent_points == 0 || options.pairs != PairSelection::meeting ||
+      state.cells.point_count() < least) {
+    return {};
+  }
+  if (options.until == Until::blue_noise && level > 0) return Depth::even;
+  if (problem.point_count() >= kTimesAsManyOnFinest * least) return Depth::full;
+  if (on_finest_level() && level > 0) return Depth::brief;
+  return {};
+}
+
+/// Ends the run; points of levels that it has not reached join. False.
+template <class Scalar>
+bool Run<Scalar>::end(Termination termination) {
+  const auto cut_short = [this] {
+    return stop.late() ? Termination::time_limit : Termination::cancelled;
+  };
+  if (termination == Termination::cancelled) {
+    termination = cut_short();
+    // Owners as good as the sites, if there is time for that.
+    stop.allow(kTimeToFinish);
+    if (!on_finest_level() && problem.point_count() > kMostToFinish) {
+      deal(state.cells, state.cells.sizes());
+    }
+  }
+  while (!on_finest_level()) enter_level(level + 1);
+  stop.off();
+  // Cancelled while points of the last levels joined.
+  record.end(dealt.empty() ? termination : cut_short(), problem, box);
+  return false;
+}
+
+/// Initial sites, in spatial order.
+template <class Scalar>
+void Run<Scalar>::place_sites() {
+  const auto charge = arena.phase(Phase::sites);
+  box = bounding_box(problem, arena);
+  around = search_box(domain, box);
+  const SiteState given = initial_sites(problem, metric, options.seed, arena);
+  state.tiling = Tiling::of_points(problem.site_count(), problem.point_count(), options.tile_sites);
+  site_of = spatial_order(given, state.tiling.sites_per_tile(), arena);
+  state.sites = SiteState(given.dimension, given.count());
+  for (const SiteNumber k : state.sites.all()) {
+    std::copy_n(given.at(site_of[k]), given.dimension, state.sites.at(k));
+  }
+  for (const SiteNumber k : state.sites.all()) {
+    if (!given.fixed.empty()) state.sites.fixed.push_back(given.fixed[site_of[k]]);
+  }
+}
+
+/// The points of each level, and what their sites hold.
+template <class Scalar>
+void Run<Scalar>::divide_points() {
+  const auto charge = arena.phase(Phase::levels);
+  std::vector<Index> capacities;
+  capacities.reserve(site_of.size());
+  for (const SiteNumber given : site_of) capacities.push_back(problem.capacities()[given]);
+  levels.resize(1);
+  levels[0].capacities = capacities;
+  levels = make_levels(capacities, problem.point_count(), options, arena);
+}
+
+template <class Scalar>
+void Run<Scalar>::take_owners() {
+  std::vector<SiteNumber> rank(site_of.size());
+  for (const SiteNumber k : state.sites.all()) rank[site_of[k]] = k;
+  state.cells = Cells<Scalar>(problem.dimension(), levels[0].capacities);
+  Filling<Scalar> filling(state.cells, problem.points(), state.tiling);
+  for (const PointNumber p : points_below(problem.point_count())) {
+    filling.add(rank[SiteNumber(problem.initial_owners()[p])], p);
+  }
+  begin_level();
+}
+
+/// Gives the joining points owners by the chosen initialization.
+template <class Scalar>
+void Run<Scalar>::join(const JoiningPoints& joining, std::span<const Pair> near,
+                       Filling<Scalar>& filling) {
+  const auto charge = arena.phase(Phase::join);
+  switch (options.initialization) {
+    case Initialization::automatic:  // decided by resolved()
+    case Initialization::balanced:
+      return join_balanced(metric, state.sites, around, joining, near, arena, filling);
+    case Initialization::coherent:
+      return join_coherent(metric, state.sites, joining.all(arena), options.seed, filling, arena);
+    case Initialization::random:
+      return join_random(joining.all(arena), options.seed, filling, arena);
+  }
+}
+
+/// Lets the points of the next level join the cells. When the run is cancelled meanwhile, all
+/// points are dealt out.
+template <class Scalar>
+void Run<Scalar>::enter_level(std::size_t next) {
+  const auto timed = record.initializing();
+  const Buffer<Pair> near = relaxer ? relaxer->listed() : Buffer<Pair>{};
+  Cells<Scalar> larger(problem.dimension(), levels[next].capacities);
+  Filling<Scalar> filling(larger, problem.points(), state.tiling);
+  if (level < next) {
+    const auto charge = arena.phase(Phase::join);
+    const Stop::Pause pause(stop);
+    for_each_site(arena, state.tiling, [&](SiteNumber s) { filling.add_cell(state.cells, s); });
+  }
+  state.cells = {};
+  level = next;
+  try {
+    join(levels[level].joining, near, filling);
+  } catch (const Stopped&) {
+    return deal(larger, filling.filled);
+  } catch (...) {
+    deal(larger, filling.filled);
+    end(Termination::cancelled);
+    throw;
+  }
+  state.cells = std::move(larger);
+  begin_level();
+}
+
+/// Ends a cancelled run: all points get owners without more ado, and the sites stay as they are.
+template <class Scalar>
+void Run<Scalar>::deal(const Cells<Scalar>& owned, std::span<const Index> filled) {
+  stop.off();
+  const auto points = static_cast<std::int64_t>(problem.point_count());
+  const std::int64_t joined = std::accumulate(filled.begin(), filled.end(), std::int64_t{0});
+  record.summary().warnings.push_back(
+      "the run ended before all points had joined: " + std::to_string(points - joined) + " of " +
+      std::to_string(points) +
+      " went to sites that had room, and sites are not at the centroids of their cells");
+  dealt = deal_rest(metric, state.sites, around, problem.points(), levels.back().capacities, owned,
+                    filled);
+  level = levels.size() - 1;
+  state.cells = {};
+  relaxer.reset();
+  const double energy = sum_of(arena, dealt.size(), kPointsPerGrain, [&](std::size_t p) {
+    return metric.squared_distance(problem.points()[PointNumber(p).index()],
+                                   state.sites.at(dealt[p]));
+  });
+  record.begin(energy, true);
+}
+
+/// All points of the level are in cells: the sites move to their centroids.
+template <class Scalar>
+void Run<Scalar>::begin_level() {
+  relaxer = std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, state.sites.count(),
+                                              largest_coordinate(problem, domain, box));
+  {
+    const Stop::Pause pause(stop);
+    update_all(metric, state, arena);
+  }
+  if (const std::optional<Depth> depth = descends()) {
+    descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, problem.points(), state,
+                                                *depth, weights);
+  }
+  record.begin(energy_of_sites(), on_finest_level());
+}
+
+template struct Run<float>;
+template struct Run<double>;
+
+}  // namespace ccvt

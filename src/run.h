@@ -1,0 +1,74 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "ccvt/domain.h"
+#include "ccvt/options.h"
+#include "ccvt/problem.h"
+#include "descent/descent.h"
+#include "geometry/metric.h"
+#include "numbers.h"
+#include "parallel/arena.h"
+#include "parallel/stop.h"
+#include "relax/cells.h"
+#include "relax/filling.h"
+#include "relax/levels.h"
+#include "relax/relaxer.h"
+#include "run_record.h"
+
+namespace ccvt {
+
+/// What a Solver does, from the first sites to its end.
+template <class Scalar>
+struct Run {
+  Run(Problem<Scalar> given_problem, Options given_options);
+
+  bool step();
+  bool end(Termination termination);
+
+  void place_sites();
+  void divide_points();
+  void take_owners();
+  void enter_level(std::size_t next);
+  void join(const JoiningPoints& joining, std::span<const Pair> near, Filling<Scalar>& filling);
+  void deal(const Cells<Scalar>& owned, std::span<const Index> filled);
+  void begin_level();
+  [[nodiscard]] double energy_of_sites() {
+    const Stop::Pause pause(stop);
+    return total_energy(state.sites, arena);
+  }
+  [[nodiscard]] bool on_finest_level() const { return level + 1 == levels.size(); }
+  [[nodiscard]] std::optional<Depth> descends() const;
+  PassCount pass();
+  [[nodiscard]] double progress(const PassCount& done) const;
+
+  Problem<Scalar> problem;
+  bool warm;  ///< the problem has owners
+  Options options;
+  Stop stop;
+  RunRecord record;
+  Arena arena;
+  Domain domain;  ///< in which distances are measured
+  Metric metric;
+  Box box;     ///< of the points
+  Box around;  ///< where sites are looked for
+
+  /// The solver numbers sites by where they are: site_of[k] is the caller's number of site k.
+  std::vector<SiteNumber> site_of;
+  std::vector<Level> levels;
+  std::size_t level = 0;
+  LevelState<Scalar> state;
+  std::unique_ptr<Relaxer<Scalar>> relaxer;
+  std::unique_ptr<Descent<Scalar>> descent;  ///< while it goes on
+  std::vector<double> weights;               ///< of sites, for it
+  /// Of a run that was cancelled, when there was no time for more: the owners, by deal_rest().
+  std::vector<SiteNumber> dealt;
+};
+
+extern template struct Run<float>;
+extern template struct Run<double>;
+
+}  // namespace ccvt
