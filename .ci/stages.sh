@@ -118,11 +118,10 @@ pages() {
     tests/pages/check.sh build/release/bin/ccvt build/release/pages
 }
 
-# The documentation site, its guides' commands, links and layers, with the program that the release
-# preset built.
+# The documentation site, its guides' commands, links and layers, by README's command.
 documents() {
   cmake/install-packages.sh doxygen graphviz python3 &&
-    src/docs/site/build.sh build/release/bin/ccvt build/release/site
+    cmake --preset release -DCCVT_BUILD_DOCS=ON && cmake --build --preset release --target ccvt_docs
 }
 
 format() {

@@ -37,7 +37,8 @@ new_system() {  # name
       fail "debootstrap: see $directory/debootstrap.log"
     touch "$base/complete"
   fi
-  rm -rf "$root"
+  # What is mounted in the one of an earlier run is not ours.
+  rm -rf --one-file-system "$root"
   cp -a "$base" "$root"
   mount -t proc proc "$root/proc"
   mount --rbind /dev "$root/dev"
@@ -136,8 +137,10 @@ packages() {
   say "packages: installed, used, and removed without a trace"
 }
 
+rm -f "$directory/stipple.png"  # of another commit
 steps=("$@")
 [ $# -gt 0 ] || steps=(refusals root user packages)
+[ "$(printf '%s\n' "${steps[@]}" | sort | uniq -d)" = "" ] || fail "a step is named twice"
 for step in "${steps[@]}"; do
   case $step in
     refusals | root | user | packages) "$step" ;;

@@ -52,6 +52,7 @@ install(FILES
 
 # Documents. What their links lead to in the repository is not installed but for the documents: of
 # other links and of pictures the text stays.
+file(REMOVE_RECURSE ${PROJECT_BINARY_DIR}/documents)  # of guides that are gone
 set(documents README.md CHANGELOG.md include/ccvt/README.md)
 set(installed_documents README.md CHANGELOG.md architecture.md)
 file(GLOB guides CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} src/docs/*.md)

@@ -9,5 +9,6 @@ cmake/install-packages.sh dpkg-dev file gzip pybind11-dev python3-dev
 echo "== Building into build/package"
 cmake --preset package
 cmake --build --preset package
+rm -rf build/package/packages  # of other versions
 cpack --preset package
 ls -l build/package/packages/*.deb

@@ -86,6 +86,13 @@ TEST_CASE("start is what README shows, and runs") {
   const std::string shown = readme.substr(from, readme.find("```", from) - from);
   const std::string start = get(sources / "tests/examples/start.cpp");
   REQUIRE(shown.size() > 200);
+  // The guide has both of README's blocks.
+  const std::string guide = get(sources / "src/docs/cplusplus.md");
+  CHECK(guide.find(open + shown + "```") != std::string::npos);
+  const auto second = readme.find(open, from) + open.size();
+  const std::string steps = readme.substr(second, readme.find("```", second) - second);
+  REQUIRE(steps.find("solver.step()") != std::string::npos);
+  CHECK(guide.find(open + steps + "```") != std::string::npos);
   CHECK(start.substr(start.find("#include")) == shown);
 
   const TemporaryDirectory directory;

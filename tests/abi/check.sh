@@ -5,6 +5,7 @@
 #   check.sh --update LIBRARY HEADERS_DIR   writes a new libccvt.abi.gz
 # HEADERS_DIR is where the public headers lie: types that they do not define are not compared.
 set -euo pipefail
+[ $# -ge 2 ] || { sed -n 's/^# \{0,1\}//;2,6p' "$0"; exit 2; }
 update=
 if [ "$1" = --update ]; then
   update=yes
@@ -50,6 +51,9 @@ if [ -n "$update" ]; then
   exit 0
 fi
 gzip -dc "$own/libccvt.abi.gz" >"$work/before.abi"
+architecture() { sed -n "1s/.* architecture='\([^']*\)'.*/\1/p" "$1"; }
+[ "$(architecture "$work/before.abi")" = "$(architecture "$work/now.abi")" ] ||
+  fail "The baseline is of $(architecture "$work/before.abi"), the library of $(architecture "$work/now.abi")."
 head -n 1 "$work/before.abi" | grep -qF "soname='$soname'" ||
   fail "$own/libccvt.abi.gz is not of $soname.
 $(how_to_update)"

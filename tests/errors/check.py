@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""Every error that the library and the program can report has an example that a test provokes.
+"""Every exception that the library and the program throw has an example that a test provokes.
 
 Finds in include/ and src/ what makes messages: `throw`, and the functions that throw what they are
 given. README.md beside this file has an example of each.
 
 usage: check.py                     whether README.md has an example of every message, and no other
-       check.py --record RECORD     the same of what tests threw: a file that recorder.cpp wrote
+       check.py --record RECORD     the same of what tests threw, a file that recorder.cpp wrote, and
+                                    whether README.md's examples are among it
        check.py --write RECORD      writes README.md anew, with examples from there
 """
 import pathlib
@@ -172,6 +173,10 @@ def main():
             problems.append(f"{message.file}:{message.line}: no test provokes: {message.name}")
         if message.file not in ADVICE:
             problems.append(f"advice.py: says nothing of {message.file}")
+    if action == "--record":
+        thrown = {cell(text) for text in texts}
+        problems += [f"README.md: no test says: {text}" for text in examples_of_page()
+                     if cell(text) not in thrown]
     for problem in dict.fromkeys(problems):
         print(problem)
     if problems:

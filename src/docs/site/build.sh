@@ -20,8 +20,8 @@ version=$("$program" --version | sed -n '1s/^ccvt //p')
 {
   cat $site/Doxyfile
   echo "PROJECT_NUMBER = $version"
-  echo "OUTPUT_DIRECTORY = $out"
-  echo "IMAGE_PATH = $out/pictures"
+  echo "OUTPUT_DIRECTORY = \"$out\""
+  echo "IMAGE_PATH = \"$out/pictures\""
 } | doxygen -
 python3 $site/api.py "$out/xml"
 
