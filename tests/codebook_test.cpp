@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ccvt/io.h"
 #include "ccvt/sampling.h"
 #include "support/files.h"
 #include "support/generate.h"
@@ -237,9 +238,19 @@ TEST_CASE("a saved codebook comes back bit for bit") {
     CHECK(back.weights() == training.codebook.weights());
     CHECK(Codebook::load(words).weights().isZero());
   }
+  // NumPy's arrays of one dimension are weights, too.
+  const std::vector<Index> whole = {3, 1, 4, 1, 5, 9, 2, 6, 5};
+  write_owners(directory / "flat.npy", whole);
+  const Codebook flat = Codebook::load(directory / "words.npy", directory / "flat.npy");
+  CHECK(std::equal(whole.begin(), whole.end(), flat.weights().data()));
+  write_owners(directory / "few.npy", std::span(whole).first(4));
+  CHECK(refusal([&] {
+          Codebook::load(directory / "words.npy", directory / "few.npy");
+        }).find("few.npy: has 4 numbers, but one for each of the 9 codewords") !=
+        std::string::npos);
   CHECK(refusal([&] {
           Codebook::load(directory / "words.npy", directory / "words.npy");
-        }).find("one number for each of the 9 codewords") != std::string::npos);
+        }).find("words.npy: has 3 numbers a row; there must be one") != std::string::npos);
 }
 
 TEST_CASE("bad input is refused by name") {

@@ -202,13 +202,13 @@ Codebook Codebook::load(const std::filesystem::path& codewords,
                         const std::filesystem::path& weights) {
   const Points<double> words = read_points<double>(codewords);
   if (weights.empty()) return Codebook(words);
-  const Points<double> column = read_points<double>(weights);
-  if (column.rows() != 1 || column.cols() != words.cols()) {
-    throw InvalidInput(weights.string() + ": has the shape (" + std::to_string(column.cols()) +
-                       ", " + std::to_string(column.rows()) + "), but one number for each of the " +
-                       std::to_string(words.cols()) + " codewords is needed");
+  const std::vector<double> numbers = read_numbers(weights);
+  if (std::cmp_not_equal(numbers.size(), words.cols())) {
+    throw InvalidInput(weights.string() + ": has " + std::to_string(numbers.size()) +
+                       " numbers, but one for each of the " + std::to_string(words.cols()) +
+                       " codewords is needed");
   }
-  return Codebook(words, column.row(0).transpose());
+  return Codebook(words, Coordinates(numbers));
 }
 
 template CCVT_EXPORT std::vector<Index> Codebook::encode(PointsView<float>, Coding, int,

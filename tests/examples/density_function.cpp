@@ -4,11 +4,12 @@
 #include <ccvt/ccvt.h>
 
 #include <cmath>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <span>
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   if (argc != 2) {
     std::cerr << "usage: density_function FOLDER\n";
     return 2;
@@ -39,4 +40,7 @@ int main(int argc, char** argv) {
   pixels.row(1) = 100 * (4 - sites.row(1).array());
   const ccvt::Stippling<float> dots{800, 800, pixels, /*dot_radius=*/2.5, {}};
   ccvt::write_png(folder / "sites.png", ccvt::render(dots, /*scale=*/1));
+} catch (const std::exception& error) {
+  std::cerr << "density_function: " << error.what() << "\n";
+  return 1;
 }

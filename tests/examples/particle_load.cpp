@@ -3,9 +3,10 @@
 //   ./particle_load load.gadget    (or load.hdf5)
 #include <ccvt/ccvt.h>
 
+#include <exception>
 #include <iostream>
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   if (argc != 2) {
     std::cerr << "usage: particle_load FILE.gadget|FILE.hdf5\n";
     return 2;
@@ -26,4 +27,7 @@ int main(int argc, char** argv) {
             << ccvt::particle_mass(count, options) << "; nearest neighbours are "
             << ccvt::nearest_distances(set).smallest
             << " of the distance in the densest lattice apart, or more\n";
+} catch (const std::exception& error) {
+  std::cerr << "particle_load: " << error.what() << "\n";
+  return 1;
 }

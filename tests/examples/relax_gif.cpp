@@ -3,12 +3,13 @@
 //   ./relax_gif relax.gif
 #include <ccvt/ccvt.h>
 
+#include <exception>
 #include <iostream>
 #include <vector>
 
 #include "gif.h"
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   if (argc != 2) {
     std::cerr << "usage: relax_gif FILE.gif\n";
     return 2;
@@ -35,4 +36,7 @@ int main(int argc, char** argv) {
 
   ccvt::write_text(argv[1], animated_gif(frames, /*hundredths=*/12));
   std::cout << frames.size() << " frames; " << solver.summary().brief() << "\n";
+} catch (const std::exception& error) {
+  std::cerr << "relax_gif: " << error.what() << "\n";
+  return 1;
 }
