@@ -190,7 +190,8 @@ TEST_CASE("streams that cannot be are refused") {
        "standard input: line 2: field 2: 'x' is not a number\n"},
       {"none.csv", "tessellate - --sites 1 -o -", "standard input: is empty\n"},
   };
-  for (const auto& [input, line, message] : cases) {
+  for (const auto& [input, refused, message] : cases) {
+    const std::string& line = refused;  // lambdas of Clang 14 cannot have what is bound
     CAPTURE(line);
     const Ran ran = run_piped(room, input, line);
     CHECK(ran.status == 2);
