@@ -16,6 +16,7 @@
 #include "ccvt/sampling.h"
 #include "support/files.h"
 #include "support/process.h"
+#include "support/wait_for.h"
 
 namespace ccvt::test {
 namespace {
@@ -24,17 +25,6 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kNothingYet = "ccvt: error: interrupted before there was anything to write\n";
-
-/// Waits until `done` or a minute has passed.
-template <class Condition>
-bool wait_for(Condition&& done) {
-  const auto end = Clock::now() + std::chrono::minutes(1);
-  while (!done()) {
-    if (Clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
-}
 
 /// When a signal came.
 enum class Caught { too_early, too_late, in_time };

@@ -4,20 +4,22 @@
 #include <doctest/doctest.h>
 #include <fcntl.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <csignal>
-#include <iterator>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <string>
 #include <vector>
 
 #include "ccvt/io.h"
 #include "ccvt/sampling.h"
 #include "support/files.h"
+#include "support/pipe.h"
 #include "support/process.h"
+#include "support/room.h"
 #include "support/terminal.h"
 
 namespace ccvt::test {
@@ -25,22 +27,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is under a directory for temporary files, which is where stand-ins are.
-struct Room {
-  Room() { fs::create_directory(directory / "tmp"); }
-  [[nodiscard]] std::size_t left() const {
-    return static_cast<std::size_t>(
-        std::distance(fs::directory_iterator(directory / "tmp"), fs::directory_iterator()));
-  }
-  TemporaryDirectory directory;
-};
-
 /// Runs the program with the bytes of a file on standard input, from a pipe, as programs meet it.
 Ran run_piped(const Room& room, const std::string& input, const std::string& line) {
   const std::string command =
       (input.empty() ? "" : "cat " + input + " | ") + std::string(CCVT_PROGRAM) + " " + line;
-  Process process("/bin/sh", {"-c", command}, room.directory.path(),
-                  [&] { ::setenv("TMPDIR", (room.directory / "tmp").c_str(), 1); });
+  Process process("/bin/sh", {"-c", command}, room.directory.path(), [&] { room.enter(); });
   const int status = process.wait();
   return {status, process.output(), process.errors()};
 }
@@ -53,6 +44,9 @@ void put_inputs(const TemporaryDirectory& directory) {
   put(directory / "c.csv", "100\n100\n100\n100\n");
   put(directory / "v.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\n" +
                                 std::string(64, '\x07'));
+  put(directory / "d.nrrd",
+      "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: v.raw\n");
+  put(directory / "v.raw", std::string(64, '\x07'));
   put(directory / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
   put(directory / "c.ply",
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
@@ -73,6 +67,10 @@ std::string with(std::string line, const std::string& input, const std::string& 
   if (const auto at = line.find("IN"); at != std::string::npos) line.replace(at, 2, input);
   if (const auto at = line.find("OUT"); at != std::string::npos) line.replace(at, 3, output);
   return line;
+}
+
+std::string without_seconds(const std::string& text) {
+  return std::regex_replace(text, std::regex("[0-9.e+-]+ s\\b"), "… s");
 }
 
 }  // namespace
@@ -106,6 +104,7 @@ TEST_CASE("a stream has the bytes of a file") {
       {"w.csv", "-", "encode p.npy --codebook IN -o OUT", "o.npy", "npy:-"},
       {"v.nrrd", "nrrd:-", "volume IN --sites 8 -o OUT", "o.csv", "-"},
       {"v.nrrd", "nrrd:-", "volume IN --sites 8 -o OUT", "o.ply", "ply:-"},
+      {"v.nrrd", "nrrd:-", "volume v.nrrd --mask IN --sites 8 -o OUT", "o.csv", "-"},
       {"m.obj", "obj:-", "surface IN --sites 8 -o OUT", "o.csv", "-"},
       {"c.ply", "-", "thin ply:- --sites 2 -o OUT", "o.csv", "-"},
       {"i.png", "-", "stipple IN --sites 8 -o OUT", "o.csv", "-"},
@@ -127,8 +126,8 @@ TEST_CASE("a stream has the bytes of a file") {
     CAPTURE(streams.errors);
     CHECK(streams.status == 0);
     CHECK(streams.output == bytes);
-    // What is printed otherwise, but for seconds, the last number.
-    CHECK(streams.errors.substr(0, 20) == (file.errors + file.output).substr(0, 20));
+    // What is printed otherwise, but for seconds.
+    CHECK(without_seconds(streams.errors) == without_seconds(file.errors + file.output));
     CHECK(streams.errors.find("ccvt-") == std::string::npos);
     CHECK(run_piped(room, each.input, stream_line + " -q").errors.empty());
     CHECK(room.left() == 0);
@@ -160,6 +159,9 @@ TEST_CASE("streams that cannot be are refused") {
   put(room.directory / "bad.csv", "1 2\n3 x\n");
   put(room.directory / "none.csv", "");
   const std::string once = "already; one file only may be a stream\n";
+  const std::string no_data =
+      "standard input: its header names a data file, which a stream has no directory for; name the "
+      "header as a file\n";
   const std::vector<std::array<std::string, 3>> cases = {
       {"p.csv", "tessellate - --initial-sites - -o s.csv",
        "--initial-sites: standard input is that of POINTS " + once},
@@ -177,6 +179,8 @@ TEST_CASE("streams that cannot be are refused") {
        "its end; name a file\n"},
       {"v.nrrd", "volume nhdr:- --sites 2 -o -",
        "FILE: 'nhdr:-' cannot be a stream: .nhdr has its data in another file; name a file\n"},
+      {"d.nrrd", "volume nrrd:- --sites 2 -o -", no_data},
+      {"d.nrrd", "volume v.nrrd --mask nrrd:- --sites 2 -o -", no_data},
       {"", "sample --dim 2 --sites 2 -o s.csv --summary json:-",
        "--summary: 'json:-' names a format, but there is one only; say -\n"},
       {"", "analyze p.csv -o -",
@@ -186,7 +190,8 @@ TEST_CASE("streams that cannot be are refused") {
        "standard input: line 2: field 2: 'x' is not a number\n"},
       {"none.csv", "tessellate - --sites 1 -o -", "standard input: is empty\n"},
   };
-  for (const auto& [input, line, message] : cases) {
+  for (const auto& [input, refused, message] : cases) {
+    const std::string& line = refused;  // lambdas of Clang 14 cannot have what is bound
     CAPTURE(line);
     const Ran ran = run_piped(room, input, line);
     CHECK(ran.status == 2);
@@ -194,19 +199,28 @@ TEST_CASE("streams that cannot be are refused") {
     CHECK(ran.errors == "ccvt: error: " + message);
     CHECK(room.left() == 0);
   }
-  // Before anything is read: this would wait for the pipe's end.
-  std::array<int, 2> ends{};
-  REQUIRE(::pipe(ends.data()) == 0);
-  const Ran early = run(room.directory, "tessellate - --sites 2 -o none/s.csv",
-                        [&] { ::dup2(ends[0], STDIN_FILENO); });
-  CHECK(early.status == 2);
-  CHECK(early.errors ==
-        "ccvt: error: none/s.csv: cannot be written: there is no directory 'none'\n");
-  ::close(ends[0]);
-  ::close(ends[1]);
   // A file of such a name is still to be had.
-  CHECK(run(room.directory, "sample --dim 2 --sites 2 -o ./-.csv").status == 0);
-  CHECK(fs::exists(room.directory / "-.csv"));
+  CHECK(run(room.directory, "sample --dim 2 --sites 2 -o s.csv --summary ./-").status == 0);
+  CHECK(fs::exists(room.directory / "-"));
+}
+
+TEST_CASE("outputs are checked before standard input is read") {
+  const Room room;
+  put_inputs(room.directory);
+  for (const char* const line :
+       {"tessellate - --sites 2 -o none/s.csv", "volume nrrd:- --sites 2 -o none/s.csv",
+        "volume v.nrrd --mask nrrd:- --sites 2 -o none/s.csv"}) {
+    CAPTURE(line);
+    const std::string bytes = get(room.directory / "v.nrrd");
+    Pipe pipe;
+    REQUIRE(pipe.write(bytes));
+    pipe.close_writing();
+    const Ran early = run(room.directory, line, [&] { ::dup2(pipe.reading(), STDIN_FILENO); });
+    CHECK(early.status == 2);
+    CHECK(early.errors ==
+          "ccvt: error: none/s.csv: cannot be written: there is no directory 'none'\n");
+    CHECK(pipe.read() == bytes);
+  }
 }
 
 TEST_CASE("streams that fail give one line, and nothing is replaced") {
@@ -215,17 +229,16 @@ TEST_CASE("streams that fail give one line, and nothing is replaced") {
   put_inputs(directory);
   const std::string line = "tessellate p.csv --sites 4 -q -o - --owners-out o.csv --summary j.json";
   const auto nowhere = [&] {
-    ::setenv("TMPDIR", (directory / "tmp").c_str(), 1);
-    std::array<int, 2> ends{};
-    if (::pipe(ends.data()) != 0) ::_exit(125);
-    ::close(ends[0]);
-    ::dup2(ends[1], STDOUT_FILENO);
+    room.enter();
+    Pipe pipe;
+    pipe.close_reading();
+    ::dup2(pipe.writing(), STDOUT_FILENO);
   };
   const Ran closed_pipe = run(directory, line, nowhere);
   CHECK(closed_pipe.status == 1);
   CHECK(closed_pipe.errors == "ccvt: error: standard output: cannot be written: Broken pipe\n");
   const Ran full = run(directory, line, [&] {
-    ::setenv("TMPDIR", (directory / "tmp").c_str(), 1);
+    room.enter();
     ::dup2(::open("/dev/full", O_WRONLY), STDOUT_FILENO);
   });
   CHECK(full.status == 1);
@@ -243,30 +256,29 @@ TEST_CASE("streams that fail give one line, and nothing is replaced") {
   CHECK(no_room.status == 1);
   CHECK(no_room.errors.rfind(
             "ccvt: error: standard input: there is no directory for temporary files", 0) == 0);
+  const Ran no_place =
+      run(directory, "tessellate - --sites 4 -o s.csv", [] { ::setenv("TMPDIR", "/proc", 1); });
+  CHECK(no_place.status == 1);
+  CHECK(no_place.errors.rfind("ccvt: error: standard input: cannot be kept in /proc: ", 0) == 0);
+  // As on a full disk for temporary files.
+  const auto short_of_room = [&] {
+    room.enter();
+    const rlimit most = {1000, 1000};
+    ::setrlimit(RLIMIT_FSIZE, &most);
+    ::dup2(::open((directory / "p.csv").c_str(), O_RDONLY), STDIN_FILENO);
+  };
+  const std::string where = (directory / "tmp").string();
+  const Ran no_copy = run(directory, "sample --dim 2 --sites 99 -q -o -", short_of_room);
+  CHECK(no_copy.status == 1);
+  CHECK(no_copy.output.empty());
+  CHECK(no_copy.errors == "ccvt: error: the copy of standard output in " + where +
+                              " cannot be written: File too large\n");
+  const Ran not_kept = run(directory, "tessellate - --sites 4 -o s.csv", short_of_room);
+  CHECK(not_kept.status == 1);
+  CHECK(not_kept.errors ==
+        "ccvt: error: standard input: cannot be kept in " + where + ": File too large\n");
   for (const char* const name : {"o.csv", "j.json", "s.csv"}) CHECK(!fs::exists(directory / name));
   CHECK(room.left() == 0);
-}
-
-TEST_CASE("Ctrl-C while standard input is read leaves nothing") {
-  const Room room;
-  std::array<int, 2> ends{};
-  REQUIRE(::pipe(ends.data()) == 0);
-  Process process(CCVT_PROGRAM, words("tessellate - --sites 2 -o -"), room.directory.path(), [&] {
-    ::setenv("TMPDIR", (room.directory / "tmp").c_str(), 1);
-    ::dup2(ends[0], STDIN_FILENO);
-    ::close(ends[1]);
-  });
-  // It has begun to read when both stand-ins are there and a block of the pipe is taken.
-  const std::string block(1 << 17, '1');
-  CHECK(::write(ends[1], block.data(), block.size()) == static_cast<ssize_t>(block.size()));
-  CHECK(room.left() == 2);
-  process.send(SIGINT);
-  CHECK(process.wait() == 130);
-  CHECK(process.output().empty());
-  CHECK(process.errors() == "ccvt: error: interrupted before there was anything to write\n");
-  CHECK(room.left() == 0);
-  ::close(ends[0]);
-  ::close(ends[1]);
 }
 
 TEST_CASE("a terminal gets no binary files, no colours and no escape codes") {

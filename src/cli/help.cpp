@@ -176,8 +176,9 @@ std::string streams_text(const CLI::App& command) {
   if (std::none_of(options.begin(), options.end(), is_file)) return "";
   return "One FILE that is read may be -, standard input, and one that is written -, standard "
          "output: as .csv, or the first kind named for it where .csv is none of them. npy:- and so "
-         "on name another kind; .hdf5 and .nhdr cannot be streams. Standard output gets the whole "
-         "file at the end, and what is printed goes to standard error.";
+         "on name another kind; .hdf5 and .nhdr cannot be streams. Standard output is sent once it "
+         "is complete, and the exit status tells whether all of it went through; what is printed "
+         "goes to standard error.";
 }
 
 std::string HelpFormatter::make_help(const CLI::App* command, std::string name,

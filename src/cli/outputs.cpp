@@ -89,11 +89,13 @@ void Outputs::probe() const {
   }
 }
 
-void publish(Publication& outputs) {
+int publish(Publication& outputs) {
+  const int status = interrupted() ? 130 : 0;  // what comes later changes nothing that is written
   // The only copy that may fail late, or wait for who reads it.
   send_standard_output(outputs);
   const EndsHeldBack until_done;
   outputs.publish();
+  return status;
 }
 
 }  // namespace ccvt::cli

@@ -51,8 +51,9 @@ decltype(auto) check_before(Check&& check) {
 }
 
 /// Sends what is for standard output there, then publishes all other outputs of a run. A signal
-/// that ends the program waits until that is done. Throws IoError; where standard output fails,
-/// before any file has been replaced.
-void publish(Publication& outputs);
+/// that ends the program waits until the latter is done. Returns the status of the run: 130 when it
+/// had been interrupted by then, else 0. Throws IoError; where standard output fails, before any
+/// file has been replaced.
+int publish(Publication& outputs);
 
 }  // namespace ccvt::cli

@@ -112,7 +112,7 @@ int finish_training(const QuantizeArguments& arguments, Publication& outputs,
   if (!arguments.codes_out.empty()) write_owners(arguments.codes_out, training.codes);
   write_summary(arguments, training.summary, psnr);
   training.codebook.save(arguments.output, arguments.weights_out);
-  publish(outputs);
+  const int status = publish(outputs);
   warn(arguments.quiet, training.summary.warnings);
   std::string quality;
   if (psnr && std::isfinite(*psnr)) {
@@ -123,7 +123,7 @@ int finish_training(const QuantizeArguments& arguments, Publication& outputs,
     quality = ", PSNR n/a (no pixel differs)";
   }
   if (!arguments.quiet) print(training.summary.brief() + quality + "\n");
-  return interrupted() ? 130 : 0;
+  return status;
 }
 
 template <class Scalar>

@@ -157,7 +157,7 @@ void warn(bool quiet, const std::vector<std::string>& warnings) {
 
 int finish(const CommonArguments& common, Publication& outputs, const Summary& summary,
            const std::optional<PutBack>& put_back) {
-  publish(outputs);
+  const int status = publish(outputs);
   warn(common.quiet, summary.warnings);
   if (!common.quiet && put_back && put_back->sites > 0) {
     print("put back: " + std::to_string(put_back->sites) +
@@ -166,7 +166,7 @@ int finish(const CommonArguments& common, Publication& outputs, const Summary& s
           text(put_back->farthest, 3) + " away\n");
   }
   if (!common.quiet) print(summary.brief() + "\n");
-  return interrupted() ? 130 : 0;
+  return status;
 }
 
 }  // namespace ccvt::cli

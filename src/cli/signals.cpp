@@ -110,7 +110,9 @@ void handle_signals() {
   somebody_reads = ::isatty(STDERR_FILENO) != 0;
   handle(SIGINT, on_interrupt);
   handle(SIGTERM, on_termination);
-  if (!is_ignored(SIGHUP)) handle(SIGHUP, on_termination);  // as nohup asks
+  for (const int signal : {SIGHUP, SIGQUIT, SIGXCPU}) {
+    if (!is_ignored(signal)) handle(signal, on_termination);  // as nohup and shells ask
+  }
   handle(SIGXFSZ, SIG_IGN);
   handle(SIGPIPE, SIG_IGN);
 }
@@ -128,6 +130,14 @@ EndsHeldBack::~EndsHeldBack() {
   held_back = false;
   if (held_signal != 0) leave(held_signal);
 }
+
+SignalsBlocked::SignalsBlocked() {
+  sigset_t all;
+  ::sigfillset(&all);
+  ::pthread_sigmask(SIG_BLOCK, &all, &before_);
+}
+
+SignalsBlocked::~SignalsBlocked() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
 
 void unlink_at_end(std::size_t slot, const std::filesystem::path& file) {
   files_to_remove.at(slot).set(file.string());

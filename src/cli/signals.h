@@ -1,5 +1,7 @@
 #pragma once
 
+#include <signal.h>  // NOLINT(modernize-deprecated-headers): <csignal> lacks POSIX's sigset_t
+
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -7,10 +9,10 @@
 namespace ccvt::cli {
 
 /// From now on Ctrl-C (SIGINT) ends the program at once, with status 130, until it is watched; so
-/// do SIGTERM and SIGHUP at any time, with 128 and their number. Unfinished outputs are removed. A
-/// SIGHUP that is ignored stays so; SIGINT is handled even where it was ignored, as shells have it
-/// for the background jobs of scripts. Writes beyond a limit of size, and to a pipe that nobody
-/// reads, fail instead of ending the program.
+/// do SIGTERM, SIGHUP, SIGQUIT and SIGXCPU at any time, with 128 and their number. Unfinished
+/// outputs are removed. Those three last, where they are ignored, stay so; SIGINT is handled even
+/// where it was ignored, as shells have it for the background jobs of scripts. Writes beyond a
+/// limit of size, and to a pipe that nobody reads, fail instead of ending the program.
 void handle_signals();
 
 /// To be handed to the library as `cancelled`, right before the call that asks it and has something
@@ -27,6 +29,18 @@ class EndsHeldBack {
   EndsHeldBack(const EndsHeldBack&) = delete;
   EndsHeldBack& operator=(const EndsHeldBack&) = delete;
   ~EndsHeldBack();
+};
+
+/// While one lives, no signal comes to its thread. For a moment, before there are other threads.
+class SignalsBlocked {
+ public:
+  SignalsBlocked();
+  SignalsBlocked(const SignalsBlocked&) = delete;
+  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+  ~SignalsBlocked();
+
+ private:
+  sigset_t before_;
 };
 
 /// Two files that a signal which ends the program removes; "": none any more.

@@ -1,7 +1,8 @@
 #include "cli/standard_streams.h"
 
 #include <fcntl.h>
-#include <stdlib.h>
+#include <poll.h>
+#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): <cstdlib> lacks POSIX's mkstemps()
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -48,6 +50,7 @@ class StandIn {
     const fs::path directory = fs::temp_directory_path(error);
     if (error) fail(name_of(stream) + ": there is no directory for temporary files", error.value());
     std::string name = (directory / "ccvt-XXXXXX").string() + extension;
+    const SignalsBlocked until_named;  // else one that comes now would leave the file behind
     // Nobody else may read it.
     const int file = ::mkstemps(name.data(), static_cast<int>(extension.size()));
     if (file < 0) fail(name_of(stream) + ": cannot be kept in " + directory.string(), errno);
@@ -63,6 +66,7 @@ class StandIn {
   }
 
   [[nodiscard]] const fs::path& path() const { return path_; }
+  [[nodiscard]] std::string directory() const { return path_.parent_path().string(); }
   [[nodiscard]] const std::string& option() const { return option_; }
 
  private:
@@ -100,7 +104,7 @@ std::string extension_of_stream(const std::string& option, const std::string& te
     if (extensions.empty()) return "";
     return std::string(io::is_among(extensions, ".csv") ? ".csv" : extensions.front());
   }
-  const std::string extension = "." + text.substr(0, text.size() - kMark.size());
+  std::string extension = "." + text.substr(0, text.size() - kMark.size());
   if (extensions.empty()) {
     throw InvalidInput(option + ": '" + text + "' names a format, but there is one only; say -");
   }
@@ -136,6 +140,44 @@ using File = std::unique_ptr<std::FILE, Close>;
 
 constexpr std::size_t kBlock = std::size_t{1} << 16;
 
+/// Whether the read or write that just failed is to be made again, once `stream` is ready for it:
+/// whoever shares the stream may have made it one that does not wait.
+bool is_to_be_retried(int stream, short events) {
+  if (errno == EINTR) return true;
+  if (errno != EAGAIN) return false;
+  pollfd ready = {stream, events, 0};
+  ::poll(&ready, 1, -1);
+  return true;
+}
+
+/// Of at most `block.size()` bytes; 0 at the end.
+std::size_t read_standard_input(std::span<char> block) {
+  for (;;) {
+    const ssize_t got = ::read(STDIN_FILENO, block.data(), block.size());
+    if (got >= 0) return static_cast<std::size_t>(got);
+    if (!is_to_be_retried(STDIN_FILENO, POLLIN)) {
+      fail(name_of(Stream::input) + ": cannot be read", errno);
+    }
+  }
+}
+
+void write_standard_output(std::span<const char> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t sent = ::write(STDOUT_FILENO, bytes.data(), bytes.size());
+    if (sent >= 0) {
+      bytes = bytes.subspan(static_cast<std::size_t>(sent));
+    } else if (!is_to_be_retried(STDOUT_FILENO, POLLOUT)) {
+      fail_to_print();
+    }
+  }
+}
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
+    text.replace(at, from.size(), to);
+  }
+}
+
 }  // namespace
 
 bool names_stream(const std::string& text) {
@@ -161,34 +203,38 @@ fs::path file_of(const std::string& option, const std::string& text, Stream stre
   return stand_in(option, text, stream, extensions);
 }
 
+bool is_from_stream(const fs::path& file) {
+  const std::optional<StandIn>& input = of(Stream::input);
+  return input && input->path() == file;
+}
+
 void receive_standard_input() {
   static bool received = false;
   const std::optional<StandIn>& input = of(Stream::input);
   if (!input || std::exchange(received, true)) return;
-  const std::string kept =
-      name_of(Stream::input) + ": cannot be kept in " + input->path().parent_path().string();
+  const std::string kept = name_of(Stream::input) + ": cannot be kept in " + input->directory();
   File file(std::fopen(input->path().c_str(), "wb"));
   if (!file) fail(kept, errno);
   std::array<char, kBlock> block;
-  while (const std::size_t got = std::fread(block.data(), 1, block.size(), stdin)) {
+  while (const std::size_t got = read_standard_input(block)) {
     if (std::fwrite(block.data(), 1, got, file.get()) < got) fail(kept, errno);
   }
-  if (std::ferror(stdin) != 0) fail(name_of(Stream::input) + ": cannot be read", errno);
   if (std::fclose(file.release()) != 0) fail(kept, errno);
 }
 
 void send_standard_output(const Publication& outputs) {
   const std::optional<StandIn>& output = of(Stream::output);
   if (!output) return;
-  const fs::path path = outputs.unpublished(output->path());
-  const File file(std::fopen(path.c_str(), "rb"));
-  if (!file) fail(name_of(Stream::output) + ": cannot be kept in " + path.string(), errno);
+  const File file(std::fopen(outputs.unpublished(output->path()).c_str(), "rb"));
   std::array<char, kBlock> block;
-  while (const std::size_t got = std::fread(block.data(), 1, block.size(), file.get())) {
-    if (std::fwrite(block.data(), 1, got, stdout) < got) fail_to_print();
+  while (file) {
+    const std::size_t got = std::fread(block.data(), 1, block.size(), file.get());
+    if (got == 0) break;
+    write_standard_output(std::span(block).first(got));
   }
-  if (std::ferror(file.get()) != 0) fail(path.string() + ": cannot be read", errno);
-  if (std::fflush(stdout) != 0) fail_to_print();
+  if (!file || std::ferror(file.get()) != 0) {
+    fail("the copy of standard output in " + output->directory() + " cannot be read", errno);
+  }
 }
 
 bool standard_output_is_taken() { return of(Stream::output).has_value(); }
@@ -198,9 +244,11 @@ std::string with_names_of_streams(std::string message) {
     const std::optional<StandIn>& there = of(stream);
     if (!there) continue;
     const std::string path = there->path().string();
-    for (std::size_t at = 0; (at = message.find(path, at)) != std::string::npos;) {
-      message.replace(at, path.size(), name_of(stream));
+    if (stream == Stream::output) {
+      replace_all(message, path + ": cannot be written",
+                  "the copy of standard output in " + there->directory() + " cannot be written");
     }
+    replace_all(message, path, name_of(stream));
   }
   return message;
 }

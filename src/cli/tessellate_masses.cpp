@@ -12,7 +12,6 @@
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
-#include "cli/signals.h"
 #include "cli/streams.h"
 #include "number_text.h"
 
@@ -165,9 +164,9 @@ int tessellate_weighted(const TessellateArguments& arguments, const PointsHeader
   }
   write_summary(arguments, result.summary, {}, figures_of(result, options.method));
   write_points(arguments.output, result.sites);
-  publish(outputs);
+  const int status = publish(outputs);
   warn(arguments.quiet, result.summary.warnings);
-  if (arguments.quiet) return interrupted() ? 130 : 0;
+  if (arguments.quiet) return status;
   print(result.summary.brief() + "; " + result.brief_error() + "\n");
   if (options.method == MassMethod::resampled) {
     print(std::to_string(result.shared_points) +
@@ -175,7 +174,7 @@ int tessellate_weighted(const TessellateArguments& arguments, const PointsHeader
           "capacities by up to " +
           text(100 * error_of_owners(result, masses), 3) + " %\n");
   }
-  return interrupted() ? 130 : 0;
+  return status;
 }
 
 }  // namespace

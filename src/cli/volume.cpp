@@ -7,7 +7,6 @@
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
-#include "cli/standard_streams.h"
 #include "cli/streams.h"
 #include "cli/volume_input.h"
 
@@ -51,19 +50,18 @@ int run_volume(const VolumeArguments& arguments) {
   if (!arguments.labels.empty() && arguments.mask.empty()) {
     throw InvalidInput("--label: needs --mask, the volume of labels; see ccvt volume --help");
   }
-  receive_standard_input();  // with it comes the name of the file that holds its data
-  const VolumeHeader header = inspect_volume(arguments.volume, arguments.layout);
-  std::optional<VolumeHeader> mask;
-  if (!arguments.mask.empty()) {
-    mask = inspect_volume(arguments.mask, arguments.layout);
-  }
-  Outputs()
-      .add("--output", arguments.output, io::kSampleFiles)
+  Outputs outputs;
+  outputs.add("--output", arguments.output, io::kSampleFiles)
       .add("--preview", arguments.preview, io::kPictureFiles)
       .add("--summary", arguments.summary)
       .add_input("FILE", arguments.volume)
-      .add_input("the data file of FILE", header.data_file)
       .add_input("--mask", arguments.mask)
+      .check();
+  const VolumeHeader header = inspect_input(arguments.volume, arguments.layout);
+  std::optional<VolumeHeader> mask;
+  if (!arguments.mask.empty()) mask = inspect_input(arguments.mask, arguments.layout);
+  // Headers tell which files hold the data.
+  outputs.add_input("the data file of FILE", header.data_file)
       .add_input("the data file of --mask", mask ? mask->data_file : "")
       .check();
   return arguments.scalar == ScalarType::float64 ? sample<double>(arguments, header, mask)

@@ -7,6 +7,7 @@
 #include <string>
 #include <variant>
 
+#include "cli/standard_streams.h"
 #include "cli/values.h"
 
 namespace ccvt::cli {
@@ -70,6 +71,16 @@ std::string words_of(const std::vector<std::int64_t>& labels) {
 }
 
 }  // namespace
+
+VolumeHeader inspect_input(const std::filesystem::path& file, const VolumeLayout& layout) {
+  VolumeHeader header = inspect_volume(file, layout);
+  if (is_from_stream(file) && header.data_file != file) {
+    throw InvalidInput(with_names_of_streams(file.string()) +
+                       ": its header names a data file, which a stream has no directory for; name "
+                       "the header as a file");
+  }
+  return header;
+}
 
 std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const VolumeHeader& volume) {
   if (arguments.mask.empty()) return {};

@@ -35,7 +35,8 @@ ADVICE = {
     "src/cli/thin.cpp": _USAGE,
     "src/cli/volume.cpp": _USAGE,
     "src/cli/volume_input.cpp": "Choose which values matter with `--map`, and leave cells out with "
-                                "`--mask`, a volume of the same cells.",
+                                "`--mask`, a volume of the same cells. Standard input must have the "
+                                "data along with the header.",
     "src/codebook/codebook.cpp": _PARAMETER,
     "src/codebook/train.cpp": _PARAMETER,
     "src/domain.cpp": _PARAMETER,
@@ -124,7 +125,7 @@ CANNOT_BE_PROVOKED = {
     ("src/io/hdf5_absent.cpp",
      ": this ccvt was built without HDF5; with libhdf5-dev (Debian) installed, configure and build "
      "it again"): "only in programs built without HDF5",
-    ("src/cli/standard_streams.cpp", ": cannot be kept in "): "the disk for temporary files is full",
+    ("src/cli/standard_streams.cpp", "the copy of standard output in "): _KERNEL,
     ("src/io/mesh_file.cpp", " triangles, which is the most supported"): _HUGE,
     ("src/io/obj.cpp", "has more than 2147483647 vertices"): _HUGE,
     ("src/io/point_cloud.cpp", "is one point too many; at most 2147483647 are supported"): _HUGE,

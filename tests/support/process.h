@@ -21,6 +21,7 @@ class Process {
   Process& operator=(const Process&) = delete;
   ~Process();
 
+  [[nodiscard]] pid_t id() const { return id_; }
   void send(int signal) const;
   /// False when it has ended.
   bool running();
