@@ -321,6 +321,32 @@ void Run<Scalar>::begin_level() {
   record.begin(energy_of_sites(), on_finest_level());
 }
 
+template <class Scalar>
+Columns<Scalar> Run<Scalar>::site_columns() const {
+  Columns<Scalar> sites(problem.dimension(), problem.site_count());
+  for (const SiteNumber k : state.sites.all()) {
+    const double* position = state.sites.at(k);
+    for (int d = 0; d < problem.dimension(); ++d) {
+      sites(d, site_of[k].index()) = metric.template as<Scalar>(position[d], d);
+    }
+  }
+  return sites;
+}
+
+template <class Scalar>
+std::vector<Index> Run<Scalar>::owners() const {
+  std::vector<Index> owners(static_cast<std::size_t>(problem.point_count()), -1);
+  const auto given = [&](SiteNumber site) { return site_of[site].index(); };
+  const Arena apart(options.threads);  // not the run's: nothing of this belongs to it
+  apart.for_each(dealt.size(), kPointsPerGrain,
+                 [&](std::size_t p) { owners[p] = given(dealt[p]); });
+  if (!dealt.empty()) return owners;
+  for_each_site(apart, state.tiling, [&](SiteNumber k) {
+    for (const PointNumber p : state.cells.points(k)) owners[p] = given(k);
+  });
+  return owners;
+}
+
 template struct Run<float>;
 template struct Run<double>;
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "ccvt/columns.h"
 #include "ccvt/domain.h"
 #include "ccvt/options.h"
 #include "ccvt/problem.h"
@@ -28,6 +29,9 @@ struct Run {
 
   bool step();
   bool end(Termination termination);
+  /// In the caller's order.
+  [[nodiscard]] Columns<Scalar> site_columns() const;
+  [[nodiscard]] std::vector<Index> owners() const;
 
   void place_sites();
   void divide_points();

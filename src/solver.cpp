@@ -3,15 +3,9 @@
 #include <memory>
 #include <utility>
 
-#include "parallel/loops.h"
 #include "run.h"
 
 namespace ccvt {
-namespace {
-
-constexpr std::size_t kPointsPerGrain = std::size_t{1} << 16;
-
-}  // namespace
 
 template <class Scalar>
 struct Solver<Scalar>::Implementation : Run<Scalar> {
@@ -54,30 +48,12 @@ void Solver<Scalar>::cancel() {
 
 template <class Scalar>
 Columns<Scalar> Solver<Scalar>::site_columns() const {
-  const Run<Scalar>& i = *implementation_;
-  Columns<Scalar> sites(i.problem.dimension(), i.problem.site_count());
-  for (const SiteNumber k : i.state.sites.all()) {
-    const double* position = i.state.sites.at(k);
-    for (int d = 0; d < i.problem.dimension(); ++d) {
-      sites(d, i.site_of[k].index()) = i.metric.template as<Scalar>(position[d], d);
-    }
-  }
-  return sites;
+  return implementation_->site_columns();
 }
 
 template <class Scalar>
 std::vector<Index> Solver<Scalar>::owners() const {
-  const Run<Scalar>& i = *implementation_;
-  std::vector<Index> owners(static_cast<std::size_t>(i.problem.point_count()), -1);
-  const auto given = [&](SiteNumber site) { return i.site_of[site].index(); };
-  const Arena arena(i.options.threads);  // not the run's: nothing of this belongs to it
-  arena.for_each(i.dealt.size(), kPointsPerGrain,
-                 [&](std::size_t p) { owners[p] = given(i.dealt[p]); });
-  if (!i.dealt.empty()) return owners;
-  for_each_site(arena, i.state.tiling, [&](SiteNumber k) {
-    for (const PointNumber p : i.state.cells.points(k)) owners[p] = given(k);
-  });
-  return owners;
+  return implementation_->owners();
 }
 
 template <class Scalar>

@@ -14,6 +14,7 @@
 #include "ccvt/capacity.h"
 #include "ccvt/io.h"
 #include "ccvt/sampling.h"
+#include "support/catch_in_time.h"
 #include "support/files.h"
 #include "support/process.h"
 #include "support/wait_for.h"
@@ -25,25 +26,6 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kNothingYet = "ccvt: error: interrupted before there was anything to write\n";
-
-/// When a signal came.
-enum class Caught { too_early, too_late, in_time };
-
-/// Tries delays until one is in time, from `delay` on: longer after one that was too early, shorter
-/// after one that was too late, by steps that grow finer. The machine's speed may change meanwhile.
-template <class Try>
-bool catch_in_time(std::chrono::duration<double> delay, const Try& attempt) {
-  double factor = 2;
-  Caught before = Caught::in_time;
-  for (int tries = 0; tries < 60; ++tries) {
-    const Caught now = attempt(delay);
-    if (now == Caught::in_time) return true;
-    if (before != Caught::in_time && now != before) factor = 1 + (factor - 1) / 1.5;
-    delay = now == Caught::too_early ? delay * factor : delay / factor;
-    before = now;
-  }
-  return false;
-}
 
 /// Interrupts runs, from half of the time that a whole one takes on, until one is caught.
 Ran interrupted_half_way(const TemporaryDirectory& directory, const std::string& line,

@@ -13,6 +13,7 @@
 
 #include "ccvt/solver.h"
 #include "random.h"
+#include "support/catch_in_time.h"
 #include "support/generate.h"
 #include "support/masses.h"
 #include "support/message.h"
@@ -332,27 +333,17 @@ TEST_CASE("a cancelled run ends soon, at whatever time") {
     CHECK(std::chrono::duration<double>(Clock::now() - said).count() < 2);
   }
   MassOptions options;
-  // Sooner after a run that ended before its limit, later after one that had nothing yet, by steps
-  // that grow finer.
-  bool limited = false;
-  bool was_late = true;
-  double limit = seconds / 2;
-  double factor = 2;
-  for (int tries = 0; !limited && tries < 40; ++tries) {
-    options.relaxation.time_limit = limit;
-    bool late = true;
+  CHECK(catch_in_time(std::chrono::duration<double>(seconds / 2), [&](const auto& limit) {
+    options.relaxation.time_limit = limit.count();
     try {
       const auto result = tessellate_masses(points, masses, 300, options);
-      limited = result.summary.termination == Termination::time_limit;
       CHECK(whole_faults(points, masses, options, result) == "");
+      const bool limited = result.summary.termination == Termination::time_limit;
+      return limited ? Caught::in_time : Caught::too_late;
     } catch (const ccvt::Cancelled&) {
-      late = false;
+      return Caught::too_early;
     }
-    if (late != was_late) factor = std::sqrt(factor);
-    was_late = late;
-    limit = late ? limit / factor : limit * factor;
-  }
-  CHECK(limited);
+  }));
 }
 
 TEST_CASE("bad input is refused in one line") {

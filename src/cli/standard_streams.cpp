@@ -90,12 +90,7 @@ std::string list_of_streams(io::Extensions extensions) {
     if (io::is_among(kNoStreams, extension)) continue;
     names.push_back(std::string(extension.substr(1)) + std::string(kMark));
   }
-  std::string list;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (i > 0) list += i + 1 == names.size() ? " or " : ", ";
-    list += names[i];
-  }
-  return list;
+  return io::list_of(names, " or ");
 }
 
 std::string extension_of_stream(const std::string& option, const std::string& text,

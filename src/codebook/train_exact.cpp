@@ -28,9 +28,12 @@ constexpr double kStartWork = 0.5;
 
 }  // namespace
 
-/// What exact assignments start from where no codewords are given.
+/// What exact assignments start from where no codewords are given. `work`: of all the training, in
+/// vectors of levels.
 template <class Scalar>
-void Trainer<Scalar>::start_exact(PointsView<Scalar> vectors, std::vector<Index> capacities) {
+void Trainer<Scalar>::start_exact(PointsView<Scalar> vectors, std::vector<Index> capacities,
+                                  double work) {
+  progress_.begin(kStartWork * vectors.count / work);
   if (capacities.empty()) capacities = equal_capacities(vectors.count, problem_.site_count());
   exchange_pairs(vectors, std::move(capacities), kStartTolerance);
   if (vectors.count == vectors_.count) met_ = owners_;
@@ -44,7 +47,9 @@ void Trainer<Scalar>::start_exact(PointsView<Scalar> vectors, std::vector<Index>
 /// within the gap of that, for the centroids of its own cells.
 template <class Scalar>
 void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities,
-                                  bool finest) {
+                                  double work) {
+  const bool finest = vectors.count == vectors_.count;
+  progress_.begin(vectors.count / work);
   const Index n = problem_.site_count();
   ExactAssignment<Scalar> assignment(metric_, vectors, n, std::move(capacities), arena_,
                                      options_.gap);
@@ -88,9 +93,8 @@ void Trainer<Scalar>::exact() {
   const Index m = vectors_.count;
   const auto& capacities = options_.capacities;
   const std::vector<Index> counts = level_sizes(m, problem_.site_count());
-  const double first = counts.empty() ? m : counts.front();
   double work = std::accumulate(counts.begin(), counts.end(), 1.0 * m);
-  if (!placed_) work += kStartWork * first;
+  if (!placed_) work += kStartWork * (counts.empty() ? m : counts.front());
   if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
   for (const Index count : counts) {
     if (ended()) break;
@@ -100,20 +104,12 @@ void Trainer<Scalar>::exact() {
         vectors_, bred_ ? draw_evenly(vectors_, sites_, count, options_.seed, arena_)
                         : draw_distinct(count, m, options_.seed, streams::codebook_levels));
     const std::vector<Index> shares = share_capacities(capacities, m, count);
-    if (!placed_ && count == counts.front()) {
-      progress_.begin(kStartWork * first / work);
-      start_exact(view_points(sample), shares);
-    }
-    progress_.begin(count / work);
-    exact_level(view_points(sample), shares, false);
+    if (!placed_ && count == counts.front()) start_exact(view_points(sample), shares, work);
+    exact_level(view_points(sample), shares, work);
   }
-  if (!placed_ && counts.empty() && !ended()) {
-    progress_.begin(kStartWork * first / work);
-    start_exact(vectors_, capacities);
-  }
+  if (!placed_ && counts.empty() && !ended()) start_exact(vectors_, capacities, work);
   if (summary_.termination == Termination::cancelled) throw Stopped();
-  progress_.begin(m / work);
-  exact_level(vectors_, capacities, true);
+  exact_level(vectors_, capacities, work);
   if (summary_.termination == Termination::cancelled) throw Stopped();
   prove();
 }

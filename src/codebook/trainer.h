@@ -47,9 +47,9 @@ class Trainer {
   void lloyd();
   void pairwise();
   void exchange_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities, double tolerance);
-  void start_exact(PointsView<Scalar> vectors, std::vector<Index> capacities);
+  void start_exact(PointsView<Scalar> vectors, std::vector<Index> capacities, double work);
   void exact();
-  void exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities, bool finest);
+  void exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities, double work);
   bool go_on(IterationRecord record);
   bool go_on(Index vectors, double energy, std::int64_t moved);
   bool ended() const { return summary_.termination != Termination::running; }

@@ -43,11 +43,12 @@ inline bool is_among(Extensions extensions, std::string_view extension) {
 }
 
 /// ".npy, .csv, .txt"; `last`, such as " or ", parts the last two.
-inline std::string list_of(Extensions extensions, std::string_view last = ", ") {
+template <class Names>
+std::string list_of(const Names& names, std::string_view last = ", ") {
   std::string list;
-  for (std::size_t i = 0; i < extensions.size(); ++i) {
-    if (i > 0) list += i + 1 == extensions.size() ? last : ", ";
-    list += extensions[i];
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) list += i + 1 == names.size() ? last : ", ";
+    list += names[i];
   }
   return list;
 }
