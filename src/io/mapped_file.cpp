@@ -12,21 +12,14 @@
 
 namespace ccvt::io {
 
-namespace {
-
-constexpr const char* kChanged = "has changed while it was read";
-
-}  // namespace
-
 MappedFile::MappedFile(const std::filesystem::path& path, std::uint64_t size)
     : name_(path.string()), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)), size_(size) {
   try {
     if (file_ < 0) {
       throw IoError(name_ + ": cannot be read: " + std::generic_category().message(errno));
     }
-    const struct stat now = status();
-    if (std::cmp_not_equal(now.st_size, size_)) fail(kChanged);
-    modified_ = now.st_mtim;
+    modified_ = status().st_mtim;
+    check_unchanged();
     void* const data = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file_, 0);
     if (data == MAP_FAILED) {
       throw IoError(name_ + ": cannot be mapped: " + std::generic_category().message(errno));
@@ -56,11 +49,7 @@ void MappedFile::check_unchanged() const {
   const struct stat now = status();
   const bool same = std::cmp_equal(now.st_size, size_) && now.st_mtim.tv_sec == modified_.tv_sec &&
                     now.st_mtim.tv_nsec == modified_.tv_nsec;
-  if (!same) fail(kChanged);
-}
-
-void MappedFile::fail(const std::string& message) const {
-  throw InvalidInput(name_ + ": " + message);
+  if (!same) throw InvalidInput(name_ + ": has changed while it was read");
 }
 
 }  // namespace ccvt::io

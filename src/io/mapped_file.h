@@ -23,7 +23,6 @@ class MappedFile {
   void check_unchanged() const;
 
  private:
-  [[noreturn]] void fail(const std::string& message) const;
   [[nodiscard]] struct stat status() const;
 
   std::string name_;
