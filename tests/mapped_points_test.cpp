@@ -100,7 +100,7 @@ TEST_CASE("mapped files are refused in the words in which read ones are") {
   CHECK(message_when_mapped(put(directory / "t.fvecs", whole.substr(0, whole.size() - 2)))
             .find("has 142 bytes, not a multiple of the 16") == 0);
   std::string other = whole;
-  other[5 * 16] = 2;
+  other[std::size_t{5} * 16] = 2;
   CHECK(message_when_mapped(put(directory / "h.fvecs", other))
             .find("vector 5 has 2 dimensions, but vector 0 has 3") == 0);
   points(1, 7) = NAN;
