@@ -1,6 +1,7 @@
 #include "ccvt/codebook.h"
 
 #include <doctest/doctest.h>
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <cmath>
@@ -223,6 +224,28 @@ TEST_CASE("the number of threads changes no bit") {
   CHECK(a.codes == b.codes);
   CHECK(a.codebook.codewords() == b.codebook.codewords());
   CHECK(a.codebook.weights() == b.codebook.weights());
+}
+
+TEST_CASE("vectors may lie as far apart as memory goes") {
+  constexpr Index count = 40;
+  constexpr std::ptrdiff_t stride = std::ptrdiff_t{1} << 27;  // 2^32 numbers in all, and more
+  const Points<float> dense = clouds(count, 4, 3);
+  constexpr std::size_t bytes = sizeof(float) * count * stride;
+  void* const memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
+                              MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  REQUIRE(memory != MAP_FAILED);
+  auto* const far = static_cast<float*>(memory);
+  for (Index p = 0; p < count; ++p) std::copy_n(dense.col(p).data(), 3, far + p * stride);
+  const PointsView<float> view{far, 3, count, stride};
+  for (const auto method :
+       {CodebookMethod::exact, CodebookMethod::pairwise, CodebookMethod::lloyd}) {
+    const Training near = train_codebook(dense, 4, with(method));
+    const Training apart = train_codebook(view, 4, with(method));
+    CHECK(near.codes == apart.codes);
+    CHECK(near.summary.energy == apart.summary.energy);
+    CHECK(near.codebook.encode(dense) == near.codebook.encode(view, Coding::nearest, 1));
+  }
+  ::munmap(memory, bytes);
 }
 
 TEST_CASE("a saved codebook comes back bit for bit") {

@@ -211,10 +211,11 @@ struct Training {
 ///
 ///     auto [codebook, codes, summary] = ccvt::train_codebook(vectors, 256, {.seed = 7});
 ///
-/// Deterministic. Memory beside the vectors: about 100 bytes a vector; for `exact` a sample, of
-/// half of them at most; where codebooks are bred 1024 of them a codeword, as floats; and for n <=
-/// 5792 codewords of `exact` up to 80 n^2 bytes, in many dimensions: 900 MB for 4096 of 64-D
-/// vectors, of `lloyd` 8 n^2. Throws InvalidInput unless 1 <= codewords <= m, and for bad options.
+/// Deterministic. Vectors of a file need not be loaded: see MappedPoints. Memory beside the
+/// vectors: about 100 bytes a vector; for `exact` a sample, of half of them at most; where
+/// codebooks are bred 1024 of them a codeword, as floats; and for n <= 5792 codewords of `exact` up
+/// to 80 n^2 bytes, in many dimensions: 900 MB for 4096 of 64-D vectors, of `lloyd` 8 n^2. Throws
+/// InvalidInput unless 1 <= codewords <= m, and for bad options.
 template <class Scalar>
 CCVT_EXPORT Training train_codebook(PointsView<Scalar> vectors, Index codewords,
                                     const CodebookOptions& options);

@@ -6,9 +6,11 @@
 
 #include "ccvt/codebook.h"
 #include "ccvt/io.h"
+#include "ccvt/mapped_points.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
+#include "cli/signals.h"
 #include "cli/streams.h"
 
 namespace ccvt::cli {
@@ -16,7 +18,7 @@ namespace ccvt::cli {
 namespace {
 
 template <class Scalar>
-std::string describe(const Codebook& codebook, const Points<Scalar>& vectors,
+std::string describe(const Codebook& codebook, PointsView<Scalar> vectors,
                      const std::vector<Index>& codes, double seconds) {
   const CodeUsage usage = code_usage(codes, codebook.size());
   std::array<char, 300> line{};
@@ -30,9 +32,13 @@ std::string describe(const Codebook& codebook, const Points<Scalar>& vectors,
 
 template <class Scalar>
 int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header) {
-  check_memory(arguments.vectors.string(), header.count, header.dimension, sizeof(Scalar));
+  const bool mapped = MappedPoints<Scalar>::can_map(arguments.vectors, arguments.reading);
+  check_bytes(arguments.vectors.string(), header.count, header.dimension,
+              encoding_bytes({header.count, header.dimension, sizeof(Scalar), mapped}));
   const Codebook codebook = Codebook::load(arguments.codebook, arguments.weights);
-  const Points<Scalar> vectors = read_points<Scalar>(arguments.vectors, arguments.reading);
+  tell_if_cut_short(arguments.vectors);
+  const MappedPoints<Scalar> points(arguments.vectors, arguments.reading);
+  const PointsView<Scalar> vectors = points.view();
   const auto start = std::chrono::steady_clock::now();
   const auto codes = blame(arguments.vectors, [&] {
     return codebook.encode(vectors, arguments.weights.empty() ? Coding::nearest : Coding::weighted,
@@ -40,10 +46,11 @@ int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header)
   });
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  Publication outputs;
-  write_owners(arguments.output, codes);
   const std::string line =
       arguments.quiet ? std::string() : describe(codebook, vectors, codes, seconds);
+  points.check_unchanged();
+  Publication outputs;
+  write_owners(arguments.output, codes);
   publish(outputs);
   print(line);
   return 0;

@@ -30,6 +30,8 @@ constexpr double kTrainingVector = 120;
 constexpr double kExactPair = 80;
 constexpr double kBound = 8;
 constexpr double kMostWithBounds = 5792;
+/// What encoding holds of a vector beside its coordinates.
+constexpr double kEncodingVector = 64;
 
 }  // namespace
 
@@ -65,16 +67,22 @@ std::string check_memory(const std::string& what, std::uint64_t points, int dime
   return check_bytes(what, points, dimension, needed);
 }
 
-double training_bytes(std::uint64_t vectors, int dimension, std::size_t scalar_bytes,
-                      Index codewords, bool exact) {
-  const auto m = static_cast<double>(vectors);
+double training_bytes(const VectorsHeld& vectors, Index codewords, bool exact) {
+  const auto m = static_cast<double>(vectors.count);
   const double n = codewords;
-  const double vector = static_cast<double>(scalar_bytes) * dimension + kTrainingVector;
+  const double coordinates = static_cast<double>(vectors.scalar_bytes) * vectors.dimension;
   const double pairs = n <= kMostWithBounds ? n * n : kMostWithBounds * n / 4;
   // Of samples the largest is the last level of an exact training, or what breeding looks at.
-  const double level = exact ? m / 2 * vector : 0;
-  const double bred = std::min(m, 1024 * n) * (4.0 * dimension + kTrainingVector);
-  return m * vector + std::max(level, bred) + pairs * (exact ? kExactPair : kBound) + 20e6;
+  const double level = exact ? m / 2 * (coordinates + kTrainingVector) : 0;
+  const double bred = std::min(m, 1024 * n) * (4.0 * vectors.dimension + kTrainingVector);
+  return m * (kTrainingVector + (vectors.mapped ? 0 : coordinates)) + std::max(level, bred) +
+         pairs * (exact ? kExactPair : kBound) + 20e6;
+}
+
+double encoding_bytes(const VectorsHeld& vectors) {
+  const auto m = static_cast<double>(vectors.count);
+  const double coordinates = static_cast<double>(vectors.scalar_bytes) * vectors.dimension;
+  return m * (kEncodingVector + (vectors.mapped ? 0 : coordinates)) + 100e6;
 }
 
 std::uint64_t peak_memory_bytes() {

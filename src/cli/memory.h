@@ -22,10 +22,19 @@ std::string check_memory(Index sites, Index points_per_site, int dimension,
 std::string check_bytes(const std::string& what, std::uint64_t points, int dimension,
                         double needed);
 
-/// About what train_codebook() holds at most, with vectors that take `scalar_bytes` a coordinate,
-/// those among it. `exact`: exact assignments occur.
-[[nodiscard]] double training_bytes(std::uint64_t vectors, int dimension, std::size_t scalar_bytes,
-                                    Index codewords, bool exact);
+/// Vectors of a file. Mapped ones take no memory.
+struct VectorsHeld {
+  std::uint64_t count = 0;
+  int dimension = 0;
+  std::size_t scalar_bytes = 0;  ///< a coordinate
+  bool mapped = false;
+};
+
+/// About what train_codebook() holds at most, the vectors among it. `exact`: exact assignments
+/// occur.
+[[nodiscard]] double training_bytes(const VectorsHeld& vectors, Index codewords, bool exact);
+/// About what Codebook::encode() holds at most, the vectors among it.
+[[nodiscard]] double encoding_bytes(const VectorsHeld& vectors);
 
 /// The most memory that this process has held so far.
 [[nodiscard]] std::uint64_t peak_memory_bytes();

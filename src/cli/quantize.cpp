@@ -11,6 +11,7 @@
 
 #include "ccvt/codebook.h"
 #include "ccvt/io.h"
+#include "ccvt/mapped_points.h"
 #include "ccvt/problem.h"
 #include "ccvt/version.h"
 #include "cli/blocks.h"
@@ -80,7 +81,7 @@ void write_summary(const QuantizeArguments& arguments, const CodebookSummary& su
 
 template <class Scalar>
 Training train(const QuantizeArguments& arguments, const std::string& source,
-               const Points<Scalar>& vectors) {
+               PointsView<Scalar> vectors) {
   std::vector<Index> capacities;
   if (!arguments.capacities.empty()) {
     capacities = read_indices(arguments.capacities);
@@ -131,15 +132,18 @@ int quantize_vectors(const QuantizeArguments& arguments, const PointsHeader& hea
   const std::string name = arguments.vectors.string();
   const auto codewords = static_cast<Index>(
       std::min<std::uint64_t>(static_cast<std::uint64_t>(arguments.codewords), header.count));
-  const double bytes = training_bytes(header.count, header.dimension, sizeof(Scalar), codewords,
-                                      arguments.method != CodebookMethod::lloyd);
+  const bool mapped = MappedPoints<Scalar>::can_map(arguments.vectors, arguments.reading);
+  const double bytes = training_bytes({header.count, header.dimension, sizeof(Scalar), mapped},
+                                      codewords, arguments.method != CodebookMethod::lloyd);
   const std::string needed = check_bytes(name, header.count, header.dimension, bytes);
   if (!arguments.quiet && bytes >= kWorthTelling && codewords == arguments.codewords) {
     std::cerr << one_line("ccvt: " + name + ": training takes up to about " + needed +
                           " of memory");
   }
-  const Points<Scalar> vectors = read_points<Scalar>(arguments.vectors, arguments.reading);
-  const Training training = train(arguments, name, vectors);
+  tell_if_cut_short(arguments.vectors);
+  const MappedPoints<Scalar> vectors(arguments.vectors, arguments.reading);
+  const Training training = train(arguments, name, vectors.view());
+  vectors.check_unchanged();
   Publication outputs;
   return finish_training(arguments, outputs, training, {});
 }
@@ -148,7 +152,7 @@ int quantize_picture(const QuantizeArguments& arguments) {
   const ColourImage image = read_colour_image(arguments.vectors);
   const Points<float> blocks =
       blame(arguments.vectors, [&] { return blocks_of(image, arguments.image_blocks); });
-  const Training training = train(arguments, arguments.vectors.string(), blocks);
+  const Training training = train(arguments, arguments.vectors.string(), view_points(blocks));
   const ColourImage decoded = picture_of(training.codebook.decode(training.codes), image.width,
                                          image.height, arguments.image_blocks);
   Publication outputs;

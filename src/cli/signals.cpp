@@ -39,6 +39,7 @@ struct Name {
 };
 Name directory_to_remove;
 std::array<Name, 2> files_to_remove;
+Name mapped_file;
 static_assert(std::atomic<std::int64_t>::is_always_lock_free);
 
 std::int64_t now() {
@@ -51,13 +52,28 @@ void say(std::string_view text) {
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
 }
 
-[[noreturn]] void leave(int signal) {
+[[noreturn]] void leave_with(int status) {
   remove_unfinished_files();
   for (const Name& file : files_to_remove) {
     if (file.whole) ::unlink(file.text.data());
   }
   if (directory_to_remove.whole) ::rmdir(directory_to_remove.text.data());
-  ::_exit(128 + signal);
+  ::_exit(status);
+}
+
+[[noreturn]] void leave(int signal) { leave_with(128 + signal); }
+
+/// Where a page of a mapped file is beyond the end that the file has by now, or cannot be read.
+extern "C" void on_lost_page(int signal, siginfo_t* info, void* /*context*/) {
+  if (info->si_code != BUS_ADRERR) {
+    // Not of a mapped file: what happens without a handler, when the instruction is tried again.
+    ::signal(signal, SIG_DFL);
+    return;
+  }
+  say("ccvt: error: ");
+  say(mapped_file.whole ? std::string_view(mapped_file.text.data()) : "a file");
+  say(": cannot be read any more: it became shorter while it was read, or its disk fails\n");
+  leave_with(1);
 }
 
 extern "C" void on_termination(int signal) {
@@ -115,6 +131,15 @@ void handle_signals() {
   }
   handle(SIGXFSZ, SIG_IGN);
   handle(SIGPIPE, SIG_IGN);
+}
+
+void tell_if_cut_short(const std::filesystem::path& file) {
+  mapped_file.set(file.string());
+  struct sigaction action = {};
+  action.sa_sigaction = on_lost_page;
+  action.sa_flags = SA_SIGINFO;
+  ::sigemptyset(&action.sa_mask);
+  ::sigaction(SIGBUS, &action, nullptr);
 }
 
 std::function<bool()> watch_interrupts() {

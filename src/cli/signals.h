@@ -15,6 +15,11 @@ namespace ccvt::cli {
 /// limit of size, and to a pipe that nobody reads, fail instead of ending the program.
 void handle_signals();
 
+/// From now on the program says so and ends with status 1 when this file, which is mapped, turns
+/// out to be shorter than it was; without it SIGBUS would end it without a word. Unfinished outputs
+/// are removed.
+void tell_if_cut_short(const std::filesystem::path& file);
+
 /// To be handed to the library as `cancelled`, right before the call that asks it and has something
 /// to return then: from now on the first Ctrl-C makes it true, and the second one ends the program.
 std::function<bool()> watch_interrupts();

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -66,6 +67,14 @@ class NpyPoints {
   [[nodiscard]] PointsHeader header() const {
     return {is_narrow(item_.type) ? ScalarType::float32 : ScalarType::float64,
             static_cast<int>(columns_.size()), npy_.shape[0]};
+  }
+
+  [[nodiscard]] std::optional<PointLayout> layout() const {
+    const bool floats = item_.type == NpyType::float32 || item_.type == NpyType::float64;
+    if (!floats || item_.big_endian || npy_.fortran_order) return {};
+    const auto width = static_cast<int>(npy_.shape[1]);
+    return PointLayout{header().scalar, width, static_cast<Index>(npy_.shape[0]),
+                       file_.size() - npy_.data_bytes, width};
   }
 
   template <class Scalar>
@@ -177,6 +186,10 @@ void NpyPoints::read(const detail::Allocation<Scalar>& allocation) {
 
 PointsHeader inspect_npy_points(const std::filesystem::path& path, const ReadOptions& options) {
   return NpyPoints(path, options).header();
+}
+
+std::optional<PointLayout> layout_of_npy(const std::filesystem::path& path) {
+  return NpyPoints(path, {}).layout();
 }
 
 template <class Scalar>

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -9,6 +8,7 @@
 
 #include "ccvt/io.h"
 #include "io/columns.h"
+#include "io/finite.h"
 #include "io/formats.h"
 #include "io/gadget.h"
 #include "io/hdf5_particles.h"
@@ -52,19 +52,6 @@ std::string points_extension(const std::filesystem::path& path) {
   std::string extension = io::extension_of(path);
   if (io::is_among(io::kPointFiles, extension)) return extension;
   fail_extension(path, "points come from", io::kPointFiles);
-}
-
-template <class Scalar>
-void check_finite(const InputFile& file, const PointsMap<Scalar>& points) {
-  for (Eigen::Index row = 0; row < points.cols(); ++row) {
-    if (points.col(row).allFinite()) continue;
-    Eigen::Index column = 0;
-    while (std::isfinite(points(column, row))) ++column;
-    std::string text;
-    io::append(text, points(column, row));
-    file.fail("row " + std::to_string(row) + ", column " + std::to_string(column) + ": " + text +
-              " is not finite; coordinates must be finite");
-  }
 }
 
 /// Which columns of the row that `rows` is at are coordinates.
@@ -139,7 +126,7 @@ void read_vectors(const std::filesystem::path& path, const std::string& extensio
                   const ReadOptions& options, const detail::Allocation<Scalar>& allocation) {
   const InputFile file(path);
   if (options.columns.empty()) {
-    return check_finite(file, read_all_of(path, extension, allocation));
+    return io::check_finite(file, view_points(read_all_of(path, extension, allocation)));
   }
   Points<Scalar> all;
   const auto vectors = read_all_of(path, extension, detail::allocate_in(all));
@@ -149,7 +136,7 @@ void read_vectors(const std::filesystem::path& path, const std::string& extensio
                                static_cast<std::uint64_t>(vectors.cols())};
   PointsMap<Scalar> chosen = io::allocate(allocation, header);
   chosen = vectors(columns.at, Eigen::all);
-  check_finite(file, chosen);
+  io::check_finite(file, view_points(chosen));
 }
 
 template <class Scalar>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
@@ -39,6 +40,14 @@ PointsHeader read_header(InputFile& file, std::size_t item_bytes) {
   return {ScalarType::float32, dimension, count};
 }
 
+void check_dimension(const InputFile& file, Eigen::Index vector, std::int32_t dimension,
+                     std::int32_t first) {
+  if (dimension == first) return;
+  file.fail("vector " + std::to_string(vector) + " has " + std::to_string(dimension) +
+            " dimensions, but vector 0 has " + std::to_string(first) +
+            "; all need the same number");
+}
+
 bool holds_bytes(const std::filesystem::path& path) { return extension_of(path) == ".bvecs"; }
 
 template <class Stored, class Scalar>
@@ -50,11 +59,7 @@ PointsMap<Scalar> read_records(InputFile& file, const detail::Allocation<Scalar>
     if (p > 0) {
       std::int32_t dimension = 0;
       file.read(&dimension, sizeof dimension);
-      if (dimension != header.dimension) {
-        file.fail("vector " + std::to_string(p) + " has " + std::to_string(dimension) +
-                  " dimensions, but vector 0 has " + std::to_string(header.dimension) +
-                  "; all need the same number");
-      }
+      check_dimension(file, p, dimension, header.dimension);
     }
     file.read(vector.data(), vector.size() * sizeof(Stored));
     std::copy(vector.begin(), vector.end(), points.col(p).data());
@@ -71,6 +76,23 @@ bool is_vecs(const std::filesystem::path& path) {
 PointsHeader inspect_vecs(const std::filesystem::path& path) {
   InputFile file(path);
   return read_header(file, holds_bytes(path) ? sizeof(std::uint8_t) : sizeof(float));
+}
+
+std::optional<PointLayout> layout_of_vecs(const std::filesystem::path& path) {
+  if (holds_bytes(path)) return {};
+  const PointsHeader header = inspect_vecs(path);
+  return PointLayout{header.scalar, header.dimension, static_cast<Index>(header.count),
+                     sizeof(std::int32_t), std::ptrdiff_t{header.dimension} + 1};
+}
+
+void check_dimensions(const InputFile& file, const std::byte* bytes, const PointLayout& layout) {
+  static_assert(sizeof(std::int32_t) == sizeof(float));
+  for (Index p = 0; p < layout.count; ++p) {
+    std::int32_t dimension = 0;
+    std::memcpy(&dimension, bytes + p * layout.stride * std::ptrdiff_t{sizeof dimension},
+                sizeof dimension);
+    check_dimension(file, p, dimension, layout.dimension);
+  }
 }
 
 template <class Scalar>

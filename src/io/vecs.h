@@ -1,9 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 
 #include "ccvt/io.h"
 #include "ccvt/types.h"
+#include "io/input_file.h"
+#include "io/point_layout.h"
 #include "io/points_map.h"
 
 /// Files of vectors as search benchmarks have them: of each vector its dimension, an int32, and
@@ -18,5 +22,10 @@ PointsHeader inspect_vecs(const std::filesystem::path& path);
 template <class Scalar>
 PointsMap<Scalar> read_vecs(const std::filesystem::path& path,
                             const detail::Allocation<Scalar>& allocation);
+
+/// Of .fvecs; nothing for .bvecs. Looks at the first vector and the size only.
+std::optional<PointLayout> layout_of_vecs(const std::filesystem::path& path);
+/// Of all bytes of a file: throws InvalidInput unless all vectors have the dimension of the first.
+void check_dimensions(const InputFile& file, const std::byte* bytes, const PointLayout& layout);
 
 }  // namespace ccvt::io

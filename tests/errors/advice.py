@@ -44,6 +44,7 @@ ADVICE = {
                                    "whitened: take away a dimension.",
     "src/io/byte_stream.cpp": _DAMAGED,
     "src/io/columns.cpp": "Name columns as the header does, or number them from 1.",
+    "src/io/finite.h": "Coordinates are finite numbers: leave out rows of others.",
     "src/io/gadget.cpp": "Read formats 1 and 2 of GADGET, little-endian, in one file; join or convert "
                          "others.",
     "src/io/hdf5_absent.cpp": "Build with libhdf5, or use another format.",
@@ -54,6 +55,8 @@ ADVICE = {
     "src/io/input_file.cpp": "Check the name, the permissions and whether the file is complete.",
     "src/io/jpeg_decoder.cpp": _DAMAGED + " Convert other kinds of JPEG to 8-bit RGB or grey.",
     "src/io/lines.cpp": _DAMAGED,
+    "src/io/mapped_file.cpp": "Nobody may write to a file that is mapped; let there be address space "
+                              "for all of it.",
     "src/io/mesh_file.cpp": "Meshes need triangles or polygons of vertices that exist; densities are "
                             "properties of vertices, finite and not negative.",
     "src/io/nifti.cpp": _DAMAGED + " Extract one three-dimensional volume of real numbers first.",

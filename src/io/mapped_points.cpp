@@ -1,0 +1,92 @@
+#include "ccvt/mapped_points.h"
+
+#include <optional>
+#include <utility>
+
+#include "io/finite.h"
+#include "io/formats.h"
+#include "io/input_file.h"
+#include "io/mapped_file.h"
+#include "io/npy_points.h"
+#include "io/point_layout.h"
+#include "io/vecs.h"
+
+namespace ccvt {
+
+namespace {
+
+template <class Scalar>
+std::optional<io::PointLayout> layout_of(const std::filesystem::path& path,
+                                         const ReadOptions& options) {
+  if (!options.columns.empty()) return {};
+  std::optional<io::PointLayout> layout;
+  if (io::is_vecs(path)) {
+    layout = io::layout_of_vecs(path);
+  } else if (io::extension_of(path) == ".npy") {
+    layout = io::layout_of_npy(path);
+  }
+  constexpr auto kScalar = sizeof(Scalar) == 4 ? ScalarType::float32 : ScalarType::float64;
+  if (layout && (layout->scalar != kScalar || layout->offset % sizeof(Scalar) != 0)) return {};
+  return layout;
+}
+
+}  // namespace
+
+template <class Scalar>
+struct MappedPoints<Scalar>::Implementation {
+  std::optional<io::MappedFile> file;
+  Points<Scalar> read;
+  PointsView<Scalar> view;
+
+  void map(const std::filesystem::path& path, const io::PointLayout& layout) {
+    const io::InputFile checked(path);
+    file.emplace(path, checked.size());
+    const void* const first = file->data() + layout.offset;
+    view = {static_cast<const Scalar*>(first), layout.dimension, layout.count, layout.stride};
+    if (io::is_vecs(path)) io::check_dimensions(checked, file->data(), layout);
+    io::check_finite(checked, view);
+  }
+};
+
+template <class Scalar>
+MappedPoints<Scalar>::MappedPoints(const std::filesystem::path& path, const ReadOptions& options)
+    : implementation_(std::make_unique<Implementation>()) {
+  if (const auto layout = layout_of<Scalar>(path, options)) {
+    implementation_->map(path, *layout);
+    return;
+  }
+  implementation_->read = read_points<Scalar>(path, options);
+  implementation_->view = view_points(implementation_->read);
+}
+
+template <class Scalar>
+MappedPoints<Scalar>::MappedPoints(MappedPoints&&) noexcept = default;
+template <class Scalar>
+MappedPoints<Scalar>& MappedPoints<Scalar>::operator=(MappedPoints&&) noexcept = default;
+template <class Scalar>
+MappedPoints<Scalar>::~MappedPoints() = default;
+
+template <class Scalar>
+PointsView<Scalar> MappedPoints<Scalar>::view() const {
+  return implementation_->view;
+}
+
+template <class Scalar>
+bool MappedPoints<Scalar>::mapped() const {
+  return implementation_->file.has_value();
+}
+
+template <class Scalar>
+void MappedPoints<Scalar>::check_unchanged() const {
+  if (implementation_->file) implementation_->file->check_unchanged();
+}
+
+template <class Scalar>
+bool MappedPoints<Scalar>::can_map(const std::filesystem::path& path, const ReadOptions& options) {
+  return layout_of<Scalar>(path, options).has_value();
+}
+
+template class MappedPoints<float>;
+template class MappedPoints<double>;
+
+}  // namespace ccvt
