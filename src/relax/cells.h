@@ -9,6 +9,7 @@
 #include "ccvt/types.h"
 #include "numbers.h"
 #include "parallel/buffer.h"
+#include "parallel/bytes.h"
 
 namespace ccvt {
 
@@ -80,6 +81,24 @@ class Cells {
     Scalar* to = block(site);
     for (std::size_t d = 0; d < dimension_; ++d, stream += points.size(), to += size(site)) {
       std::copy_n(stream, points.size(), to);
+    }
+  }
+
+  /// Writes the first points of a cell, and reads them again.
+  void write(ByteWriter& out, SiteNumber site, Index count) const {
+    const auto first = static_cast<std::size_t>(count);
+    out.put(points(site).first(first));
+    const Scalar* stream = block(site);
+    for (std::size_t d = 0; d < dimension_; ++d, stream += size(site)) {
+      out.put(std::span(stream, first));
+    }
+  }
+  void read(ByteReader& in, SiteNumber site, Index count) {
+    const auto first = static_cast<std::size_t>(count);
+    in.get(std::span(order(site), first));
+    Scalar* stream = block(site);
+    for (std::size_t d = 0; d < dimension_; ++d, stream += size(site)) {
+      in.get(std::span(stream, first));
     }
   }
 

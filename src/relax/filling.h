@@ -112,6 +112,35 @@ class Filling {
     return point;
   }
 
+  /// Writes what there is of a site, for another rank, and reads it there. None of its points waits
+  /// after the one and before the other.
+  void write(ByteWriter& out, SiteNumber site) {
+    out.put(filled[site]);
+    cells.write(out, site, filled[site]);
+    out.put(waiting(site));
+    while (waiting(site) > 0) {
+      const Scalar* x = nullptr;
+      out.put(take_waiting(site, x));
+      out.put(std::span(x, cells.dimension()));
+    }
+  }
+  void read(ByteReader& in, SiteNumber site) {
+    filled[site] = in.get<Index>();
+    cells.read(in, site, filled[site]);
+    std::vector<PointNumber> last(static_cast<std::size_t>(in.get<Index>()));
+    std::vector<Scalar> x(last.size() * cells.dimension());
+    for (std::size_t w = 0; w < last.size(); ++w) {
+      last[w] = in.get<PointNumber>();
+      in.get(std::span(x).subspan(w * cells.dimension(), cells.dimension()));
+    }
+    // The first to be taken is the one that came last.
+    Waiting& waiting = waiting_[site];
+    for (std::size_t w = last.size(); w-- > 0;) {
+      waiting.head = list(site).push(waiting.head, last[w], &x[w * cells.dimension()]);
+      ++waiting.count;
+    }
+  }
+
   /// Gives back to the sites that had them when the journal was begun all points that have moved
   /// since. No point waits, now or then. O(points of the cells concerned).
   void begin_journal() { journals_.resize(lists_.size()); }

@@ -6,6 +6,7 @@
 #include "parallel/loops.h"
 #include "random.h"
 #include "relax/balance.h"
+#include "relax/home.h"
 #include "relax/nearest_sites.h"
 #include "spatial/site_tree.h"
 #include "streams.h"
@@ -64,6 +65,9 @@ void add_to_nearest(const NearestSites<Scalar>& nearest, const JoiningPoints& jo
   joining.for_parts(part, arena, [&](std::span<const PointNumber> which) {
     nearest.template find<Dimension>(filling.points, which, arena, found);
     const auto charge = arena.phase(Phase::join);
+    if (filling.tiles.ranks() != nullptr) {
+      return add_at_home<Dimension, Scalar>(nearest, found.points.span(), arena, filling);
+    }
     auto by_site = group_by_key(
         arena, std::move(found.points), sites, [](std::size_t, const Item&) {},
         [](const Item& item) { return item.site; }, found.spare);

@@ -26,6 +26,13 @@ class JoiningPoints {
   /// Points start.. to end - 1.
   static JoiningPoints between(std::size_t start, std::size_t end);
 
+  /// From now on only those of a rank are given out.
+  void keep_own(std::size_t begin, std::size_t end) {
+    own_begin_ = begin;
+    own_end_ = end;
+  }
+
+  /// Of all ranks.
   [[nodiscard]] std::size_t size() const { return before_.back(); }
   /// Ascending. O(points).
   [[nodiscard]] Buffer<PointNumber> all(const Arena& arena = Arena(1)) const {
@@ -47,10 +54,16 @@ class JoiningPoints {
   [[nodiscard]] Buffer<PointNumber> in_blocks(std::size_t first, std::size_t last,
                                               const Arena& arena) const;
 
+  [[nodiscard]] Buffer<PointNumber> in_whole_blocks(std::size_t first, std::size_t last,
+                                                    const Arena& arena) const;
+  [[nodiscard]] Buffer<PointNumber> trimmed(const Buffer<PointNumber>& points) const;
+
   std::shared_ptr<const NestedSubsets> subsets_;
   std::size_t subset_ = 0;
   std::size_t start_ = 0;
   std::size_t end_ = 0;
+  std::size_t own_begin_ = 0;
+  std::size_t own_end_ = SIZE_MAX;
   std::vector<std::size_t> before_{0};  ///< how many are in the blocks before each; and in all
 };
 

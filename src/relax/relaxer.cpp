@@ -4,8 +4,11 @@
 #include <limits>
 #include <utility>
 
+#include "parallel/together.h"
+#include "relax/across.h"
 #include "relax/all_pairs.h"
 #include "relax/screen.h"
+#include "relax/site_records.h"
 #include "relax/update.h"
 
 namespace ccvt {
@@ -13,6 +16,47 @@ namespace {
 
 /// A worker looks whether to stop after so many points.
 constexpr Index kPointsBetweenChecks = 1 << 16;
+
+/// Lends cells that are relaxed, with what a swap may change.
+template <class Scalar, class ForPairs>
+struct RelaxedLender {
+  LevelState<Scalar>& state;
+  Patches<Scalar>& patches;
+  std::vector<std::uint8_t>& changed;
+  const ForPairs& for_pairs;
+
+  [[nodiscard]] std::vector<SiteNumber> sites(const Schedule::Task& task, Tile tile) const {
+    const NumberRange<SiteNumber> own = state.tiling.sites_of(tile);
+    std::vector<std::uint8_t> named(own.size(), 0);
+    for_pairs(task, [&](SiteNumber i, SiteNumber j) {
+      for (const SiteNumber s : {i, j}) {
+        if (state.tiling.tile_of(s) == tile) named[s - *own.begin()] = 1;
+      }
+    });
+    std::vector<SiteNumber> sites;
+    for (const SiteNumber s : own) {
+      if (named[s - *own.begin()] != 0) sites.push_back(s);
+    }
+    return sites;
+  }
+  void put(ByteWriter& message, SiteNumber site) {
+    message.put(state.sites.radius[site]);
+    message.put(state.sites.compact[site]);
+    message.put(changed[site]);
+    patches.write(message, site);
+    state.cells.write(message, site, state.cells.size(site));
+  }
+  void take(ByteReader& message, SiteNumber site) {
+    state.sites.radius[site] = message.get<double>();
+    state.sites.compact[site] = message.get<std::uint8_t>();
+    changed[site] = message.get<std::uint8_t>();
+    patches.read(message, site);
+    state.cells.read(message, site, state.cells.size(site));
+  }
+};
+template <class Scalar, class ForPairs>
+RelaxedLender(LevelState<Scalar>&, Patches<Scalar>&, std::vector<std::uint8_t>&, const ForPairs&)
+    -> RelaxedLender<Scalar, ForPairs>;
 
 }  // namespace
 
@@ -57,7 +101,7 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
   }
   // What is left takes a pass over the cells that have changed.
   if (stopped_) stop_.off();
-  PassCount result = count(full);
+  PassCount result = count(full, state.tiling);
   const Stop::Pause pause(stop_);
   result.active_sites = update_changed(state, full && !stopped_);
   stable_ = full && !stopped_ && result.swaps == 0;
@@ -94,17 +138,22 @@ void Relaxer<Scalar>::run(Source&& source, bool full, LevelState<Scalar>& state)
   const auto touched = [](const std::vector<std::uint8_t>& flags, auto a, auto b) {
     return (flags[a] | flags[b]) != 0;
   };
+  const auto for_pairs = [&](const Schedule::Task& task, const auto& visit) {
+    if (of_touched && !touched(touched_tile_, task.a, task.b)) return;
+    source.for_pairs(task, [&](SiteNumber i, SiteNumber j) {
+      if (!of_touched || touched(touched_, i, j)) visit(i, j);
+    });
+  };
+  RelaxedLender lender{state, patches_, changed_, for_pairs};
   for (std::size_t b = 0; b < source.batch_count() && !cancelled(); ++b) {
-    Schedule::run_batch(
-        arena_, state.tiling, source.batch(b), [&](const Schedule::Task& task, int w) {
-          if (of_touched && !touched(touched_tile_, task.a, task.b)) return;
-          Worker& worker = workers_[w];
-          source.for_pairs(task, [&](SiteNumber i, SiteNumber j) {
-            if (of_touched && !touched(touched_, i, j)) return;
-            if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j)) return;
-            examine(state, worker, i, j);
-          });
-        });
+    run_batch(arena_, state.tiling, source.batch(b), lender,
+              [&](const Schedule::Task& task, int w) {
+                Worker& worker = workers_[w];
+                for_pairs(task, [&](SiteNumber i, SiteNumber j) {
+                  if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j)) return;
+                  examine(state, worker, i, j);
+                });
+              });
   }
 }
 
@@ -127,7 +176,7 @@ void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, SiteNum
 
 /// Adds up what the workers have done, and keeps the pairs that swapped for the next pass.
 template <class Scalar>
-PassCount Relaxer<Scalar>::count(bool full) {
+PassCount Relaxer<Scalar>::count(bool full, const Tiling& tiling) {
   PassCount count;
   count.full = full;
   count.stopped = stopped_;
@@ -139,6 +188,11 @@ PassCount Relaxer<Scalar>::count(bool full) {
     count.exchanged += worker.count.exchanged;
     cache_.insert(cache_.end(), worker.swapped.begin(), worker.swapped.end());
   }
+  Ranks* const ranks = tiling.ranks();
+  count.pairs = total(ranks, count.pairs);
+  count.swaps = total(ranks, count.swaps);
+  count.exchanged = total(ranks, count.exchanged);
+  if (options_.cached_passes > 0) cache_ = joined(ranks, std::move(cache_));
   // Which worker met a pair is chance; the schedule must not depend on it.
   std::sort(cache_.begin(), cache_.end());
   return count;
@@ -149,15 +203,20 @@ template <class Scalar>
 Index Relaxer<Scalar>::update_changed(LevelState<Scalar>& state, bool full) {
   const auto charge = arena_.phase(Phase::update);
   PerWorker<Index> active(arena_);
-  for_each_tile(arena_, state.tiling, [&](Tile tile, int worker) {
-    std::uint8_t any = 0;
+  for_each_tile(arena_, state.tiling, [&](Tile tile, int) {
     for (const SiteNumber site : state.tiling.sites_of(tile)) {
+      if (changed_[site] != 0) update_site(metric_, state.cells, state.sites, site);
+    }
+  });
+  share_records(state.tiling, state.sites, changed_);
+  arena_.for_ranges(state.tiling.count(), 1, [&](std::size_t t, std::size_t, int worker) {
+    std::uint8_t any = 0;
+    for (const SiteNumber site : state.tiling.sites_of(Tile(t))) {
       const std::uint8_t changed = std::exchange(changed_[site], std::uint8_t{0});
-      if (changed != 0) update_site(metric_, state.cells, state.sites, site);
       active[worker] += changed;
       any |= touched_[site] = full ? changed : touched_[site] | changed;
     }
-    touched_tile_[tile] = any;
+    touched_tile_[Tile(t)] = any;
   });
   Index all = 0;
   for (int w = 0; w < arena_.threads(); ++w) all += active[w];
@@ -181,6 +240,9 @@ void update_all(const Metric& metric, LevelState<Scalar>& state, const Arena& ar
     state.sites.radius[site] = std::numeric_limits<double>::infinity();
     update_site(metric, state.cells, state.sites, site);
   });
+  if (state.tiling.ranks() == nullptr) return;
+  std::vector<std::uint8_t> all(state.sites.count(), 1);
+  share_records(state.tiling, state.sites, all);
 }
 
 template class Relaxer<float>;

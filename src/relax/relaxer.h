@@ -58,7 +58,7 @@ class Relaxer {
   void run(Source&& source, bool full, LevelState<Scalar>& state);
   void examine(LevelState<Scalar>& state, Worker& worker, SiteNumber i, SiteNumber j);
   Index update_changed(LevelState<Scalar>& state, bool full);
-  PassCount count(bool full);
+  PassCount count(bool full, const Tiling& tiling);
   void forget_pairs();
   bool cancelled() { return stopped_ = stopped_ || stop_.requested(); }
 
