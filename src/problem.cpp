@@ -166,9 +166,10 @@ Problem<Scalar>::Problem(Ranks& ranks, PointsView<Scalar> own, Index sites, int 
   agree(&ranks,
         [&] { require_moderate("points", own, arena, static_cast<Index>(first)); });
   points_ = numbered(own, static_cast<Index>(first), static_cast<Index>(count));
-  part_ = std::make_shared<const Part>(
-      Part{&ranks, static_cast<Index>(first), own, box_of_all(ranks, own, arena)});
-  require_extent<Scalar>("points", part_->around.extent().maxCoeff());
+  const Box around = box_of_all(ranks, own, arena);
+  require_extent<Scalar>("points", around.extent().maxCoeff());
+  if (ranks.count() == 1) return;
+  part_ = std::make_shared<const Part>(Part{&ranks, static_cast<Index>(first), own, around});
 }
 
 template <class Scalar>

@@ -55,7 +55,7 @@ void require_for_ranks(const Options& options, double points_a_site) {
   if (options.descent_points > 0 && options.pairs == PairSelection::meeting &&
       points_a_site >= options.descent_points) {
     throw InvalidInput("options.descent_points: is " + std::to_string(options.descent_points) +
-                       ", and there are " + text(points_a_site) +
+                       ", and there are " + text(points_a_site, 4) +
                        " points a site: several ranks need it to be 0, or more than these");
   }
 }
@@ -367,28 +367,40 @@ bool Run<Scalar>::cancelled_together(bool own) {
   return any(ranks(), own);
 }
 
-/// Each rank tells the ranks of the points in its cells whose they are.
+/// Each rank tells the ranks of the points in its cells whose they are, about so many points at a
+/// time.
 template <class Scalar>
 std::vector<Index> Run<Scalar>::owners_at_home() const {
+  constexpr Index kPointsAtOnce = 1 << 18;
+  struct Owned {
+    PointNumber point;
+    SiteNumber owner;
+  };
   const std::vector<Index> first = of_all(ranks(), problem.first_own_point());
-  std::vector<ByteWriter> messages(first.size());
-  for (const SiteNumber k : state.tiling.own_sites()) {
-    for (const PointNumber p : state.cells.points(k)) {
-      // The last rank that begins there or before: others there have no points.
-      const auto rank = std::upper_bound(first.begin(), first.end(), p.index()) - first.begin() - 1;
-      messages[static_cast<std::size_t>(rank)].put(p);
-      messages[static_cast<std::size_t>(rank)].put(site_of[k]);
-    }
-  }
-  std::vector<Ranks::Bytes> bytes;
-  for (ByteWriter& message : messages) bytes.push_back(std::move(message.bytes));
   std::vector<Index> owners(static_cast<std::size_t>(problem.own_points().count), -1);
-  for (const Ranks::Bytes& message : ranks()->exchange(std::move(bytes))) {
-    ByteReader reader(message);
-    while (!reader.done()) {
-      const auto point = reader.get<PointNumber>();
-      owners[static_cast<std::size_t>(point.index() - problem.first_own_point())] =
-          reader.get<SiteNumber>().index();
+  const NumberRange<SiteNumber> own = state.tiling.own_sites();
+  SiteNumber next = *own.begin();
+  while (any(ranks(), next != *own.end())) {
+    std::vector<std::vector<Owned>> owned(first.size());
+    for (Index points = 0; points < kPointsAtOnce && next != *own.end(); ++next) {
+      points += state.cells.size(next);
+      for (const PointNumber p : state.cells.points(next)) {
+        // The last rank that begins there or before: others there have no points.
+        const auto after = std::upper_bound(first.begin(), first.end(), p.index());
+        owned[static_cast<std::size_t>(after - first.begin() - 1)].push_back({p, site_of[next]});
+      }
+    }
+    std::vector<Ranks::Bytes> messages;
+    for (const std::vector<Owned>& theirs : owned) {
+      const auto bytes = std::as_bytes(std::span(theirs));
+      messages.emplace_back(bytes.begin(), bytes.end());
+    }
+    for (const Ranks::Bytes& message : ranks()->exchange(std::move(messages))) {
+      std::vector<Owned> come(message.size() / sizeof(Owned));
+      ByteReader(message).get(std::span(come));
+      for (const auto& [point, owner] : come) {
+        owners[PointNumber(point.index() - problem.first_own_point())] = owner.index();
+      }
     }
   }
   return owners;

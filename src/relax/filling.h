@@ -101,6 +101,38 @@ class Filling {
     return point;
   }
 
+  /// Sorts the points that have come to a site since it had `before`, by their key(point, x), as if
+  /// they had been added in that order. No key is twice.
+  template <class Key>
+  void sort_added(SiteNumber site, Index before, const Key& key) {
+    using Value = decltype(key(PointNumber(), static_cast<const Scalar*>(nullptr)));
+    struct Added {
+      Value key;
+      PointNumber point;
+      std::size_t x;
+    };
+    std::vector<Added> added;
+    std::vector<Scalar> all;
+    const auto append = [&](PointNumber point, const Scalar* x) {
+      added.push_back({key(point, x), point, all.size()});
+      all.insert(all.end(), x, x + cells.dimension());
+    };
+    std::vector<Scalar> x(cells.dimension());
+    for (Index k = before; k < filled[site]; ++k) {
+      cells.get(site, k, x.data());
+      append(cells.points(site)[static_cast<std::size_t>(k)], x.data());
+    }
+    while (waiting(site) > 0) {
+      const Scalar* own = nullptr;
+      const PointNumber point = take_waiting(site, own);
+      append(point, own);
+    }
+    std::sort(added.begin(), added.end(),
+              [](const Added& a, const Added& b) { return a.key < b.key; });
+    filled[site] = before;
+    for (const Added& a : added) add(site, a.point, all.data() + a.x);
+  }
+
   /// How many points of a site wait; and takes one of these.
   [[nodiscard]] Index waiting(SiteNumber site) const { return waiting_[site].count; }
   PointNumber take_waiting(SiteNumber site, const Scalar*& x) {

@@ -1,9 +1,11 @@
 #include "relax/initialize.h"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "parallel/loops.h"
+#include "parallel/together.h"
 #include "random.h"
 #include "relax/balance.h"
 #include "relax/home.h"
@@ -65,9 +67,6 @@ void add_to_nearest(const NearestSites<Scalar>& nearest, const JoiningPoints& jo
   joining.for_parts(part, arena, [&](std::span<const PointNumber> which) {
     nearest.template find<Dimension>(filling.points, which, arena, found);
     const auto charge = arena.phase(Phase::join);
-    if (filling.tiles.ranks() != nullptr) {
-      return add_at_home<Dimension, Scalar>(nearest, found.points.span(), arena, filling);
-    }
     auto by_site = group_by_key(
         arena, std::move(found.points), sites, [](std::size_t, const Item&) {},
         [](const Item& item) { return item.site; }, found.spare);
@@ -81,6 +80,44 @@ void add_to_nearest(const NearestSites<Scalar>& nearest, const JoiningPoints& jo
       }
     });
     found.points = std::move(by_site.items);
+  });
+}
+
+/// The same by several ranks, each part by part of its own points. In the end points are in the
+/// order in which one process would have added them: part by part of all, in these as find() has
+/// them.
+template <std::size_t Dimension, class Scalar>
+void add_to_nearest_on_ranks(const NearestSites<Scalar>& nearest, const JoiningPoints& joining,
+                             const Arena& arena, Filling<Scalar>& filling) {
+  const Tiling& tiling = filling.tiles;
+  const std::size_t part = std::max(kLeastPoints, kPointsPerSite * filling.cells.site_count());
+  const std::vector<Index> before = filling.filled;
+  typename NearestSites<Scalar>::template Found<Dimension> found;
+  const auto add = [&](std::span<const PointNumber> which) {
+    nearest.template find<Dimension>(filling.points, which, arena, found);
+    const auto charge = arena.phase(Phase::join);
+    if constexpr (Dimension > 0) {
+      add_at_home<Dimension>(found, arena, filling);
+    } else {
+      add_at_home<Scalar>(found.points.span(), arena, filling);
+    }
+  };
+  joining.for_own_parts(
+      std::max(kLeastPoints, part / static_cast<std::size_t>(tiling.ranks()->count())), arena,
+      [&](std::span<const PointNumber> which) {
+        any(tiling.ranks(), true);
+        add(which);
+      });
+  while (any(tiling.ranks(), false)) add({});  // others have more
+
+  const auto charge = arena.phase(Phase::join);
+  const std::vector<PointNumber> begins = joining.parts(part);
+  for_each_site(arena, tiling, [&](SiteNumber s) {
+    filling.sort_added(s, before[s], [&](PointNumber point, const Scalar* x) {
+      const auto of_part = std::upper_bound(begins.begin(), begins.end(), point) - begins.begin();
+      const std::size_t cell = Dimension > 0 ? nearest.cell_of(x) : 0;
+      return std::tuple(of_part, cell, point);
+    });
   });
 }
 
@@ -131,7 +168,11 @@ void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
     const auto charge = arena.phase(Phase::nearest);
     const NearestSites<Scalar> nearest(metric, sites, box, arena);
     with_dimension(nearest.dimension_of_copies(), [&]<std::size_t Dimension>() {
-      add_to_nearest<Dimension>(nearest, joining, arena, filling);
+      if (filling.tiles.ranks() != nullptr) {
+        add_to_nearest_on_ranks<Dimension>(nearest, joining, arena, filling);
+      } else {
+        add_to_nearest<Dimension>(nearest, joining, arena, filling);
+      }
     });
   }
   if (near.empty()) {
