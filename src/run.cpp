@@ -86,6 +86,7 @@ Run<Scalar>::Run(Problem<Scalar> given_problem, Options given_options)
       arena(options.threads, &stop, &record.clock()),
       domain(measured_domain(problem)),
       metric(problem.dimension(), domain) {
+  arena.divide_among(ranks());
   const auto timed = record.initializing();
   Summary& summary = record.summary();
   summary.dimension = problem.dimension();

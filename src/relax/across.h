@@ -31,22 +31,24 @@ void run_batch(const Arena& arena, const Tiling& tiling, std::span<const Schedul
   Schedule::run_batch(arena, tiling, tasks, body);
 }
 
-/// Lends cells that are being filled.
+/// Lends cells that are being filled, where there are points left to move along an edge.
 template <class Scalar>
 struct FillingLender {
   Filling<Scalar>& filling;
   const Schedule& schedule;
+  std::span<const std::int64_t> left;
 
-  [[nodiscard]] std::vector<SiteNumber> sites(const Schedule::Task& task, Tile tile) const {
-    std::vector<SiteNumber> sites;
-    for (const auto& [i, j] : schedule.pairs_of(task)) {
+  void add_sites(const Schedule::Task& task, Tile tile, std::vector<SiteNumber>& sites) const {
+    const auto before = std::ptrdiff_t(sites.size());
+    for (std::size_t e = task.begin; e < task.end; ++e) {
+      if (left[e] == 0) continue;
+      const auto& [i, j] = schedule.pairs[e];
       for (const SiteNumber s : {i, j}) {
         if (filling.tiles.tile_of(s) == tile) sites.push_back(s);
       }
     }
-    std::sort(sites.begin(), sites.end());
-    sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
-    return sites;
+    std::sort(sites.begin() + before, sites.end());
+    sites.erase(std::unique(sites.begin() + before, sites.end()), sites.end());
   }
   void put(ByteWriter& message, SiteNumber site) { filling.write(message, site); }
   void take(ByteReader& message, SiteNumber site) { filling.read(message, site); }

@@ -125,7 +125,7 @@ class FlowRounds {
       }
       if (from != SiteNumber::none()) mover.stay();
     };
-    FillingLender<Scalar> lender{filling_, schedule_};
+    FillingLender<Scalar> lender{filling_, schedule_, left_.span()};
     for (std::size_t b = 0; b < schedule_.batch_count(); ++b) {
       run_batch(arena_, tiles_, schedule_.batch(b), lender, work);
     }
@@ -134,10 +134,29 @@ class FlowRounds {
       all.moved += counts[w].moved;
       all.left += counts[w].left;
     }
+    share_left();
     return total(tiles_.ranks(), all.left) > 0 && total(tiles_.ranks(), all.moved) > 0;
   }
 
  private:
+  /// What is left is known where it was moved from; now all ranks know.
+  void share_left() {
+    if (tiles_.ranks() == nullptr) return;
+    struct Left {
+      std::size_t edge;
+      std::int64_t points;
+    };
+    std::vector<Left> own;
+    for (const Schedule::Task& task : schedule_.tasks) {
+      if (runner(tiles_, task) != tiles_.ranks()->rank()) continue;
+      for (std::size_t e = task.begin; e < task.end; ++e) {
+        if (left_[e] != 0) own.push_back({e, left_[e]});
+      }
+    }
+    std::fill(left_.begin(), left_.end(), 0);
+    for (const Left& all : joined(tiles_.ranks(), std::move(own))) left_[all.edge] = all.points;
+  }
+
   const Arena& arena_;
   Filling<Scalar>& filling_;
   const Tiling& tiles_;

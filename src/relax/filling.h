@@ -33,6 +33,11 @@ class WaitingPoints {
     std::copy_n(x, dimension_, coordinates_.data() + node * dimension_);
     return node;
   }
+  [[nodiscard]] Node next(Node node) const { return links_[node].next; }
+  [[nodiscard]] PointNumber point(Node node) const { return links_[node].point; }
+  [[nodiscard]] const Scalar* coordinates(Node node) const {
+    return coordinates_.data() + node * dimension_;
+  }
   /// Takes the head off a list; returns the new one. Both pointers hold until the next push().
   Node pop(Node head, PointNumber& point, const Scalar*& x) {
     Link& link = links_[head];
@@ -105,6 +110,7 @@ class Filling {
   /// they had been added in that order. No key is twice.
   template <class Key>
   void sort_added(SiteNumber site, Index before, const Key& key) {
+    if (are_sorted(site, before, key)) return;
     using Value = decltype(key(PointNumber(), static_cast<const Scalar*>(nullptr)));
     struct Added {
       Value key;
@@ -189,6 +195,32 @@ class Filling {
   std::vector<Index> filled;  ///< points in each cell
 
  private:
+  template <class Key>
+  [[nodiscard]] bool are_sorted(SiteNumber site, Index before, const Key& key) const {
+    std::vector<Scalar> x(cells.dimension());
+    bool first = true;
+    auto last = key(PointNumber(), x.data());
+    for (Index k = before; k < filled[site]; ++k) {
+      cells.get(site, k, x.data());
+      const auto own = key(cells.points(site)[static_cast<std::size_t>(k)], x.data());
+      if (!first && own < last) return false;
+      last = own;
+      first = false;
+    }
+    // The head is the one that came last.
+    const WaitingPoints<Scalar>& waiting = lists_[tiles.tile_of(site)];
+    bool newest = true;
+    auto after = last;
+    for (auto node = waiting_[site].head; node != WaitingPoints<Scalar>::Node::none();
+         node = waiting.next(node)) {
+      const auto own = key(waiting.point(node), waiting.coordinates(node));
+      if (own < last || (!newest && after < own)) return false;
+      after = own;
+      newest = false;
+    }
+    return true;
+  }
+
   struct Waiting {
     typename WaitingPoints<Scalar>::Node head = WaitingPoints<Scalar>::Node::none();
     Index count = 0;

@@ -20,7 +20,7 @@ Buffer<PointNumber> distinct_points(std::size_t count, std::size_t points, std::
                                     const Arena& arena) {
   const NestedSubsets subset(seed, streams::initial_sites, points, std::array{count}, arena);
   const NestedSubsets::Members first = subset.members(0);
-  return collect<PointNumber>(
+  return collect_together<PointNumber>(
       arena, points, NestedSubsets::kBlock,
       [&](std::size_t begin, std::size_t end, std::vector<PointNumber>& out, int) {
         for (std::size_t p = begin; p < end; ++p) {

@@ -43,7 +43,7 @@ Buffer<Pair> nearest_neighbours(const Metric& metric, const SiteState& sites, co
   const int wanted = 1 + std::min(24, 3 + 2 * metric.dimension());
   const SiteTree tree(metric, sites.position);
   PerWorker<std::vector<Index>> scratch(arena);
-  Buffer<Pair> found = collect_by_site<Pair>(arena, sites.count(), kSitesPerGrain,
+  Buffer<Pair> found = collect_by_site_together<Pair>(arena, sites.count(), kSitesPerGrain,
                                              [&](SiteNumber site, std::vector<Pair>& pairs, int w) {
                                                scratch[w].clear();
                                                tree.nearest(sites.at(site), wanted, scratch[w]);

@@ -124,7 +124,7 @@ bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Are
   std::atomic<std::size_t> total{0};
   PerWorker<std::vector<Index>> scratch(arena);
   Buffer<Pair> found =
-      collect<Pair>(arena, count, kSitesPerSearch,
+      collect_together<Pair>(arena, count, kSitesPerSearch,
                     [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int w) {
                       if (total > limit) return;
                       const std::size_t before = out.size();
@@ -139,7 +139,7 @@ bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Are
                       }
                       total += out.size() - before;
                     });
-  if (total > limit) {
+  if (found.size() > limit) {
     search_.reset();
     return false;
   }

@@ -25,7 +25,7 @@ struct RelaxedLender {
   std::vector<std::uint8_t>& changed;
   const ForPairs& for_pairs;
 
-  [[nodiscard]] std::vector<SiteNumber> sites(const Schedule::Task& task, Tile tile) const {
+  void add_sites(const Schedule::Task& task, Tile tile, std::vector<SiteNumber>& sites) const {
     const NumberRange<SiteNumber> own = state.tiling.sites_of(tile);
     std::vector<std::uint8_t> named(own.size(), 0);
     for_pairs(task, [&](SiteNumber i, SiteNumber j) {
@@ -33,11 +33,9 @@ struct RelaxedLender {
         if (state.tiling.tile_of(s) == tile) named[s - *own.begin()] = 1;
       }
     });
-    std::vector<SiteNumber> sites;
     for (const SiteNumber s : own) {
       if (named[s - *own.begin()] != 0) sites.push_back(s);
     }
-    return sites;
   }
   void put(ByteWriter& message, SiteNumber site) {
     message.put(state.sites.radius[site]);

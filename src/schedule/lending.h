@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -11,26 +12,27 @@
 
 namespace ccvt {
 
+/// The rank that runs a task: one of those that have its tiles.
+inline int runner(const Tiling& tiling, const Schedule::Task& task) {
+  const bool second = (task.a.index() + task.b.index()) % 2 != 0;
+  return tiling.rank_of(second ? task.b : task.a);
+}
+
 /// Runs a batch of tasks, each on one of the ranks that have its tiles. What the task needs of a
 /// tile of another rank's is lent to the one that runs it, and comes back changed; messages are on
 /// their way while tasks of a rank's own tiles run.
 ///
-///     lender.sites(task, tile): the sites of one of its tiles that the task needs
+///     lender.add_sites(task, tile, sites): the sites of one of its tiles that the task needs
 ///     lender.put(writer, site), lender.take(reader, site): what there is of a site
 template <class Lender, class Body>
 void run_on_ranks(const Arena& arena, const Tiling& tiling, std::span<const Schedule::Task> tasks,
                   Lender&& lender, const Body& body) {
   using Task = Schedule::Task;
-  // Both ranks of a task know this; neither tile is used by another task.
-  const auto runner = [&](const Task& task) {
-    const bool second = (task.a.index() + task.b.index()) % 2 != 0;
-    return tiling.rank_of(second ? task.b : task.a);
-  };
   Ranks& ranks = *tiling.ranks();
   std::vector<Task> own;
   std::vector<Task> with_others;
-  std::map<int, std::vector<const Task*>> lent;      // by the rank that runs them
-  std::map<int, std::vector<const Task*>> borrowed;  // by the rank whose tiles they need
+  std::map<int, std::vector<const Task*>> lent;  // by the rank that runs them
+  std::set<int> borrowed;                        // the ranks whose tiles are needed
   for (const Task& task : tasks) {
     const bool has_a = tiling.is_own(task.a);
     const bool has_b = tiling.is_own(task.b);
@@ -38,43 +40,41 @@ void run_on_ranks(const Arena& arena, const Tiling& tiling, std::span<const Sche
       own.push_back(task);
     } else if (has_a || has_b) {
       const int other = tiling.rank_of(has_a ? task.b : task.a);
-      if (runner(task) == ranks.rank()) {
+      if (runner(tiling, task) == ranks.rank()) {
         with_others.push_back(task);
-        borrowed[other].push_back(&task);
+        borrowed.insert(other);
       } else {
         lent[other].push_back(&task);
       }
     }
   }
-  const auto send = [&](const auto& by_rank, bool back) {
-    for (const auto& [rank, theirs] : by_rank) {
-      ByteWriter message;
-      for (const Task* task : theirs) {
-        const std::vector<SiteNumber> sites =
-            lender.sites(*task, tiling.is_own(task->a) != back ? task->a : task->b);
-        message.put(sites);
-        for (const SiteNumber site : sites) lender.put(message, site);
-      }
-      ranks.send(rank, std::move(message.bytes));
-    }
+  const auto send = [&](int rank, const std::vector<SiteNumber>& sites) {
+    ByteWriter message;
+    message.put(sites);
+    for (const SiteNumber site : sites) lender.put(message, site);
+    ranks.send(rank, std::move(message.bytes));
   };
-  const auto receive = [&](const auto& by_rank) {
-    for (const auto& [rank, theirs] : by_rank) {
-      const Ranks::Bytes bytes = ranks.receive(rank);
-      ByteReader message(bytes);
-      std::vector<SiteNumber> sites;
-      while (!message.done()) {
-        message.get(sites);
-        for (const SiteNumber site : sites) lender.take(message, site);
-      }
-    }
+  const auto receive = [&](int rank) {
+    const Ranks::Bytes bytes = ranks.receive(rank);
+    ByteReader message(bytes);
+    std::vector<SiteNumber> sites;
+    message.get(sites);
+    for (const SiteNumber site : sites) lender.take(message, site);
+    return sites;
   };
-  send(lent, false);
+  for (const auto& [rank, theirs] : lent) {
+    std::vector<SiteNumber> sites;
+    for (const Task* task : theirs) {
+      lender.add_sites(*task, tiling.is_own(task->a) ? task->a : task->b, sites);
+    }
+    send(rank, sites);
+  }
   Schedule::run_batch(arena, tiling, std::span<const Task>(own), body);
-  receive(borrowed);
+  std::map<int, std::vector<SiteNumber>> guests;
+  for (const int rank : borrowed) guests[rank] = receive(rank);
   Schedule::run_batch(arena, tiling, std::span<const Task>(with_others), body);
-  send(borrowed, true);
-  receive(lent);
+  for (const auto& [rank, sites] : guests) send(rank, sites);
+  for (const auto& [rank, theirs] : lent) receive(rank);
 }
 
 }  // namespace ccvt

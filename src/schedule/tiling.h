@@ -120,7 +120,18 @@ void for_each_site(const Arena& arena, std::size_t sites, std::size_t grain, con
   arena.for_each(sites, grain, [&body](std::size_t s) { body(SiteNumber(s)); });
 }
 
-/// What body(site, out, worker) appends to the vector `out`, one site after the other.
+/// What body(site, out, worker) appends to the vector `out`, one site after the other; ranks divide
+/// the sites.
+template <class T, class Body>
+Buffer<T> collect_by_site_together(const Arena& arena, std::size_t sites, std::size_t grain,
+                                   const Body& body) {
+  return collect_together<T>(
+      arena, sites, grain, [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
+        for (const SiteNumber site : sites_between(begin, end)) body(site, out, worker);
+      });
+}
+
+/// The same, each rank all.
 template <class T, class Body>
 Buffer<T> collect_by_site(const Arena& arena, std::size_t sites, std::size_t grain,
                           const Body& body) {
