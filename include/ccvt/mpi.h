@@ -30,18 +30,19 @@ class MpiRanks final : public Ranks {
   void send(int to, Bytes message) override;
   [[nodiscard]] Bytes receive(int from) override;
 
-  /// What this rank has sent, since it was made: by send() and exchange() to others, and by
+  /// What this rank has sent since it was made: by send() and exchange() to others, and by
   /// gather(), where what it hands in counts once.
   struct Traffic {
     std::int64_t messages = 0;
     std::int64_t sent_bytes = 0;
     std::int64_t gathered_bytes = 0;
+    double seconds = 0;  ///< that it took, with what this rank waited for others
   };
   [[nodiscard]] const Traffic& traffic() const { return traffic_; }
 
  private:
   struct Sent {
-    std::vector<std::uint64_t> words;
+    Bytes message;
     MPI_Request request;
   };
   void forget_delivered();

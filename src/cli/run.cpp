@@ -71,6 +71,7 @@ std::string summary_json(const std::string& command, const Summary& summary,
                      {"messages", ranks->messages},
                      {"sent_bytes", ranks->sent_bytes},
                      {"gathered_bytes", ranks->gathered_bytes},
+                     {"message_seconds", ranks->seconds},
                      {"largest_peak_memory_bytes", ranks->largest_peak_bytes}};
   }
   json["warnings"] = summary.warnings;

@@ -72,6 +72,7 @@ struct RankFigures {
   std::int64_t messages = 0;
   std::int64_t sent_bytes = 0;
   std::int64_t gathered_bytes = 0;
+  double seconds = 0;  ///< that messages took, with waiting for others: the mean
   std::uint64_t largest_peak_bytes = 0;
 };
 

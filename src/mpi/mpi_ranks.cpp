@@ -43,6 +43,19 @@ std::vector<Ranks::Bytes> unpack(const std::vector<Word>& words,
   return messages;
 }
 
+/// Adds the time that it lives.
+class Watch {
+ public:
+  explicit Watch(double& seconds) : seconds_(seconds), begin_(MPI_Wtime()) {}
+  Watch(const Watch&) = delete;
+  Watch& operator=(const Watch&) = delete;
+  ~Watch() { seconds_ += MPI_Wtime() - begin_; }
+
+ private:
+  double& seconds_;
+  double begin_;
+};
+
 }  // namespace
 
 MpiRanks::MpiRanks(MPI_Comm communicator) {
@@ -57,6 +70,7 @@ MpiRanks::~MpiRanks() {
 }
 
 std::vector<Ranks::Bytes> MpiRanks::gather(std::span<const std::byte> own) {
+  const Watch watch(traffic_.seconds);
   const auto ranks = static_cast<std::size_t>(count_);
   const std::uint64_t size = own.size();
   std::vector<std::uint64_t> sizes(ranks);
@@ -75,6 +89,7 @@ std::vector<Ranks::Bytes> MpiRanks::gather(std::span<const std::byte> own) {
 }
 
 std::vector<Ranks::Bytes> MpiRanks::exchange(std::vector<Bytes> to) {
+  const Watch watch(traffic_.seconds);
   const auto ranks = static_cast<std::size_t>(count_);
   std::vector<std::uint64_t> sizes_out;
   std::vector<int> counts_out;
@@ -102,29 +117,27 @@ std::vector<Ranks::Bytes> MpiRanks::exchange(std::vector<Bytes> to) {
   return unpack(in, sizes, places);
 }
 
-/// The first word says how many bytes follow.
 void MpiRanks::send(int to, Bytes message) {
+  const Watch watch(traffic_.seconds);
   forget_delivered();
-  Sent& sent = sent_.emplace_back();
-  sent.words.resize(1 + static_cast<std::size_t>(words_for(message.size())));
-  sent.words[0] = message.size();
-  if (!message.empty()) std::memcpy(sent.words.data() + 1, message.data(), message.size());
-  MPI_Isend(sent.words.data(), 1 + words_for(message.size()), MPI_UINT64_T, to, 0, communicator_,
-            &sent.request);
+  if (message.size() > INT_MAX) throw std::length_error("ranks: a message has more than 2 GB");
   ++traffic_.messages;
   traffic_.sent_bytes += static_cast<std::int64_t>(message.size());
+  Sent& sent = sent_.emplace_back();
+  sent.message = std::move(message);
+  MPI_Isend(sent.message.data(), static_cast<int>(sent.message.size()), MPI_BYTE, to, 0,
+            communicator_, &sent.request);
 }
 
 Ranks::Bytes MpiRanks::receive(int from) {
+  const Watch watch(traffic_.seconds);
   MPI_Message message;
   MPI_Status status;
   MPI_Mprobe(from, 0, communicator_, &message, &status);
   int count = 0;
-  MPI_Get_count(&status, MPI_UINT64_T, &count);
-  std::vector<Word> words(static_cast<std::size_t>(count));
-  MPI_Mrecv(words.data(), count, MPI_UINT64_T, &message, MPI_STATUS_IGNORE);
-  Bytes bytes(words.at(0));
-  if (!bytes.empty()) std::memcpy(bytes.data(), words.data() + 1, bytes.size());
+  MPI_Get_count(&status, MPI_BYTE, &count);
+  Bytes bytes(static_cast<std::size_t>(count));
+  MPI_Mrecv(bytes.data(), count, MPI_BYTE, &message, MPI_STATUS_IGNORE);
   return bytes;
 }
 

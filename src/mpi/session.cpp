@@ -41,7 +41,9 @@ cli::RankFigures Session::figures() const {
   MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   std::uint64_t peak = cli::peak_memory_bytes();
   MPI_Allreduce(MPI_IN_PLACE, &peak, 1, MPI_UINT64_T, MPI_MAX, MPI_COMM_WORLD);
-  return {ranks_.count(), sums[0], sums[1], sums[2], peak};
+  double seconds = own.seconds / ranks_.count();
+  MPI_Allreduce(MPI_IN_PLACE, &seconds, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  return {ranks_.count(), sums[0], sums[1], sums[2], seconds, peak};
 }
 
 }  // namespace ccvt::mpi

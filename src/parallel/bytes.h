@@ -20,9 +20,8 @@ class ByteWriter {
   void put(std::span<const T> values) {
     static_assert(std::is_trivially_copyable_v<T>);
     if (values.empty()) return;
-    const std::size_t before = bytes.size();
-    bytes.resize(before + values.size_bytes());
-    std::memcpy(bytes.data() + before, values.data(), values.size_bytes());
+    const auto* const from = reinterpret_cast<const std::byte*>(values.data());
+    bytes.insert(bytes.end(), from, from + values.size_bytes());
   }
   /// With how many there are.
   template <class T>

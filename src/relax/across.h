@@ -50,8 +50,8 @@ struct FillingLender {
     std::sort(sites.begin() + before, sites.end());
     sites.erase(std::unique(sites.begin() + before, sites.end()), sites.end());
   }
-  void put(ByteWriter& message, SiteNumber site) { filling.write(message, site); }
-  void take(ByteReader& message, SiteNumber site) { filling.read(message, site); }
+  void put(ByteWriter& message, SiteNumber site, int) { filling.write(message, site); }
+  void take(ByteReader& message, SiteNumber site, int) { filling.read(message, site); }
 };
 
 /// Calls `work`, which moves points from one site to another, on the rank of the first.

@@ -44,6 +44,9 @@ class Patches {
   [[nodiscard]] std::span<const Scalar> low(SiteNumber site) const { return cells_[site].low; }
   [[nodiscard]] std::span<const Scalar> high(SiteNumber site) const { return cells_[site].high; }
 
+  /// Whether a cell of so many points is ever divided. What is known of others does not matter.
+  [[nodiscard]] bool divides(Index points) const;
+
   /// Writes what is known of a cell, for another rank, and reads it there.
   void write(ByteWriter& out, SiteNumber site) const {
     const Cell& cell = cells_[site];

@@ -7,6 +7,7 @@
 #include "parallel/together.h"
 #include "relax/across.h"
 #include "relax/all_pairs.h"
+#include "relax/loans.h"
 #include "relax/screen.h"
 #include "relax/site_records.h"
 #include "relax/update.h"
@@ -16,45 +17,6 @@ namespace {
 
 /// A worker looks whether to stop after so many points.
 constexpr Index kPointsBetweenChecks = 1 << 16;
-
-/// Lends cells that are relaxed, with what a swap may change.
-template <class Scalar, class ForPairs>
-struct RelaxedLender {
-  LevelState<Scalar>& state;
-  Patches<Scalar>& patches;
-  std::vector<std::uint8_t>& changed;
-  const ForPairs& for_pairs;
-
-  void add_sites(const Schedule::Task& task, Tile tile, std::vector<SiteNumber>& sites) const {
-    const NumberRange<SiteNumber> own = state.tiling.sites_of(tile);
-    std::vector<std::uint8_t> named(own.size(), 0);
-    for_pairs(task, [&](SiteNumber i, SiteNumber j) {
-      for (const SiteNumber s : {i, j}) {
-        if (state.tiling.tile_of(s) == tile) named[s - *own.begin()] = 1;
-      }
-    });
-    for (const SiteNumber s : own) {
-      if (named[s - *own.begin()] != 0) sites.push_back(s);
-    }
-  }
-  void put(ByteWriter& message, SiteNumber site) {
-    message.put(state.sites.radius[site]);
-    message.put(state.sites.compact[site]);
-    message.put(changed[site]);
-    patches.write(message, site);
-    state.cells.write(message, site, state.cells.size(site));
-  }
-  void take(ByteReader& message, SiteNumber site) {
-    state.sites.radius[site] = message.get<double>();
-    state.sites.compact[site] = message.get<std::uint8_t>();
-    changed[site] = message.get<std::uint8_t>();
-    patches.read(message, site);
-    state.cells.read(message, site, state.cells.size(site));
-  }
-};
-template <class Scalar, class ForPairs>
-RelaxedLender(LevelState<Scalar>&, Patches<Scalar>&, std::vector<std::uint8_t>&, const ForPairs&)
-    -> RelaxedLender<Scalar, ForPairs>;
 
 }  // namespace
 
@@ -79,6 +41,7 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
     workers_[w].swapped.clear();
   }
   if (touched_tile_.empty()) touched_tile_.assign(state.tiling.count(), 1);
+  if (state.tiling.ranks() != nullptr) loans_.begin(state.sites.count());
   cached_passes_ = full ? 0 : cached_passes_ + 1;
   try {
     if (full) {
@@ -142,7 +105,7 @@ void Relaxer<Scalar>::run(Source&& source, bool full, LevelState<Scalar>& state)
       if (!of_touched || touched(touched_, i, j)) visit(i, j);
     });
   };
-  RelaxedLender lender{state, patches_, changed_, for_pairs};
+  RelaxedLender lender{state, patches_, changed_, loans_, for_pairs};
   for (std::size_t b = 0; b < source.batch_count() && !cancelled(); ++b) {
     run_batch(arena_, state.tiling, source.batch(b), lender,
               [&](const Schedule::Task& task, int w) {
@@ -167,6 +130,7 @@ void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, SiteNum
   const std::int64_t exchanged = worker.swap(state.cells, patches_, state.sites, i, j);
   if (exchanged == 0) return;
   changed_[i] = changed_[j] = 1;
+  loans_.note_change(i, j);
   ++worker.count.swaps;
   worker.count.exchanged += 2 * exchanged;
   if (options_.cached_passes > 0) worker.swapped.emplace_back(i, j);

@@ -23,7 +23,8 @@ inline int runner(const Tiling& tiling, const Schedule::Task& task) {
 /// their way while tasks of a rank's own tiles run.
 ///
 ///     lender.add_sites(task, tile, sites): the sites of one of its tiles that the task needs
-///     lender.put(writer, site), lender.take(reader, site): what there is of a site
+///     lender.put(writer, site, rank), lender.take(reader, site, rank): what there is of a site, to
+///     or from another rank
 template <class Lender, class Body>
 void run_on_ranks(const Arena& arena, const Tiling& tiling, std::span<const Schedule::Task> tasks,
                   Lender&& lender, const Body& body) {
@@ -51,7 +52,7 @@ void run_on_ranks(const Arena& arena, const Tiling& tiling, std::span<const Sche
   const auto send = [&](int rank, const std::vector<SiteNumber>& sites) {
     ByteWriter message;
     message.put(sites);
-    for (const SiteNumber site : sites) lender.put(message, site);
+    for (const SiteNumber site : sites) lender.put(message, site, rank);
     ranks.send(rank, std::move(message.bytes));
   };
   const auto receive = [&](int rank) {
@@ -59,7 +60,7 @@ void run_on_ranks(const Arena& arena, const Tiling& tiling, std::span<const Sche
     ByteReader message(bytes);
     std::vector<SiteNumber> sites;
     message.get(sites);
-    for (const SiteNumber site : sites) lender.take(message, site);
+    for (const SiteNumber site : sites) lender.take(message, site, rank);
     return sites;
   };
   for (const auto& [rank, theirs] : lent) {
@@ -69,11 +70,15 @@ void run_on_ranks(const Arena& arena, const Tiling& tiling, std::span<const Sche
     }
     send(rank, sites);
   }
-  Schedule::run_batch(arena, tiling, std::span<const Task>(own), body);
+  // Work on both sides of a wait: for what others lend, and for what they give back.
+  const std::span<const Task> all_own(own);
+  const std::span<const Task> first_half = all_own.first(own.size() / 2);
+  Schedule::run_batch(arena, tiling, first_half, body);
   std::map<int, std::vector<SiteNumber>> guests;
   for (const int rank : borrowed) guests[rank] = receive(rank);
   Schedule::run_batch(arena, tiling, std::span<const Task>(with_others), body);
   for (const auto& [rank, sites] : guests) send(rank, sites);
+  Schedule::run_batch(arena, tiling, all_own.subspan(first_half.size()), body);
   for (const auto& [rank, theirs] : lent) receive(rank);
 }
 
