@@ -50,6 +50,7 @@ struct FillingLender {
     std::sort(sites.begin() + before, sites.end());
     sites.erase(std::unique(sites.begin() + before, sites.end()), sites.end());
   }
+  [[nodiscard]] std::size_t load(const Schedule::Task& task) const { return task.size(); }
   void put(ByteWriter& message, SiteNumber site, int) { filling.write(message, site); }
   void take(ByteReader& message, SiteNumber site, int) { filling.read(message, site); }
 };

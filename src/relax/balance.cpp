@@ -86,6 +86,7 @@ class FlowRounds {
         });
     schedule_ = schedule_pairs(edges, filling.tiles, arena);
     left_.reset(edges.size());
+    ran_.resize(edges.size());
     arena.for_each(schedule_.tasks.size(), 16, [&](std::size_t t) {
       const Schedule::Task& task = schedule_.tasks[t];
       const std::span<Pair> own = schedule_.pairs.span().subspan(task.begin, task.size());
@@ -110,6 +111,7 @@ class FlowRounds {
     const auto work = [&](const Schedule::Task& task, int w) {
       Mover<Scalar>& mover = movers_[w];
       SiteNumber from = SiteNumber::none();
+      ran_[task.begin] = 1;
       for (std::size_t e = task.begin; e < task.end; ++e) {
         if (left_[e] == 0) continue;
         const Pair& edge = schedule_.pairs[e];
@@ -148,12 +150,13 @@ class FlowRounds {
     };
     std::vector<Left> own;
     for (const Schedule::Task& task : schedule_.tasks) {
-      if (runner(tiles_, task) != tiles_.ranks()->rank()) continue;
+      if (ran_[task.begin] == 0) continue;
       for (std::size_t e = task.begin; e < task.end; ++e) {
         if (left_[e] != 0) own.push_back({e, left_[e]});
       }
     }
     std::fill(left_.begin(), left_.end(), 0);
+    std::fill(ran_.begin(), ran_.end(), std::uint8_t{0});
     for (const Left& all : joined(tiles_.ranks(), std::move(own))) left_[all.edge] = all.points;
   }
 
@@ -161,7 +164,8 @@ class FlowRounds {
   Filling<Scalar>& filling_;
   const Tiling& tiles_;
   Schedule schedule_;
-  Buffer<std::int64_t> left_;  ///< to move along each edge, which are the schedule's pairs
+  std::vector<std::uint8_t> ran_;  ///< here, by the first edge of a task
+  Buffer<std::int64_t> left_;      ///< to move along each edge, which are the schedule's pairs
   PerWorker<Mover<Scalar>> movers_;
 };
 

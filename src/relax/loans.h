@@ -53,6 +53,7 @@ struct RelaxedLender {
   std::vector<std::uint8_t>& changed;
   Loans& loans;
   const ForPairs& for_pairs;
+  const std::vector<std::uint8_t>* touched_tiles;  ///< null: all tasks have something to do
 
   void add_sites(const Schedule::Task& task, Tile tile, std::vector<SiteNumber>& sites) const {
     const NumberRange<SiteNumber> own = state.tiling.sites_of(tile);
@@ -65,6 +66,12 @@ struct RelaxedLender {
     for (const SiteNumber s : own) {
       if (named[s - *own.begin()] != 0) sites.push_back(s);
     }
+  }
+
+  [[nodiscard]] std::size_t load(const Schedule::Task& task) const {
+    const bool idle = touched_tiles != nullptr &&
+                      ((*touched_tiles)[task.a] | (*touched_tiles)[task.b]) == 0;
+    return idle ? 0 : task.size();
   }
 
   struct Known {
@@ -96,6 +103,7 @@ struct RelaxedLender {
 };
 template <class Scalar, class ForPairs>
 RelaxedLender(LevelState<Scalar>&, Patches<Scalar>&, std::vector<std::uint8_t>&, Loans&,
-              const ForPairs&) -> RelaxedLender<Scalar, ForPairs>;
+              const ForPairs&, const std::vector<std::uint8_t>*)
+    -> RelaxedLender<Scalar, ForPairs>;
 
 }  // namespace ccvt

@@ -12,10 +12,28 @@
 
 namespace ccvt {
 
-/// The rank that runs a task: one of those that have its tiles.
-inline int runner(const Tiling& tiling, const Schedule::Task& task) {
-  const bool second = (task.a.index() + task.b.index()) % 2 != 0;
-  return tiling.rank_of(second ? task.b : task.a);
+/// The ranks that run the tasks of a batch, each one of those that have its tiles: the one that has
+/// less to do by then. `load(task)`: how long it takes. The same on all ranks.
+template <class Load>
+std::vector<int> runners(const Tiling& tiling, std::span<const Schedule::Task> tasks,
+                         const Load& load) {
+  std::vector<std::size_t> loads(static_cast<std::size_t>(tiling.ranks()->count()), 0);
+  std::vector<int> runner;
+  runner.reserve(tasks.size());
+  const auto at = [&](int rank) -> std::size_t& { return loads[static_cast<std::size_t>(rank)]; };
+  for (const Schedule::Task& task : tasks) {
+    const int a = tiling.rank_of(task.a);
+    runner.push_back(a == tiling.rank_of(task.b) ? a : -1);
+    if (runner.back() >= 0) at(a) += load(task);
+  }
+  for (std::size_t t = 0; t < tasks.size(); ++t) {
+    if (runner[t] >= 0) continue;
+    const int a = tiling.rank_of(tasks[t].a);
+    const int b = tiling.rank_of(tasks[t].b);
+    runner[t] = at(b) < at(a) ? b : a;
+    at(runner[t]) += load(tasks[t]);
+  }
+  return runner;
 }
 
 /// Runs a batch of tasks, each on one of the ranks that have its tiles. What the task needs of a
@@ -23,6 +41,7 @@ inline int runner(const Tiling& tiling, const Schedule::Task& task) {
 /// their way while tasks of a rank's own tiles run.
 ///
 ///     lender.add_sites(task, tile, sites): the sites of one of its tiles that the task needs
+///     lender.load(task): about how long it takes
 ///     lender.put(writer, site, rank), lender.take(reader, site, rank): what there is of a site, to
 ///     or from another rank
 template <class Lender, class Body>
@@ -34,14 +53,17 @@ void run_on_ranks(const Arena& arena, const Tiling& tiling, std::span<const Sche
   std::vector<Task> with_others;
   std::map<int, std::vector<const Task*>> lent;  // by the rank that runs them
   std::set<int> borrowed;                        // the ranks whose tiles are needed
-  for (const Task& task : tasks) {
+  const std::vector<int> runner =
+      runners(tiling, tasks, [&](const Task& task) { return lender.load(task); });
+  for (std::size_t t = 0; t < tasks.size(); ++t) {
+    const Task& task = tasks[t];
     const bool has_a = tiling.is_own(task.a);
     const bool has_b = tiling.is_own(task.b);
     if (has_a && has_b) {
       own.push_back(task);
     } else if (has_a || has_b) {
       const int other = tiling.rank_of(has_a ? task.b : task.a);
-      if (runner(tiling, task) == ranks.rank()) {
+      if (runner[t] == ranks.rank()) {
         with_others.push_back(task);
         borrowed.insert(other);
       } else {
