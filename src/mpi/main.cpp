@@ -13,6 +13,10 @@
 #include "cli/streams.h"
 #include "commands.h"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace {
 
 using ccvt::mpi::Session;
@@ -76,6 +80,13 @@ int run_all(const Session& session, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+#ifdef __GLIBC__
+  // What is freed goes back to the system at once: messages come in many sizes, between which the
+  // heap would be left with holes.
+  constexpr int kLarge = 1 << 20;
+  mallopt(M_MMAP_THRESHOLD, kLarge);
+  mallopt(M_TRIM_THRESHOLD, kLarge);
+#endif
   int provided = MPI_THREAD_SINGLE;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   int status = 1;
