@@ -299,7 +299,7 @@ template <class Scalar>
 void Run<Scalar>::enter_level(std::size_t next) {
   const auto timed = record.initializing();
   const Buffer<Pair> near = relaxer ? relaxer->listed() : Buffer<Pair>{};
-  Cells<Scalar> larger(problem.dimension(), levels[next].capacities);
+  Cells<Scalar> larger(problem.dimension(), levels[next].capacities, state.tiling.own_sites());
   Filling<Scalar> filling(larger, problem.points(), state.tiling);
   if (level < next) {
     const auto charge = arena.phase(Phase::join);

@@ -25,11 +25,17 @@ class Cells {
  public:
   Cells() = default;
   Cells(int dimension, std::span<const Index> sizes)
+      : Cells(dimension, sizes, sites_below(sizes.size())) {}
+  /// Of which only those of some sites, and a few others that these sites meet, are ever filled.
+  Cells(int dimension, std::span<const Index> sizes, NumberRange<SiteNumber> own)
       : dimension_(static_cast<std::size_t>(dimension)) {
     first_.reserve(sizes.size() + 1);
     for (const Index size : sizes) first_.emplace_back(first_.back().index() + size);
-    order_.reset(first_.back());
-    coordinates_.reset(order_.size() * dimension_);
+    const std::size_t begin = first_[*own.begin()];
+    const std::size_t used = first_[*own.end()] - begin;
+    order_ = Buffer<PointNumber>(first_.back(), begin, used);
+    coordinates_ =
+        Buffer<Scalar>(order_.size() * dimension_, begin * dimension_, used * dimension_);
   }
 
   [[nodiscard]] std::size_t dimension() const { return dimension_; }
