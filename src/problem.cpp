@@ -150,8 +150,8 @@ Problem<Scalar>::Problem(Ranks& ranks, PointsView<Scalar> own, Index sites, int 
       throw InvalidInput("ranks: rank " + std::to_string(r) + " has points of " +
                          std::to_string(all[r].dimension) + " dimensions for " +
                          std::to_string(all[r].sites) + " sites, rank 0 has " +
-                         std::to_string(all[0].dimension) + " for " +
-                         std::to_string(all[0].sites) + ": they must be equal");
+                         std::to_string(all[0].dimension) + " for " + std::to_string(all[0].sites) +
+                         ": they must be equal");
     }
     if (std::cmp_less(r, ranks.rank())) first += all[r].points;
     count += all[r].points;
@@ -163,8 +163,7 @@ Problem<Scalar>::Problem(Ranks& ranks, PointsView<Scalar> own, Index sites, int 
   }
   capacities_ = equal_capacities(static_cast<Index>(count), sites);
   const Arena arena(threads_);
-  agree(&ranks,
-        [&] { require_moderate("points", own, arena, static_cast<Index>(first)); });
+  agree(&ranks, [&] { require_moderate("points", own, arena, static_cast<Index>(first)); });
   points_ = numbered(own, static_cast<Index>(first), static_cast<Index>(count));
   const Box around = box_of_all(ranks, own, arena);
   require_extent<Scalar>("points", around.extent().maxCoeff());

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "bounds.h"
-#include "number_text.h"
 #include "descent/descent.h"
+#include "number_text.h"
 #include "parallel/loops.h"
 #include "parallel/together.h"
 #include "relax/deal.h"
@@ -48,8 +48,8 @@ const char* name_of(Initialization initialization) {
 void require_for_ranks(const Options& options, double points_a_site) {
   if (options.initialization != Initialization::balanced) {
     throw InvalidInput(std::string("options.initialization: is ") +
-                       name_of(options.initialization) +
-                       ", which is the default beyond " + std::to_string(kBalancedDimensions) +
+                       name_of(options.initialization) + ", which is the default beyond " +
+                       std::to_string(kBalancedDimensions) +
                        " dimensions, too: several ranks need balanced");
   }
   if (options.descent_points > 0 && options.pairs == PairSelection::meeting &&

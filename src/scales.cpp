@@ -10,8 +10,8 @@
 namespace ccvt {
 
 template <class Scalar>
-double require_moderate(const char* argument, const PointsView<Scalar>& points,
-                        const Arena& arena, Index first_number) {
+double require_moderate(const char* argument, const PointsView<Scalar>& points, const Arena& arena,
+                        Index first_number) {
   const double largest = largest_coordinate<Scalar>(points.dimension);
   if (points.count == 0) return 0;
   const CoordinateRange<Scalar> range = coordinate_range(points, arena);

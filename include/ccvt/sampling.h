@@ -80,10 +80,10 @@ Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sample_uniform(
   return points;
 }
 
-/// Of the points that sample_uniform() gives, those from `first` up to `end` - 1, perhaps none: what
-/// one of several processes draws of them. Throws InvalidInput as sample_uniform() does, and unless
-/// 0 <= first <= end <= count. O(#dimensions * (end - first)) time, and a few microseconds more;
-/// for hexagonal points O(#dimensions * count).
+/// Of the points that sample_uniform() gives, those from `first` up to `end` - 1, perhaps none:
+/// what one of several processes draws of them. Throws InvalidInput as sample_uniform() does, and
+/// unless 0 <= first <= end <= count. O(#dimensions * (end - first)) time, and a few microseconds
+/// more; for hexagonal points O(#dimensions * count).
 template <class Scalar = double>
 Points<Scalar> sample_uniform_part(const Box& box, Index count, Index first, Index end,
                                    std::uint64_t seed = 0,
@@ -91,8 +91,8 @@ Points<Scalar> sample_uniform_part(const Box& box, Index count, Index first, Ind
                                    int threads = 1) {
   detail::check_sampling(box, count, Eigen::Dynamic, sizeof(Scalar));
   if (first < 0 || first > end || end > count) {
-    throw InvalidInput("first: the points " + std::to_string(first) + " to " +
-                       std::to_string(end) + " are asked for, of " + std::to_string(count) +
+    throw InvalidInput("first: the points " + std::to_string(first) + " to " + std::to_string(end) +
+                       " are asked for, of " + std::to_string(count) +
                        ": it must hold that 0 <= first <= end <= count");
   }
   Points<Scalar> points(box.dimension(), end - first);

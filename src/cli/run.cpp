@@ -152,8 +152,7 @@ std::string one_line(std::string message) {
 }
 
 void write_summary(const CommonArguments& common, const Summary& summary,
-                   const std::optional<PutBack>& put_back,
-                   const std::optional<MassFigures>& masses,
+                   const std::optional<PutBack>& put_back, const std::optional<MassFigures>& masses,
                    const std::optional<RankFigures>& ranks) {
   if (!common.summary.empty()) {
     write_text(common.summary, summary_json(common.command, summary, put_back, masses, ranks));

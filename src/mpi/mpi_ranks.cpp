@@ -1,11 +1,11 @@
-#include "ccvt/mpi.h"
-
 #include <climits>
 #include <cstddef>
 #include <cstring>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
+
+#include "ccvt/mpi.h"
 
 namespace ccvt {
 namespace {

@@ -1,3 +1,5 @@
+#include "cli/sample.h"
+
 #include "ccvt/io.h"
 #include "ccvt/particles.h"
 #include "ccvt/problem.h"
@@ -5,7 +7,6 @@
 #include "ccvt/solver.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
-#include "cli/sample.h"
 #include "commands.h"
 #include "results.h"
 
@@ -37,16 +38,15 @@ int sample(const Session& session, const SampleArguments& arguments) {
     fixed = cli::read_sites<Scalar>(arguments.fixed_sites, "fixed sites", arguments.dimension);
     cli::blame(arguments.fixed_sites, [&] { cli::check_inside<Scalar>(fixed); });
   });
-  Problem<Scalar> problem(session.ranks(), view_points(points), arguments.sites,
-                          arguments.threads);
+  Problem<Scalar> problem(session.ranks(), view_points(points), arguments.sites, arguments.threads);
   problem.set_domain(arguments.periodic ? Domain::periodic(box) : Domain::euclidean(box));
   if (fixed.size() > 0) {
     cli::blame(arguments.fixed_sites, [&] { problem.set_fixed_sites(fixed); });
   }
   const auto result = [&] {
     cli::Progress progress(arguments.quiet);
-    return tessellate(problem, cli::make_options(arguments, Options::samples(), arguments.sites,
-                                                 progress));
+    return tessellate(problem,
+                      cli::make_options(arguments, Options::samples(), arguments.sites, progress));
   }();
 
   OwnersFile owners(session, arguments.owners_out, all);
@@ -57,8 +57,9 @@ int sample(const Session& session, const SampleArguments& arguments) {
                         static_cast<std::uint64_t>(all),
                         static_cast<std::uint64_t>(arguments.dimension),
                         sizeof(Scalar) * static_cast<std::size_t>(arguments.dimension));
-    points_file->write(static_cast<std::uint64_t>(share.begin),
-                       std::as_bytes(std::span(points.data(), static_cast<std::size_t>(points.size()))));
+    points_file->write(
+        static_cast<std::uint64_t>(share.begin),
+        std::as_bytes(std::span(points.data(), static_cast<std::size_t>(points.size()))));
   }
   const int status = finish(session, arguments, result.summary, [&] {
     if (particles) {

@@ -36,8 +36,7 @@ SharedFile::SharedFile(const Session& session, std::filesystem::path target, std
     if (!session_.is_first()) return;
     unfinished_.emplace(target_);
     const int descriptor = unfinished_->take_descriptor();
-    const bool written =
-        ::write(descriptor, header.data(), header.size()) == std::ssize(header);
+    const bool written = ::write(descriptor, header.data(), header.size()) == std::ssize(header);
     const int error = errno;
     ::close(descriptor);
     if (!written) unfinished_->fail(error);

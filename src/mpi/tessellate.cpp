@@ -1,9 +1,10 @@
+#include "cli/tessellate.h"
+
 #include "ccvt/io.h"
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
-#include "cli/tessellate.h"
 #include "commands.h"
 #include "results.h"
 

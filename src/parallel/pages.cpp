@@ -32,7 +32,8 @@ void* allocate_pages(std::size_t bytes) {
   return memory;
 }
 
-void prefer_large_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
+void prefer_large_pages([[maybe_unused]] void* memory,
+                        [[maybe_unused]] std::size_t bytes) noexcept {
 #ifdef __linux__
   if (bytes < 2 * kLargePage) return;
   // A wish: what comes of it changes nothing but the time. Of whole large pages only.

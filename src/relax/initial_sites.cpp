@@ -49,12 +49,11 @@ SiteState around_fixed(const Metric& metric, const SiteState& drawn, const SiteS
 /// Calls put(site, coordinates) for the k-th of the points drawn, which is site k, on whatever rank
 /// it is.
 template <class Scalar, class Put>
-void put_drawn(const Problem<Scalar>& problem, const Buffer<PointNumber>& drawn,
-               const Arena& arena, const Put& put) {
+void put_drawn(const Problem<Scalar>& problem, const Buffer<PointNumber>& drawn, const Arena& arena,
+               const Put& put) {
   if (problem.ranks() == nullptr) {
-    return for_each_site(arena, drawn.size(), kSitesPerGrain, [&](SiteNumber s) {
-      put(s, problem.points()[drawn[s].index()]);
-    });
+    return for_each_site(arena, drawn.size(), kSitesPerGrain,
+                         [&](SiteNumber s) { put(s, problem.points()[drawn[s].index()]); });
   }
   const Index first = problem.first_own_point();
   const Index end = first + problem.own_points().count;

@@ -43,16 +43,15 @@ Buffer<Pair> nearest_neighbours(const Metric& metric, const SiteState& sites, co
   const int wanted = 1 + std::min(24, 3 + 2 * metric.dimension());
   const SiteTree tree(metric, sites.position);
   PerWorker<std::vector<Index>> scratch(arena);
-  Buffer<Pair> found = collect_by_site_together<Pair>(arena, sites.count(), kSitesPerGrain,
-                                             [&](SiteNumber site, std::vector<Pair>& pairs, int w) {
-                                               scratch[w].clear();
-                                               tree.nearest(sites.at(site), wanted, scratch[w]);
-                                               for (const Index near : scratch[w]) {
-                                                 const SiteNumber other(near);
-                                                 if (other != site)
-                                                   pairs.push_back(Pair::ascending(site, other));
-                                               }
-                                             });
+  Buffer<Pair> found = collect_by_site_together<Pair>(
+      arena, sites.count(), kSitesPerGrain, [&](SiteNumber site, std::vector<Pair>& pairs, int w) {
+        scratch[w].clear();
+        tree.nearest(sites.at(site), wanted, scratch[w]);
+        for (const Index near : scratch[w]) {
+          const SiteNumber other(near);
+          if (other != site) pairs.push_back(Pair::ascending(site, other));
+        }
+      });
   return sorted_pairs(arena, std::move(found), sites.count());
 }
 

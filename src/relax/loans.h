@@ -69,8 +69,8 @@ struct RelaxedLender {
   }
 
   [[nodiscard]] std::size_t load(const Schedule::Task& task) const {
-    const bool idle = touched_tiles != nullptr &&
-                      ((*touched_tiles)[task.a] | (*touched_tiles)[task.b]) == 0;
+    const bool idle =
+        touched_tiles != nullptr && ((*touched_tiles)[task.a] | (*touched_tiles)[task.b]) == 0;
     return idle ? 0 : task.size();
   }
 
@@ -103,7 +103,6 @@ struct RelaxedLender {
 };
 template <class Scalar, class ForPairs>
 RelaxedLender(LevelState<Scalar>&, Patches<Scalar>&, std::vector<std::uint8_t>&, Loans&,
-              const ForPairs&, const std::vector<std::uint8_t>*)
-    -> RelaxedLender<Scalar, ForPairs>;
+              const ForPairs&, const std::vector<std::uint8_t>*) -> RelaxedLender<Scalar, ForPairs>;
 
 }  // namespace ccvt

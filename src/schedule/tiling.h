@@ -126,7 +126,8 @@ template <class T, class Body>
 Buffer<T> collect_by_site_together(const Arena& arena, std::size_t sites, std::size_t grain,
                                    const Body& body) {
   return collect_together<T>(
-      arena, sites, grain, [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
+      arena, sites, grain,
+      [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
         for (const SiteNumber site : sites_between(begin, end)) body(site, out, worker);
       });
 }
