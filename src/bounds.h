@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
 
 #include "ccvt/problem.h"
 #include "geometry/coordinate_range.h"
@@ -9,17 +10,27 @@
 
 namespace ccvt {
 
+/// Of all ranks, where there are some.
+template <class Scalar>
+Box box_around_points(const Problem<Scalar>& problem, const Arena& arena) {
+  if (problem.ranks() == nullptr) return box_around(problem.points(), arena);
+  return problem.box_of_ranks();
+}
+
 /// The problem's box, or the smallest around its points.
 template <class Scalar>
 Box bounding_box(const Problem<Scalar>& problem, const Arena& arena) {
-  return problem.domain().has_box() ? problem.domain().box() : box_around(problem.points(), arena);
+  return problem.domain().has_box() ? problem.domain().box() : box_around_points(problem, arena);
 }
 
 /// Of a problem, with the sites that are given.
 template <class Scalar>
 Domain measured_domain(const Problem<Scalar>& problem) {
-  return measured_domain(problem.domain(), problem.points(), view_points(problem.initial_sites()),
-                         view_points(problem.fixed_sites()));
+  if (!problem.domain().is_partly_periodic()) return problem.domain();
+  Box around = box_around_points(problem, Arena(1));
+  around = widened(std::move(around), view_points(problem.initial_sites()));
+  around = widened(std::move(around), view_points(problem.fixed_sites()));
+  return fitted(problem.domain(), around);
 }
 
 /// Where sites are looked for: the torus, or else the bounding box.

@@ -1,12 +1,16 @@
 #include "ccvt/problem.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <utility>
 
 #include "bounds.h"
+#include "geometry/coordinate_range.h"
 #include "number_text.h"
 #include "numbers.h"
+#include "parallel/together.h"
 #include "scales.h"
 #include "thread_count.h"
 
@@ -18,8 +22,9 @@ constexpr Index kPointsForThreads = 1 << 18;
 
 /// Points are not looked at one by one unless one of them is outside.
 template <class Scalar>
-void require_inside(const char* argument, const PointsView<Scalar>& points, const Box& box,
-                    const Arena& arena) {
+void require_inside(const char* argument, const PointsView<Scalar>& points, Index first_number,
+                    const Box& box, const Arena& arena) {
+  if (points.count == 0) return;
   const CoordinateRange<Scalar> range = coordinate_range(points, arena);
   bool inside = true;
   for (std::size_t d = 0; d < range.lower.size(); ++d) {
@@ -31,7 +36,7 @@ void require_inside(const char* argument, const PointsView<Scalar>& points, cons
       const double value = points[p][d];
       if (value >= box.lower[d] && value <= box.upper[d]) continue;
       throw InvalidInput(std::string(argument) + ": coordinate " + std::to_string(d) + " of " +
-                         argument + "[" + std::to_string(p) + "] is " + text(value) +
+                         argument + "[" + std::to_string(first_number + p) + "] is " + text(value) +
                          ": it must lie in the box, from " + text(box.lower[d]) + " to " +
                          text(box.upper[d]));
     }
@@ -62,21 +67,108 @@ void require_scale(const Domain& domain) {
   }
 }
 
+/// Around the points of all ranks.
+template <class Scalar>
+Box box_of_all(Ranks& ranks, const PointsView<Scalar>& own, const Arena& arena) {
+  ByteWriter message;
+  if (own.count > 0) {
+    const CoordinateRange<Scalar> range = coordinate_range(own, arena);
+    message.put(std::span(std::as_const(range.lower)));
+    message.put(std::span(std::as_const(range.upper)));
+  }
+  CoordinateRange<Scalar> all;
+  for (const Ranks::Bytes& bytes : ranks.gather(message.bytes)) {
+    if (bytes.empty()) continue;
+    CoordinateRange<Scalar> range;
+    range.lower.resize(static_cast<std::size_t>(own.dimension));
+    range.upper.resize(range.lower.size());
+    ByteReader reader(bytes);
+    reader.get(std::span(range.lower));
+    reader.get(std::span(range.upper));
+    if (all.lower.empty()) all = range;
+    for (std::size_t d = 0; d < range.lower.size(); ++d) {
+      all.lower[d] = std::min(all.lower[d], range.lower[d]);
+      all.upper[d] = std::max(all.upper[d], range.upper[d]);
+    }
+  }
+  Box box = Box::unit(own.dimension);
+  std::copy(all.lower.begin(), all.lower.end(), box.lower.data());
+  std::copy(all.upper.begin(), all.upper.end(), box.upper.data());
+  return box;
+}
+
+template <class Scalar>
+void require_view(const PointsView<Scalar>& points) {
+  if (points.dimension < 1) throw InvalidInput("points: they have no dimension");
+  if (points.count > 0 && points.data == nullptr) {
+    throw InvalidInput("points: the view has no data");
+  }
+  if (points.dimension > 1 && points.stride < points.dimension) {
+    throw InvalidInput("points: the stride is " + std::to_string(points.stride) +
+                       ": it must be at least the dimension, " + std::to_string(points.dimension));
+  }
+}
+
+/// The same points with other numbers: what is not there must not be read.
+template <class Scalar>
+PointsView<Scalar> numbered(const PointsView<Scalar>& points, Index first, Index count) {
+  const auto before = static_cast<std::uintptr_t>(first) *
+                      static_cast<std::uintptr_t>(points.stride) * sizeof(Scalar);
+  const auto address = reinterpret_cast<std::uintptr_t>(points.data) - before;
+  return {reinterpret_cast<const Scalar*>(address), points.dimension, count, points.stride};
+}
+
 }  // namespace
 
 template <class Scalar>
 Problem<Scalar>::Problem(PointsView<Scalar> points, Index sites, int threads)
     : points_(points), threads_(points.count < kPointsForThreads ? 1 : threads) {
   require_threads(threads);
-  if (points.dimension < 1) throw InvalidInput("points: they have no dimension");
+  require_view(points);
   if (points.count < 1) throw InvalidInput("points: there are none");
-  if (points.data == nullptr) throw InvalidInput("points: the view has no data");
-  if (points.dimension > 1 && points.stride < points.dimension) {
-    throw InvalidInput("points: the stride is " + std::to_string(points.stride) +
-                       ": it must be at least the dimension, " + std::to_string(points.dimension));
-  }
   capacities_ = equal_capacities(points.count, sites);
   require_scale("points", points, Arena(threads_));
+}
+
+template <class Scalar>
+Problem<Scalar>::Problem(Ranks& ranks, PointsView<Scalar> own, Index sites, int threads)
+    : points_(own), threads_(own.count < kPointsForThreads ? 1 : threads) {
+  agree(&ranks, [&] {
+    require_threads(threads);
+    require_view(own);
+  });
+  struct Shape {
+    std::int64_t dimension;
+    std::int64_t points;
+    std::int64_t sites;
+  };
+  const std::vector<Shape> all = of_all(&ranks, Shape{own.dimension, own.count, sites});
+  std::int64_t count = 0;
+  std::int64_t first = 0;
+  for (std::size_t r = 0; r < all.size(); ++r) {
+    if (all[r].dimension != all[0].dimension || all[r].sites != all[0].sites) {
+      throw InvalidInput("ranks: rank " + std::to_string(r) + " has points of " +
+                         std::to_string(all[r].dimension) + " dimensions for " +
+                         std::to_string(all[r].sites) + " sites, rank 0 has " +
+                         std::to_string(all[0].dimension) + " for " + std::to_string(all[0].sites) +
+                         ": they must be equal");
+    }
+    if (std::cmp_less(r, ranks.rank())) first += all[r].points;
+    count += all[r].points;
+  }
+  if (count < 1) throw InvalidInput("points: there are none");
+  if (count > INT32_MAX) {
+    throw InvalidInput("points: there are " + std::to_string(count) +
+                       " of them on all ranks, but at most 2147483647 are supported");
+  }
+  capacities_ = equal_capacities(static_cast<Index>(count), sites);
+  const Arena arena(threads_);
+  agree(&ranks, [&] { require_moderate("points", own, arena, static_cast<Index>(first)); });
+  points_ = numbered(own, static_cast<Index>(first), static_cast<Index>(count));
+  const Box around = box_of_all(ranks, own, arena);
+  require_extent<Scalar>("points", around.extent().maxCoeff());
+  if (ranks.count() == 1) return;
+  part_ = std::make_shared<const Part>(Part{&ranks, static_cast<Index>(first), own, around});
 }
 
 template <class Scalar>
@@ -87,7 +179,9 @@ Problem<Scalar>& Problem<Scalar>::set_domain(Domain domain) {
                          " dimensions, the points have " + std::to_string(dimension()));
     }
     require_scale<Scalar>(domain);
-    require_inside("points", points_, domain.box(), Arena(threads_));
+    agree(ranks(), [&] {
+      require_inside("points", own_points(), first_own_point(), domain.box(), Arena(threads_));
+    });
   }
   domain_ = std::move(domain);
   return *this;
@@ -143,6 +237,7 @@ Problem<Scalar>& Problem<Scalar>::set_fixed_sites(Columns<Scalar> sites) {
 
 template <class Scalar>
 Problem<Scalar>& Problem<Scalar>::set_initial_owners(std::vector<Index> owners) {
+  if (part_) throw InvalidInput("initial_owners: a problem of ranks cannot have any");
   if (std::cmp_not_equal(owners.size(), point_count())) {
     throw InvalidInput("initial_owners: there are " + std::to_string(owners.size()) + " for " +
                        std::to_string(point_count()) + " points: there must be one per point");
@@ -174,6 +269,8 @@ Box Problem<Scalar>::bounding_box() const {
 // Each member that is compiled here; a whole class would bring along what is inline.
 template CCVT_EXPORT Problem<float>::Problem(PointsView<float>, Index, int);
 template CCVT_EXPORT Problem<double>::Problem(PointsView<double>, Index, int);
+template CCVT_EXPORT Problem<float>::Problem(Ranks&, PointsView<float>, Index, int);
+template CCVT_EXPORT Problem<double>::Problem(Ranks&, PointsView<double>, Index, int);
 template CCVT_EXPORT Problem<float>& Problem<float>::set_domain(Domain);
 template CCVT_EXPORT Problem<double>& Problem<double>::set_domain(Domain);
 template CCVT_EXPORT Problem<float>& Problem<float>::set_capacities(std::vector<Index>);

@@ -10,7 +10,9 @@
 
 #include "bounds.h"
 #include "descent/descent.h"
+#include "number_text.h"
 #include "parallel/loops.h"
+#include "parallel/together.h"
 #include "relax/deal.h"
 #include "relax/initial_sites.h"
 #include "relax/initialize.h"
@@ -42,6 +44,22 @@ const char* name_of(Initialization initialization) {
   return "unknown";
 }
 
+/// What a problem of several ranks cannot have.
+void require_for_ranks(const Options& options, double points_a_site) {
+  if (options.initialization != Initialization::balanced) {
+    throw InvalidInput(std::string("options.initialization: is ") +
+                       name_of(options.initialization) + ", which is the default beyond " +
+                       std::to_string(kBalancedDimensions) +
+                       " dimensions, too: several ranks need balanced");
+  }
+  if (options.descent_points > 0 && options.pairs == PairSelection::meeting &&
+      points_a_site >= options.descent_points) {
+    throw InvalidInput("options.descent_points: is " + std::to_string(options.descent_points) +
+                       ", and there are " + text(points_a_site, 4) +
+                       " points a site: several ranks need it to be 0, or more than these");
+  }
+}
+
 /// `one_level`: when levels have nothing to give, as owners are there or no site moves.
 Options resolved(Options options, int dimension, bool one_level) {
   options.validate();
@@ -61,11 +79,14 @@ Run<Scalar>::Run(Problem<Scalar> given_problem, Options given_options)
       warm(!problem.initial_owners().empty()),
       options(resolved(std::move(given_options), problem.dimension(),
                        warm || problem.fixed_sites().cols() == problem.site_count())),
-      stop(options.cancelled, options.time_limit),
+      // Ranks end together: see cancelled_together().
+      stop(problem.ranks() ? Stop() : Stop(options.cancelled, options.time_limit)),
+      stop_of_ranks(options.cancelled, options.time_limit),
       record(options),
       arena(options.threads, &stop, &record.clock()),
       domain(measured_domain(problem)),
       metric(problem.dimension(), domain) {
+  arena.divide_among(ranks());
   const auto timed = record.initializing();
   Summary& summary = record.summary();
   summary.dimension = problem.dimension();
@@ -74,6 +95,11 @@ Run<Scalar>::Run(Problem<Scalar> given_problem, Options given_options)
   summary.seed = options.seed;
   summary.threads_given = options.threads;
   summary.threads_used = arena.threads();
+  agree(ranks(), [&] {
+    if (ranks() == nullptr) return;
+    const double points = problem.point_count();
+    require_for_ranks(options, points / problem.site_count());
+  });
   summary.initialization_used = warm ? "owners" : name_of(options.initialization);
 
   {
@@ -102,13 +128,15 @@ template <class Scalar>
 bool Run<Scalar>::step() {
   if (record.ended()) return false;
   stop.enter();
+  if (cancelled_together(false)) return end(Termination::cancelled);
   if (record.iterations() >= options.max_iterations) return end(Termination::iteration_limit);
 
   const double energy_before = record.energy();
   const PassCount done = pass();
   const double energy = energy_of_sites();
-  const bool go_on = record.add(done, static_cast<int>(level), state.cells.point_count(), energy,
-                                progress(done), options);
+  const bool wished = record.add(done, static_cast<int>(level), state.cells.point_count(), energy,
+                                 progress(done), options);
+  const bool go_on = ranks() ? !cancelled_together(!wished) : wished;
 
   if (done.stopped || !go_on) return end(Termination::cancelled);
   if (!(descent ? descent->ended() : relaxer->stable())) {
@@ -180,13 +208,13 @@ std::optional<Depth> Run<Scalar>::descends() const {
 template <class Scalar>
 bool Run<Scalar>::end(Termination termination) {
   const auto cut_short = [this] {
-    return stop.late() ? Termination::time_limit : Termination::cancelled;
+    return stop.late() || late ? Termination::time_limit : Termination::cancelled;
   };
   if (termination == Termination::cancelled) {
     termination = cut_short();
     // Owners as good as the sites, if there is time for that.
-    stop.allow(kTimeToFinish);
-    if (!on_finest_level() && problem.point_count() > kMostToFinish) {
+    if (ranks() == nullptr) stop.allow(kTimeToFinish);
+    if (!on_finest_level() && problem.point_count() > kMostToFinish && ranks() == nullptr) {
       deal(state.cells, state.cells.sizes());
     }
   }
@@ -206,6 +234,11 @@ void Run<Scalar>::place_sites() {
   const SiteState given = initial_sites(problem, metric, options.seed, arena);
   state.tiling = Tiling::of_points(problem.site_count(), problem.point_count(), options.tile_sites);
   site_of = spatial_order(given, state.tiling.sites_per_tile(), arena);
+  if (ranks() != nullptr) {
+    std::vector<Index> capacities;
+    for (const SiteNumber s : site_of) capacities.push_back(problem.capacities()[s]);
+    state.tiling.deal(*ranks(), capacities);
+  }
   state.sites = SiteState(given.dimension, given.count());
   for (const SiteNumber k : state.sites.all()) {
     std::copy_n(given.at(site_of[k]), given.dimension, state.sites.at(k));
@@ -225,6 +258,11 @@ void Run<Scalar>::divide_points() {
   levels.resize(1);
   levels[0].capacities = capacities;
   levels = make_levels(capacities, problem.point_count(), options, arena);
+  if (ranks() == nullptr) return;
+  const auto first = static_cast<std::size_t>(problem.first_own_point());
+  for (Level& made : levels) {
+    made.joining.keep_own(first, first + static_cast<std::size_t>(problem.own_points().count));
+  }
 }
 
 template <class Scalar>
@@ -261,7 +299,7 @@ template <class Scalar>
 void Run<Scalar>::enter_level(std::size_t next) {
   const auto timed = record.initializing();
   const Buffer<Pair> near = relaxer ? relaxer->listed() : Buffer<Pair>{};
-  Cells<Scalar> larger(problem.dimension(), levels[next].capacities);
+  Cells<Scalar> larger(problem.dimension(), levels[next].capacities, state.tiling.own_sites());
   Filling<Scalar> filling(larger, problem.points(), state.tiling);
   if (level < next) {
     const auto charge = arena.phase(Phase::join);
@@ -321,6 +359,54 @@ void Run<Scalar>::begin_level() {
   record.begin(energy_of_sites(), on_finest_level());
 }
 
+/// Whether one of the ranks is to end: they do so together, after an iteration.
+template <class Scalar>
+bool Run<Scalar>::cancelled_together(bool own) {
+  if (ranks() == nullptr) return false;
+  own = own || stop_of_ranks.requested();
+  late = any(ranks(), stop_of_ranks.late());
+  return any(ranks(), own);
+}
+
+/// Each rank tells the ranks of the points in its cells whose they are, about so many points at a
+/// time.
+template <class Scalar>
+std::vector<Index> Run<Scalar>::owners_at_home() const {
+  constexpr Index kPointsAtOnce = 1 << 18;
+  struct Owned {
+    PointNumber point;
+    SiteNumber owner;
+  };
+  const std::vector<Index> first = of_all(ranks(), problem.first_own_point());
+  std::vector<Index> owners(static_cast<std::size_t>(problem.own_points().count), -1);
+  const NumberRange<SiteNumber> own = state.tiling.own_sites();
+  SiteNumber next = *own.begin();
+  while (any(ranks(), next != *own.end())) {
+    std::vector<std::vector<Owned>> owned(first.size());
+    for (Index points = 0; points < kPointsAtOnce && next != *own.end(); ++next) {
+      points += state.cells.size(next);
+      for (const PointNumber p : state.cells.points(next)) {
+        // The last rank that begins there or before: others there have no points.
+        const auto after = std::upper_bound(first.begin(), first.end(), p.index());
+        owned[static_cast<std::size_t>(after - first.begin() - 1)].push_back({p, site_of[next]});
+      }
+    }
+    std::vector<Ranks::Bytes> messages;
+    for (const std::vector<Owned>& theirs : owned) {
+      const auto bytes = std::as_bytes(std::span(theirs));
+      messages.emplace_back(bytes.begin(), bytes.end());
+    }
+    for (const Ranks::Bytes& message : ranks()->exchange(std::move(messages))) {
+      std::vector<Owned> come(message.size() / sizeof(Owned));
+      ByteReader(message).get(std::span(come));
+      for (const auto& [point, owner] : come) {
+        owners[PointNumber(point.index() - problem.first_own_point())] = owner.index();
+      }
+    }
+  }
+  return owners;
+}
+
 template <class Scalar>
 Columns<Scalar> Run<Scalar>::site_columns() const {
   Columns<Scalar> sites(problem.dimension(), problem.site_count());
@@ -335,6 +421,7 @@ Columns<Scalar> Run<Scalar>::site_columns() const {
 
 template <class Scalar>
 std::vector<Index> Run<Scalar>::owners() const {
+  if (ranks() != nullptr) return owners_at_home();
   std::vector<Index> owners(static_cast<std::size_t>(problem.point_count()), -1);
   const auto given = [&](SiteNumber site) { return site_of[site].index(); };
   const Arena apart(options.threads);  // not the run's: nothing of this belongs to it

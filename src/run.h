@@ -31,6 +31,7 @@ struct Run {
   bool end(Termination termination);
   /// In the caller's order.
   [[nodiscard]] Columns<Scalar> site_columns() const;
+  /// Of the points of this rank.
   [[nodiscard]] std::vector<Index> owners() const;
 
   void place_sites();
@@ -49,10 +50,16 @@ struct Run {
   PassCount pass();
   [[nodiscard]] double progress(const PassCount& done) const;
 
+  [[nodiscard]] std::vector<Index> owners_at_home() const;
+  [[nodiscard]] Ranks* ranks() const { return problem.ranks(); }
+  bool cancelled_together(bool own);
+
   Problem<Scalar> problem;
   bool warm;  ///< the problem has owners
   Options options;
   Stop stop;
+  Stop stop_of_ranks;
+  bool late = false;  ///< it was the time that ended ranks
   RunRecord record;
   Arena arena;
   Domain domain;  ///< in which distances are measured

@@ -70,7 +70,10 @@ void RunRecord::end(Termination termination, const Problem<Scalar>& problem, con
   const double spacing = std::min(
       spacing_in_box(box, summary_.points),
       spacing_in_cells(summary_.energy, summary_.points, summary_.sites, summary_.dimension));
-  const std::string warning = coarse_coordinates<Scalar>("points", problem.points(), spacing);
+  const std::string warning =
+      problem.own_points().count == 0
+          ? ""
+          : coarse_coordinates<Scalar>("points", problem.own_points(), spacing);
   if (!warning.empty()) summary_.warnings.push_back(warning);
   clock_.charge();
   clock_.listen({});

@@ -10,8 +10,8 @@
 namespace ccvt {
 
 template <class Scalar>
-double require_moderate(const char* argument, const PointsView<Scalar>& points,
-                        const Arena& arena) {
+double require_moderate(const char* argument, const PointsView<Scalar>& points, const Arena& arena,
+                        Index first_number) {
   const double largest = largest_coordinate<Scalar>(points.dimension);
   if (points.count == 0) return 0;
   const CoordinateRange<Scalar> range = coordinate_range(points, arena);
@@ -28,7 +28,7 @@ double require_moderate(const char* argument, const PointsView<Scalar>& points,
       const double value = points[p][d];
       if (std::abs(value) <= largest) continue;
       throw InvalidInput(std::string(argument) + ": coordinate " + std::to_string(d) + " of " +
-                         argument + "[" + std::to_string(p) + "] is " + text(value) +
+                         argument + "[" + std::to_string(first_number + p) + "] is " + text(value) +
                          ": coordinates must be finite and at most " + text(largest) +
                          " in magnitude");
     }
@@ -37,8 +37,7 @@ double require_moderate(const char* argument, const PointsView<Scalar>& points,
 }
 
 template <class Scalar>
-void require_scale(const char* argument, const PointsView<Scalar>& points, const Arena& arena) {
-  const double widest = require_moderate(argument, points, arena);
+void require_extent(const char* argument, double widest) {
   if (widest == 0 || widest >= kSmallestExtent<Scalar>) return;
   throw InvalidInput(std::string(argument) + ": their coordinates differ by at most " +
                      text(widest) + ": they must be all equal or differ by " +
@@ -46,8 +45,15 @@ void require_scale(const char* argument, const PointsView<Scalar>& points, const
                      " or more somewhere; multiply them by a power of two");
 }
 
-template double require_moderate(const char*, const PointsView<float>&, const Arena&);
-template double require_moderate(const char*, const PointsView<double>&, const Arena&);
+template <class Scalar>
+void require_scale(const char* argument, const PointsView<Scalar>& points, const Arena& arena) {
+  require_extent<Scalar>(argument, require_moderate(argument, points, arena));
+}
+
+template double require_moderate(const char*, const PointsView<float>&, const Arena&, Index);
+template double require_moderate(const char*, const PointsView<double>&, const Arena&, Index);
+template void require_extent<float>(const char*, double);
+template void require_extent<double>(const char*, double);
 template void require_scale(const char*, const PointsView<float>&, const Arena&);
 template void require_scale(const char*, const PointsView<double>&, const Arena&);
 

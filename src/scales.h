@@ -39,9 +39,15 @@ double largest_coordinate(int dimension) {
 /// Throws InvalidInput unless all coordinates are finite and at most largest_coordinate(), in
 /// Scalar's range. `argument` is what the points are called. Returns over how much they extend in
 /// the dimension where that is most.
+/// The first point is called argument[first_number].
 template <class Scalar>
 double require_moderate(const char* argument, const PointsView<Scalar>& points,
-                        const Arena& arena = Arena(1));
+                        const Arena& arena = Arena(1), Index first_number = 0);
+
+/// Throws InvalidInput unless points that extend over `widest` at most are all equal or extend over
+/// kSmallestExtent.
+template <class Scalar>
+void require_extent(const char* argument, double widest);
 
 /// The same, and that the points are all equal or extend over kSmallestExtent.
 template <class Scalar>

@@ -86,6 +86,11 @@ struct ReadOptions {
   /// The columns that are coordinates, in this order: names of a text file's header or of
   /// properties of PLY vertices, or numbers, from 1, in any file. Empty: as the format has it.
   std::vector<std::string> columns = {};
+  /// Only the points first_row.. to end_row - 1, of those that there are; none is an empty set. In
+  /// .npy files in C order, without a look at the others: what one of several processes reads.
+  /// Others must be read whole.
+  std::uint64_t first_row = 0;
+  std::uint64_t end_row = UINT64_MAX;
 };
 
 namespace detail {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <type_traits>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "ccvt/columns.h"
 #include "ccvt/domain.h"
 #include "ccvt/export.h"
+#include "ccvt/ranks.h"
 #include "ccvt/types.h"
 
 namespace ccvt {
@@ -32,6 +34,14 @@ class CCVT_EXPORT Problem {
   template <class Derived>
   Problem(Eigen::PlainObjectBase<Derived>&& points, Index sites, int threads = 1) = delete;
   Problem(PointsView<Scalar> points, Index sites, int threads = 1);
+  /// A problem that `ranks`, which must outlive it, solve together. `own` are the points of this
+  /// rank, perhaps none; their numbers follow those of the lower ranks. What else there is of the
+  /// problem, its setters and the options of its solvers must be the same on all ranks; so are then
+  /// the sites, to the bit those of one process with all points, and owners are those of a rank's
+  /// own points. Each rank has in memory its points, about as many points of whole cells, and what
+  /// there is of all sites. Not: initial owners, other starts than the balanced one (so at most 8
+  /// dimensions), and levels of Options::descent_points a site.
+  Problem(Ranks& ranks, PointsView<Scalar> own, Index sites, int threads = 1);
 
   /// Default: Euclidean space. A box must have the points' dimension and contain all points (a
   /// periodic box: both faces included); its corners are as moderate as coordinates, and a periodic
@@ -68,6 +78,7 @@ class CCVT_EXPORT Problem {
   /// the centroids of the cells.
   Problem& set_initial_owners(std::vector<Index> owners);
 
+  /// Of a problem of ranks, only those of this rank may be read.
   [[nodiscard]] const PointsView<Scalar>& points() const { return points_; }
   [[nodiscard]] int dimension() const { return points_.dimension; }
   [[nodiscard]] Index point_count() const { return points_.count; }
@@ -82,9 +93,25 @@ class CCVT_EXPORT Problem {
   [[nodiscard]] const std::vector<Index>& initial_owners() const { return initial_owners_; }
   /// The domain's box, or the bounding box of the points.
   [[nodiscard]] Box bounding_box() const;
+  /// Null where there is one process.
+  [[nodiscard]] Ranks* ranks() const { return part_ ? part_->ranks : nullptr; }
+  /// The number of this rank's first point, and these points: without ranks, all.
+  [[nodiscard]] Index first_own_point() const { return part_ ? part_->first : 0; }
+  [[nodiscard]] const PointsView<Scalar>& own_points() const {
+    return part_ ? part_->points : points_;
+  }
+  /// Of a problem of ranks: the bounding box of the points of all.
+  [[nodiscard]] const Box& box_of_ranks() const { return part_->around; }
 
  private:
+  struct Part {
+    Ranks* ranks;
+    Index first;
+    PointsView<Scalar> points;
+    Box around;  ///< the points of all ranks
+  };
   PointsView<Scalar> points_;
+  std::shared_ptr<const Part> part_;
   int threads_;
   Domain domain_;
   std::vector<Index> capacities_;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "ccvt/domain.h"
 #include "ccvt/export.h"
@@ -37,6 +38,13 @@ CCVT_EXPORT void fill_uniform(const Box& box, std::uint64_t seed, Distribution d
                               int threads, std::span<float> coordinates);
 CCVT_EXPORT void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution,
                               int threads, std::span<double> coordinates);
+/// Of `count` points those from `first` on, as many as there is room for.
+CCVT_EXPORT void fill_uniform_part(const Box& box, Index count, Index first, std::uint64_t seed,
+                                   Distribution distribution, int threads,
+                                   std::span<float> coordinates);
+CCVT_EXPORT void fill_uniform_part(const Box& box, Index count, Index first, std::uint64_t seed,
+                                   Distribution distribution, int threads,
+                                   std::span<double> coordinates);
 }  // namespace detail
 
 /// Exactly `count` points, #dimensions by #points, that spread uniformly over `box`, in float or
@@ -69,6 +77,28 @@ Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sample_uniform(
   Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> points(box.dimension(), count);
   detail::fill_uniform(box, seed, distribution, threads,
                        std::span<Scalar>(points.data(), static_cast<std::size_t>(points.size())));
+  return points;
+}
+
+/// Of the points that sample_uniform() gives, those from `first` up to `end` - 1, perhaps none:
+/// what one of several processes draws of them. Throws InvalidInput as sample_uniform() does, and
+/// unless 0 <= first <= end <= count. O(#dimensions * (end - first)) time, and a few microseconds
+/// more; for hexagonal points O(#dimensions * count).
+template <class Scalar = double>
+Points<Scalar> sample_uniform_part(const Box& box, Index count, Index first, Index end,
+                                   std::uint64_t seed = 0,
+                                   Distribution distribution = Distribution::jittered,
+                                   int threads = 1) {
+  detail::check_sampling(box, count, Eigen::Dynamic, sizeof(Scalar));
+  if (first < 0 || first > end || end > count) {
+    throw InvalidInput("first: the points " + std::to_string(first) + " to " + std::to_string(end) +
+                       " are asked for, of " + std::to_string(count) +
+                       ": it must hold that 0 <= first <= end <= count");
+  }
+  Points<Scalar> points(box.dimension(), end - first);
+  detail::fill_uniform_part(
+      box, count, first, seed, distribution, threads,
+      std::span<Scalar>(points.data(), static_cast<std::size_t>(points.size())));
   return points;
 }
 

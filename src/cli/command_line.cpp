@@ -36,13 +36,34 @@ constexpr const char* kExamples =
 
 }  // namespace
 
+void set_up(CLI::App& app) {
+  app.set_version_flag("--version", version_text, "Print what this program is made of, and exit");
+  app.set_help_flag("-h,--help", "Print this help, and exit");
+  app.require_subcommand(1);
+  app.formatter(std::make_shared<HelpFormatter>());
+}
+
+int parse_and_run(CLI::App& app, const Commands& commands, int argc, const char* const* argv,
+                  const std::function<void(const std::string&)>& show) {
+  try {
+    app.parse(reversed_arguments(argc, argv));
+  } catch (const CLI::Success& success) {  // help, version
+    std::ostringstream text;
+    const int status = app.exit(success, text);
+    show(text.str());
+    return status;
+  } catch (const CLI::ParseError& error) {
+    throw InvalidInput(usage_error(app, error));
+  }
+  const auto given = std::find_if(commands.begin(), commands.end(),
+                                  [](const auto& command) { return command.first->parsed(); });
+  return given->second();
+}
+
 CommandLine::CommandLine()
     : app_("Capacity-constrained Voronoi tessellation in any dimension", "ccvt") {
-  app_.set_version_flag("--version", version_text, "Print what this program is made of, and exit");
-  app_.set_help_flag("-h,--help", "Print this help, and exit");
-  app_.require_subcommand(1);
+  set_up(app_);
   app_.footer(kExamples);
-  app_.formatter(std::make_shared<HelpFormatter>());
   commands_ = {
       {add_sample(app_, sample_), [&] { return run_sample(sample_); }},
       {add_tessellate(app_, tessellate_), [&] { return run_tessellate(tessellate_); }},
@@ -57,19 +78,7 @@ CommandLine::CommandLine()
 }
 
 int CommandLine::run(int argc, const char* const* argv) {
-  try {
-    app_.parse(reversed_arguments(argc, argv));
-  } catch (const CLI::Success& success) {  // help, version
-    std::ostringstream text;
-    const int status = app_.exit(success, text);
-    print(text.str());
-    return status;
-  } catch (const CLI::ParseError& error) {
-    throw InvalidInput(usage_error(app_, error));
-  }
-  const auto given = std::find_if(commands_.begin(), commands_.end(),
-                                  [](const auto& command) { return command.first->parsed(); });
-  return given->second();
+  return parse_and_run(app_, commands_, argc, argv, print);
 }
 
 }  // namespace ccvt::cli

@@ -12,6 +12,15 @@
 
 namespace ccvt::cli {
 
+using Commands = std::vector<std::pair<const CLI::App*, std::function<int()>>>;
+
+/// Of a program with commands: what all have, but for its examples.
+void set_up(CLI::App& app);
+/// Parses the line and runs the command that it names; the exit status. Help and version are handed
+/// to `show`. Throws InvalidInput for whatever is wrong with the line, and what the command throws.
+int parse_and_run(CLI::App& app, const Commands& commands, int argc, const char* const* argv,
+                  const std::function<void(const std::string&)>& show);
+
 /// All commands with their options, and the arguments that these fill.
 class CommandLine {
  public:
@@ -34,7 +43,7 @@ class CommandLine {
   VolumeArguments volume_;
   SurfaceArguments surface_;
   ThinArguments thin_;
-  std::vector<std::pair<const CLI::App*, std::function<int()>>> commands_;
+  Commands commands_;
 };
 
 }  // namespace ccvt::cli

@@ -29,7 +29,8 @@ nlohmann::ordered_json json_of(const MassFigures& masses) {
 
 std::string summary_json(const std::string& command, const Summary& summary,
                          const std::optional<PutBack>& put_back,
-                         const std::optional<MassFigures>& masses) {
+                         const std::optional<MassFigures>& masses,
+                         const std::optional<RankFigures>& ranks) {
   nlohmann::ordered_json json;
   json["version"] = CCVT_VERSION;
   json["command"] = command;
@@ -65,6 +66,14 @@ std::string summary_json(const std::string& command, const Summary& summary,
     json["put_back"] = {{"sites", put_back->sites}, {"farthest", put_back->farthest}};
   }
   if (masses) json["masses"] = json_of(*masses);
+  if (ranks) {
+    json["ranks"] = {{"count", ranks->ranks},
+                     {"messages", ranks->messages},
+                     {"sent_bytes", ranks->sent_bytes},
+                     {"gathered_bytes", ranks->gathered_bytes},
+                     {"message_seconds", ranks->seconds},
+                     {"largest_peak_memory_bytes", ranks->largest_peak_bytes}};
+  }
   json["warnings"] = summary.warnings;
   // JSON has no infinity and no NaN; the library writes null for them.
   return json.dump(2) + "\n";
@@ -143,10 +152,10 @@ std::string one_line(std::string message) {
 }
 
 void write_summary(const CommonArguments& common, const Summary& summary,
-                   const std::optional<PutBack>& put_back,
-                   const std::optional<MassFigures>& masses) {
+                   const std::optional<PutBack>& put_back, const std::optional<MassFigures>& masses,
+                   const std::optional<RankFigures>& ranks) {
   if (!common.summary.empty()) {
-    write_text(common.summary, summary_json(common.command, summary, put_back, masses));
+    write_text(common.summary, summary_json(common.command, summary, put_back, masses, ranks));
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -65,10 +66,21 @@ struct MassFigures {
   Index shared_points = 0;
 };
 
+/// What processes that work together have sent each other, and the most memory that one has held.
+struct RankFigures {
+  int ranks = 1;
+  std::int64_t messages = 0;
+  std::int64_t sent_bytes = 0;
+  std::int64_t gathered_bytes = 0;
+  double seconds = 0;  ///< that messages took, with waiting for others: the mean
+  std::uint64_t largest_peak_bytes = 0;
+};
+
 /// Writes the summary file, if there is to be one.
 void write_summary(const CommonArguments& common, const Summary& summary,
                    const std::optional<PutBack>& put_back = {},
-                   const std::optional<MassFigures>& masses = {});
+                   const std::optional<MassFigures>& masses = {},
+                   const std::optional<RankFigures>& ranks = {});
 
 /// Prints warnings on the standard error output, a line each, unless `quiet`.
 void warn(bool quiet, const std::vector<std::string>& warnings);

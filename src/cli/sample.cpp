@@ -1,3 +1,4 @@
+#include "cli/sample.h"
 
 #include "ccvt/io.h"
 #include "ccvt/particles.h"
@@ -18,25 +19,6 @@ namespace {
 std::string describe_particles(Index sites, const ParticleOptions& options) {
   return std::to_string(particle_count(sites, options)) + " particles of mass " +
          text(particle_mass(sites, options), 6) + " in a periodic box of " + text(options.box_size);
-}
-
-/// That of the fixed sites, which stay to the bit, unless the user says which.
-ScalarType scalar_of(const SampleArguments& arguments) {
-  if (arguments.scalar) return *arguments.scalar;
-  if (arguments.fixed_sites.empty()) return ScalarType::float32;
-  return inspect_points(arguments.fixed_sites).scalar;
-}
-
-/// A site outside would own a share of the box all the same.
-template <class Scalar>
-void check_inside(const Points<Scalar>& sites) {
-  for (Eigen::Index s = 0; s < sites.cols(); ++s) {
-    for (Eigen::Index d = 0; d < sites.rows(); ++d) {
-      if (sites(d, s) >= 0 && sites(d, s) <= 1) continue;
-      throw InvalidInput("coordinate " + std::to_string(d) + " of sites[" + std::to_string(s) +
-                         "] is " + text(double{sites(d, s)}) + "; it must be in the unit box");
-    }
-  }
 }
 
 template <class Scalar>
@@ -82,7 +64,13 @@ int sample(const SampleArguments& arguments) {
 
 }  // namespace
 
-int run_sample(const SampleArguments& arguments) {
+ScalarType scalar_of(const SampleArguments& arguments) {
+  if (arguments.scalar) return *arguments.scalar;
+  if (arguments.fixed_sites.empty()) return ScalarType::float32;
+  return inspect_points(arguments.fixed_sites).scalar;
+}
+
+void check_outputs(const SampleArguments& arguments) {
   Outputs()
       .add("--output", arguments.output, io::kSiteFiles)
       .add("--points-out", arguments.points_out, io::kTableFiles)
@@ -90,6 +78,10 @@ int run_sample(const SampleArguments& arguments) {
       .add("--summary", arguments.summary)
       .add_input("--fixed-sites", arguments.fixed_sites)
       .check();
+}
+
+int run_sample(const SampleArguments& arguments) {
+  check_outputs(arguments);
   return scalar_of(arguments) == ScalarType::float64 ? sample<double>(arguments)
                                                      : sample<float>(arguments);
 }

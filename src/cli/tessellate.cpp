@@ -1,3 +1,5 @@
+#include "cli/tessellate.h"
+
 #include <Eigen/Core>
 #include <optional>
 #include <string>
@@ -16,20 +18,6 @@
 namespace ccvt::cli {
 
 namespace {
-
-Domain make_domain(const TessellateArguments& arguments, int dimension) {
-  if (arguments.box.empty()) return {};
-  Box box = make_box(arguments.box, dimension, arguments.points.string());
-  std::vector<bool> along(static_cast<std::size_t>(dimension), arguments.periodic);
-  for (const int d : arguments.periodic_along) {
-    if (d > dimension) {
-      throw InvalidInput("--periodic-along: there is no dimension " + std::to_string(d) +
-                         ": the points have " + std::to_string(dimension));
-    }
-    along[static_cast<std::size_t>(d - 1)] = true;
-  }
-  return Domain::periodic(std::move(box), along);
-}
 
 /// How distances are measured, if not as the coordinates say.
 template <class Scalar>
@@ -106,7 +94,21 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
 
 }  // namespace
 
-int run_tessellate(const TessellateArguments& arguments) {
+Domain make_domain(const TessellateArguments& arguments, int dimension) {
+  if (arguments.box.empty()) return {};
+  Box box = make_box(arguments.box, dimension, arguments.points.string());
+  std::vector<bool> along(static_cast<std::size_t>(dimension), arguments.periodic);
+  for (const int d : arguments.periodic_along) {
+    if (d > dimension) {
+      throw InvalidInput("--periodic-along: there is no dimension " + std::to_string(d) +
+                         ": the points have " + std::to_string(dimension));
+    }
+    along[static_cast<std::size_t>(d - 1)] = true;
+  }
+  return Domain::periodic(std::move(box), along);
+}
+
+void check_arguments(const TessellateArguments& arguments) {
   if (arguments.sites == 0 && arguments.initial_sites.empty()) {
     throw InvalidInput("tessellate: needs --sites or --initial-sites; see ccvt tessellate --help");
   }
@@ -119,7 +121,9 @@ int run_tessellate(const TessellateArguments& arguments) {
     throw InvalidInput(std::string("--whiten: excludes ") +
                        (arguments.units.empty() ? "--box, which it would turn" : "--units"));
   }
-  const bool has_masses = check_masses(arguments);
+}
+
+void check_outputs(const TessellateArguments& arguments) {
   Outputs()
       .add("--output", arguments.output, io::kTableFiles)
       .add("--owners-out", arguments.owners_out, io::kTableFiles)
@@ -131,6 +135,12 @@ int run_tessellate(const TessellateArguments& arguments) {
       .add_input("--capacities", arguments.capacities)
       .add_input("--masses", arguments.mass.file)
       .check();
+}
+
+int run_tessellate(const TessellateArguments& arguments) {
+  check_arguments(arguments);
+  const bool has_masses = check_masses(arguments);
+  check_outputs(arguments);
   const auto [reading, header] = inspect_beside_masses(arguments);
   tell_left_out(arguments.points, header, arguments.quiet, arguments.mass.column);
   TessellateArguments chosen = arguments;

@@ -85,7 +85,7 @@ std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<std::string> unknown = app.remaining(true);
   const std::string what =
       unknown.empty() ? reason(app, name, error) : unknown_word(app, command, unknown.front());
-  return what + (what.ends_with("?") ? " See" : "; see") + " ccvt " +
+  return what + (what.ends_with("?") ? " See" : "; see") + " " + app.get_name() + " " +
          (name.empty() ? "" : name + " ") + "--help";
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "ccvt/export.h"
 #include "io/input_file.h"
 
 /// NumPy array files.
@@ -60,6 +61,7 @@ void check_npy_size(const InputFile& file, const NpyHeader& header, std::size_t 
 std::string shape_text(const std::vector<std::uint64_t>& shape);
 
 /// The bytes in front of the data of a version 1.0 file: a multiple of 64 of them.
-std::string format_npy_header(std::string_view descr, const std::vector<std::uint64_t>& shape);
+CCVT_EXPORT std::string format_npy_header(std::string_view descr,
+                                          const std::vector<std::uint64_t>& shape);
 
 }  // namespace ccvt::io

@@ -1,5 +1,6 @@
 #include "io/npy_points.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -62,11 +63,16 @@ class NpyPoints {
       : file_(path), npy_(read_npy_header(file_)) {
     check();
     columns_ = choose_columns(file_, options.columns, {}, extent(1)).at;
+    first_ = std::min<std::uint64_t>(options.first_row, npy_.shape[0]);
+    end_ = std::clamp<std::uint64_t>(options.end_row, first_, npy_.shape[0]);
+    if (npy_.fortran_order && rows() < npy_.shape[0]) {
+      file_.fail("is in Fortran order; a part of its rows is read of files in C order only");
+    }
   }
 
   [[nodiscard]] PointsHeader header() const {
     return {is_narrow(item_.type) ? ScalarType::float32 : ScalarType::float64,
-            static_cast<int>(columns_.size()), npy_.shape[0]};
+            static_cast<int>(columns_.size()), rows()};
   }
 
   [[nodiscard]] std::optional<PointLayout> layout() const {
@@ -82,6 +88,7 @@ class NpyPoints {
 
  private:
   void check();
+  [[nodiscard]] std::uint64_t rows() const { return end_ - first_; }
   [[nodiscard]] std::size_t extent(std::size_t axis) const { return npy_.shape[axis]; }
   /// Of each column of the file, which coordinate it is, or kNone.
   [[nodiscard]] std::vector<std::size_t> targets() const;
@@ -96,6 +103,8 @@ class NpyPoints {
   NpyHeader npy_;
   NpyItem item_;
   std::vector<std::size_t> columns_;  ///< those that are coordinates
+  std::uint64_t first_ = 0;           ///< rows that are read
+  std::uint64_t end_ = 0;
 };
 
 /// Checks all that the header says; the data behind it is then as long as it has to be.
@@ -142,10 +151,11 @@ std::vector<std::size_t> NpyPoints::targets() const {
 template <class Scalar>
 void NpyPoints::read_rows(PointsMap<Scalar>& points) {
   const std::vector<std::size_t> target = targets();
-  std::size_t row = 0;
+  std::size_t row = first_;
   std::size_t column = 0;
   Scalar* point = points.data();
-  read_npy_numbers(file_, item_, npy_.shape[0] * npy_.shape[1], [&](auto number) {
+  file_.skip(first_ * extent(1) * item_.bytes);
+  read_npy_numbers(file_, item_, rows() * extent(1), [&](auto number) {
     if (target[column] != kNone) put(number, row, column, point[target[column]]);
     if (++column < target.size()) return;
     column = 0;

@@ -47,6 +47,12 @@ std::string table_extension(const std::filesystem::path& path) {
   fail_extension(path, "points and owners go into", io::kTableFiles);
 }
 
+void refuse_part(const std::filesystem::path& path, const ReadOptions& options,
+                 const std::string& extension) {
+  if (extension == ".npy" || (options.first_row == 0 && options.end_row == UINT64_MAX)) return;
+  throw InvalidInput(path.string() + ": a part of the rows is read of .npy files only");
+}
+
 /// Of a file of points that is read.
 std::string points_extension(const std::filesystem::path& path) {
   std::string extension = io::extension_of(path);
@@ -180,6 +186,7 @@ template <class Scalar>
 void read_into(const std::filesystem::path& path, const ReadOptions& options,
                const detail::Allocation<Scalar>& allocation) {
   const std::string extension = points_extension(path);
+  refuse_part(path, options, extension);
   if (extension == ".ply") return io::read_ply_points(path, options, allocation);
   if (extension == ".npy") return io::read_npy_points(path, options, allocation);
   if (io::is_vecs(path) || io::is_among(io::kParticleFiles, extension)) {

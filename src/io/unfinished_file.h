@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <string>
 
+#include "ccvt/export.h"
+
 namespace ccvt::io {
 
 class LiveFile;
@@ -11,7 +13,7 @@ class LiveFile;
 /// has, `.ccvt-*.part`. Links are followed as output_target() says. It has the permissions of the
 /// file that it is to replace, else those that the umask leaves. Unless published it is removed by
 /// the destructor, and by remove_unfinished_files().
-class UnfinishedFile {
+class CCVT_EXPORT UnfinishedFile {
  public:
   /// Throws IoError when `target` is there and no regular file, or may not be written, or the file
   /// cannot be made.

@@ -6,6 +6,7 @@
 #include <string>
 #include <type_traits>
 
+#include "ccvt/ranks.h"
 #include "parallel/recorder.h"
 #include "parallel/stop.h"
 
@@ -29,6 +30,10 @@ class Arena {
 
   /// Workers in use: never more than processors with the TBB backend.
   [[nodiscard]] int threads() const { return threads_; }
+
+  /// Loops whose result all ranks need may be divided among them: see collect_together().
+  void divide_among(Ranks* ranks) { ranks_ = ranks; }
+  [[nodiscard]] Ranks* ranks() const { return ranks_; }
 
   /// For loops of its owner: see Stop::check().
   void check() const {
@@ -87,6 +92,7 @@ class Arena {
   int threads_ = 1;
   Stop* stop_ = nullptr;
   Recorder* recorder_ = nullptr;
+  Ranks* ranks_ = nullptr;
   std::unique_ptr<Backend> backend_;
 };
 

@@ -23,6 +23,12 @@ class Buffer {
  public:
   Buffer() = default;
   explicit Buffer(std::size_t size) : data_(allocate(size)), size_(size), room_(size) {}
+  /// Of which only `used` elements from `first` on, and few others, are ever touched.
+  Buffer(std::size_t size, std::size_t first, std::size_t used) : size_(size), room_(size) {
+    check(size);
+    data_.reset(static_cast<T*>(allocate_small_pages(size * sizeof(T))));
+    prefer_large_pages(data() + first, used * sizeof(T));
+  }
   Buffer(Buffer&& other) noexcept { swap(other); }
   Buffer& operator=(Buffer&& other) noexcept {
     Buffer(std::move(other)).swap(*this);
@@ -75,8 +81,11 @@ class Buffer {
   struct Free {
     void operator()(T* memory) const { free_pages(memory); }
   };
-  static T* allocate(std::size_t size) {
+  static void check(std::size_t size) {
     if (size > SIZE_MAX / sizeof(T)) throw std::bad_alloc();
+  }
+  static T* allocate(std::size_t size) {
+    check(size);
     return static_cast<T*>(allocate_pages(size * sizeof(T)));
   }
 

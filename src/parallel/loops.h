@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "ccvt/ranks.h"
 #include "parallel/arena.h"
 #include "parallel/buffer.h"
 
@@ -116,6 +118,43 @@ Buffer<T> collect(const Arena& arena, std::size_t count, std::size_t grain, cons
     std::copy_n(from, parts[k].count, all.data() + place[k]);
   });
   return all;
+}
+
+/// Of `count` things in blocks of `grain`, those of a rank; without ranks, all.
+struct RankRange {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  RankRange(const Ranks* ranks, std::size_t count, std::size_t grain) : end(count) {
+    if (ranks == nullptr) return;
+    const std::size_t blocks = (count + grain - 1) / grain;
+    const auto all = static_cast<std::size_t>(ranks->count());
+    const auto own = static_cast<std::size_t>(ranks->rank());
+    begin = std::min(count, blocks * own / all * grain);
+    end = std::min(count, blocks * (own + 1) / all * grain);
+  }
+};
+
+/// The same, divided among ranks; what body() appends must be all that it does.
+template <class T, class Body>
+Buffer<T> collect_together(const Arena& arena, std::size_t count, std::size_t grain,
+                           const Body& body) {
+  if (arena.ranks() == nullptr) return collect<T>(arena, count, grain, body);
+  const RankRange own(arena.ranks(), count, grain);
+  const Buffer<T> found =
+      collect<T>(arena, own.end - own.begin, grain,
+                 [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
+                   body(own.begin + begin, own.begin + end, out, worker);
+                 });
+  const std::vector<Ranks::Bytes> parts = arena.ranks()->gather(std::as_bytes(found.span()));
+  std::size_t all = 0;
+  for (const Ranks::Bytes& part : parts) all += part.size() / sizeof(T);
+  Buffer<T> together(all);
+  T* next = together.data();
+  for (const Ranks::Bytes& part : parts) {
+    if (!part.empty()) std::memcpy(next, part.data(), part.size());
+    next += part.size() / sizeof(T);
+  }
+  return together;
 }
 
 /// Has the workers touch memory that is not written to in order, a part each: whoever comes first

@@ -17,17 +17,31 @@ constexpr std::size_t kLargePage = std::size_t{1} << 21;
 
 }  // namespace
 
-void* allocate_pages(std::size_t bytes) {
+void* allocate_small_pages(std::size_t bytes) {
   const std::size_t alignment = bytes < 2 * kLargePage ? kCacheLine : kLargePage;
   if (bytes > SIZE_MAX - alignment) throw std::bad_alloc();
   const std::size_t rounded = (std::max(bytes, std::size_t{1}) + alignment - 1) / alignment;
   void* const memory = std::aligned_alloc(alignment, rounded * alignment);
   if (memory == nullptr) throw std::bad_alloc();
-#ifdef __linux__
-  // A wish: what comes of it changes nothing but the time.
-  if (alignment == kLargePage) madvise(memory, rounded * alignment, MADV_HUGEPAGE);
-#endif
   return memory;
+}
+
+void* allocate_pages(std::size_t bytes) {
+  void* const memory = allocate_small_pages(bytes);
+  prefer_large_pages(memory, bytes);
+  return memory;
+}
+
+void prefer_large_pages([[maybe_unused]] void* memory,
+                        [[maybe_unused]] std::size_t bytes) noexcept {
+#ifdef __linux__
+  if (bytes < 2 * kLargePage) return;
+  // A wish: what comes of it changes nothing but the time. Of whole large pages only.
+  const auto begin = reinterpret_cast<std::uintptr_t>(memory);
+  const std::uintptr_t first = (begin + kLargePage - 1) / kLargePage * kLargePage;
+  const std::uintptr_t end = (begin + bytes) / kLargePage * kLargePage;
+  if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
+#endif
 }
 
 void free_pages(void* memory) noexcept { std::free(memory); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "parallel/loops.h"
+#include "relax/across.h"
 #include "relax/mover.h"
 #include "relax/potential.h"
 #include "relax/site_graph.h"
@@ -22,8 +23,8 @@ constexpr int kMostRounds = 64;
 template <class Scalar>
 std::vector<Index> surpluses(const Filling<Scalar>& filling, const Arena& arena) {
   std::vector<Index> surplus(filling.filled.size());
-  for_each_site(arena, surplus.size(), kSitesPerGrain,
-                [&](SiteNumber s) { surplus[s] = filling.surplus(s); });
+  for_each_site(arena, filling.tiles, [&](SiteNumber s) { surplus[s] = filling.surplus(s); });
+  share(filling.tiles, surplus);
   return surplus;
 }
 
@@ -74,6 +75,7 @@ class FlowRounds {
   FlowRounds(const Metric& metric, const SiteState& sites, const SiteGraph& graph, const Flow& flow,
              const Arena& arena, Filling<Scalar>& filling)
       : arena_(arena),
+        filling_(filling),
         tiles_(filling.tiles),
         movers_(arena, Mover<Scalar>(metric, sites, filling)) {
     const Buffer<Pair> edges = collect_by_site<Pair>(
@@ -84,6 +86,7 @@ class FlowRounds {
         });
     schedule_ = schedule_pairs(edges, filling.tiles, arena);
     left_.reset(edges.size());
+    ran_.resize(edges.size());
     arena.for_each(schedule_.tasks.size(), 16, [&](std::size_t t) {
       const Schedule::Task& task = schedule_.tasks[t];
       const std::span<Pair> own = schedule_.pairs.span().subspan(task.begin, task.size());
@@ -105,9 +108,10 @@ class FlowRounds {
       std::int64_t left = 0;
     };
     PerWorker<Count> counts(arena_);
-    schedule_.run(arena_, tiles_, [&](const Schedule::Task& task, int w) {
+    const auto work = [&](const Schedule::Task& task, int w) {
       Mover<Scalar>& mover = movers_[w];
       SiteNumber from = SiteNumber::none();
+      ran_[task.begin] = 1;
       for (std::size_t e = task.begin; e < task.end; ++e) {
         if (left_[e] == 0) continue;
         const Pair& edge = schedule_.pairs[e];
@@ -122,20 +126,46 @@ class FlowRounds {
         counts[w].left += left_[e];
       }
       if (from != SiteNumber::none()) mover.stay();
-    });
+    };
+    FillingLender<Scalar> lender{filling_, schedule_, left_.span()};
+    for (std::size_t b = 0; b < schedule_.batch_count(); ++b) {
+      run_batch(arena_, tiles_, schedule_.batch(b), lender, work);
+    }
     Count all;
     for (int w = 0; w < arena_.threads(); ++w) {
       all.moved += counts[w].moved;
       all.left += counts[w].left;
     }
-    return all.left > 0 && all.moved > 0;
+    share_left();
+    return total(tiles_.ranks(), all.left) > 0 && total(tiles_.ranks(), all.moved) > 0;
   }
 
  private:
+  /// What is left is known where it was moved from; now all ranks know.
+  void share_left() {
+    if (tiles_.ranks() == nullptr) return;
+    struct Left {
+      std::size_t edge;
+      std::int64_t points;
+    };
+    std::vector<Left> own;
+    for (const Schedule::Task& task : schedule_.tasks) {
+      if (ran_[task.begin] == 0) continue;
+      for (std::size_t e = task.begin; e < task.end; ++e) {
+        if (left_[e] != 0) own.push_back({e, left_[e]});
+      }
+    }
+    std::fill(left_.begin(), left_.end(), 0);
+    std::fill(ran_.begin(), ran_.end(), std::uint8_t{0});
+    for (const Left& all : joined(tiles_.ranks(), std::move(own))) left_[all.edge] = all.points;
+  }
+
   const Arena& arena_;
-  const Tiling tiles_;
+  Filling<Scalar>& filling_;
+  const Tiling& tiles_;
   Schedule schedule_;
-  Buffer<std::int64_t> left_;  ///< to move along each edge, which are the schedule's pairs
+  std::vector<std::uint8_t> ran_;  ///< here, by the first edge of a task
+  Buffer<std::int64_t> left_;      ///< to move along each edge, which are the schedule's pairs
   PerWorker<Mover<Scalar>> movers_;
 };
 
@@ -151,9 +181,11 @@ void flow_along_tree(const Metric& metric, const SiteState& sites, const SiteGra
   Mover<Scalar> mover(metric, sites, filling);
   const auto pass = [&](SiteNumber from, SiteNumber to, Index count) {
     arena.check();
-    mover.leave(from);
-    mover.move(to, count);
-    mover.stay();
+    pass_along(filling, from, to, [&] {
+      mover.leave(from);
+      mover.move(to, count);
+      mover.stay();
+    });
   };
   for (std::size_t k = order.size(); k-- > 1;) {
     const Index count = subtree[order[k]];

@@ -9,6 +9,7 @@
 #include "ccvt/types.h"
 #include "numbers.h"
 #include "parallel/buffer.h"
+#include "parallel/bytes.h"
 
 namespace ccvt {
 
@@ -24,11 +25,17 @@ class Cells {
  public:
   Cells() = default;
   Cells(int dimension, std::span<const Index> sizes)
+      : Cells(dimension, sizes, sites_below(sizes.size())) {}
+  /// Of which only those of some sites, and a few others that these sites meet, are ever filled.
+  Cells(int dimension, std::span<const Index> sizes, NumberRange<SiteNumber> own)
       : dimension_(static_cast<std::size_t>(dimension)) {
     first_.reserve(sizes.size() + 1);
     for (const Index size : sizes) first_.emplace_back(first_.back().index() + size);
-    order_.reset(first_.back());
-    coordinates_.reset(order_.size() * dimension_);
+    const std::size_t begin = first_[*own.begin()];
+    const std::size_t used = first_[*own.end()] - begin;
+    order_ = Buffer<PointNumber>(first_.back(), begin, used);
+    coordinates_ =
+        Buffer<Scalar>(order_.size() * dimension_, begin * dimension_, used * dimension_);
   }
 
   [[nodiscard]] std::size_t dimension() const { return dimension_; }
@@ -80,6 +87,24 @@ class Cells {
     Scalar* to = block(site);
     for (std::size_t d = 0; d < dimension_; ++d, stream += points.size(), to += size(site)) {
       std::copy_n(stream, points.size(), to);
+    }
+  }
+
+  /// Writes the first points of a cell, and reads them again.
+  void write(ByteWriter& out, SiteNumber site, Index count) const {
+    const auto first = static_cast<std::size_t>(count);
+    out.put(points(site).first(first));
+    const Scalar* stream = block(site);
+    for (std::size_t d = 0; d < dimension_; ++d, stream += size(site)) {
+      out.put(std::span(stream, first));
+    }
+  }
+  void read(ByteReader& in, SiteNumber site, Index count) {
+    const auto first = static_cast<std::size_t>(count);
+    in.get(std::span(order(site), first));
+    Scalar* stream = block(site);
+    for (std::size_t d = 0; d < dimension_; ++d, stream += size(site)) {
+      in.get(std::span(stream, first));
     }
   }
 

@@ -33,6 +33,11 @@ class WaitingPoints {
     std::copy_n(x, dimension_, coordinates_.data() + node * dimension_);
     return node;
   }
+  [[nodiscard]] Node next(Node node) const { return links_[node].next; }
+  [[nodiscard]] PointNumber point(Node node) const { return links_[node].point; }
+  [[nodiscard]] const Scalar* coordinates(Node node) const {
+    return coordinates_.data() + node * dimension_;
+  }
   /// Takes the head off a list; returns the new one. Both pointers hold until the next push().
   Node pop(Node head, PointNumber& point, const Scalar*& x) {
     Link& link = links_[head];
@@ -101,6 +106,39 @@ class Filling {
     return point;
   }
 
+  /// Sorts the points that have come to a site since it had `before`, by their key(point, x), as if
+  /// they had been added in that order. No key is twice.
+  template <class Key>
+  void sort_added(SiteNumber site, Index before, const Key& key) {
+    if (are_sorted(site, before, key)) return;
+    using Value = decltype(key(PointNumber(), static_cast<const Scalar*>(nullptr)));
+    struct Added {
+      Value key;
+      PointNumber point;
+      std::size_t x;
+    };
+    std::vector<Added> added;
+    std::vector<Scalar> all;
+    const auto append = [&](PointNumber point, const Scalar* x) {
+      added.push_back({key(point, x), point, all.size()});
+      all.insert(all.end(), x, x + cells.dimension());
+    };
+    std::vector<Scalar> x(cells.dimension());
+    for (Index k = before; k < filled[site]; ++k) {
+      cells.get(site, k, x.data());
+      append(cells.points(site)[static_cast<std::size_t>(k)], x.data());
+    }
+    while (waiting(site) > 0) {
+      const Scalar* own = nullptr;
+      const PointNumber point = take_waiting(site, own);
+      append(point, own);
+    }
+    std::sort(added.begin(), added.end(),
+              [](const Added& a, const Added& b) { return a.key < b.key; });
+    filled[site] = before;
+    for (const Added& a : added) add(site, a.point, all.data() + a.x);
+  }
+
   /// How many points of a site wait; and takes one of these.
   [[nodiscard]] Index waiting(SiteNumber site) const { return waiting_[site].count; }
   PointNumber take_waiting(SiteNumber site, const Scalar*& x) {
@@ -110,6 +148,35 @@ class Filling {
     --waiting.count;
     note(site, point, -1);
     return point;
+  }
+
+  /// Writes what there is of a site, for another rank, and reads it there. None of its points waits
+  /// after the one and before the other.
+  void write(ByteWriter& out, SiteNumber site) {
+    out.put(filled[site]);
+    cells.write(out, site, filled[site]);
+    out.put(waiting(site));
+    while (waiting(site) > 0) {
+      const Scalar* x = nullptr;
+      out.put(take_waiting(site, x));
+      out.put(std::span(x, cells.dimension()));
+    }
+  }
+  void read(ByteReader& in, SiteNumber site) {
+    filled[site] = in.get<Index>();
+    cells.read(in, site, filled[site]);
+    std::vector<PointNumber> last(static_cast<std::size_t>(in.get<Index>()));
+    std::vector<Scalar> x(last.size() * cells.dimension());
+    for (std::size_t w = 0; w < last.size(); ++w) {
+      last[w] = in.get<PointNumber>();
+      in.get(std::span(x).subspan(w * cells.dimension(), cells.dimension()));
+    }
+    // The first to be taken is the one that came last.
+    Waiting& waiting = waiting_[site];
+    for (std::size_t w = last.size(); w-- > 0;) {
+      waiting.head = list(site).push(waiting.head, last[w], &x[w * cells.dimension()]);
+      ++waiting.count;
+    }
   }
 
   /// Gives back to the sites that had them when the journal was begun all points that have moved
@@ -128,6 +195,32 @@ class Filling {
   std::vector<Index> filled;  ///< points in each cell
 
  private:
+  template <class Key>
+  [[nodiscard]] bool are_sorted(SiteNumber site, Index before, const Key& key) const {
+    std::vector<Scalar> x(cells.dimension());
+    bool first = true;
+    auto last = key(PointNumber(), x.data());
+    for (Index k = before; k < filled[site]; ++k) {
+      cells.get(site, k, x.data());
+      const auto own = key(cells.points(site)[static_cast<std::size_t>(k)], x.data());
+      if (!first && own < last) return false;
+      last = own;
+      first = false;
+    }
+    // The head is the one that came last.
+    const WaitingPoints<Scalar>& waiting = lists_[tiles.tile_of(site)];
+    bool newest = true;
+    auto after = last;
+    for (auto node = waiting_[site].head; node != WaitingPoints<Scalar>::Node::none();
+         node = waiting.next(node)) {
+      const auto own = key(waiting.point(node), waiting.coordinates(node));
+      if (own < last || (!newest && after < own)) return false;
+      after = own;
+      newest = false;
+    }
+    return true;
+  }
+
   struct Waiting {
     typename WaitingPoints<Scalar>::Node head = WaitingPoints<Scalar>::Node::none();
     Index count = 0;

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "parallel/loops.h"
+#include "parallel/together.h"
 #include "relax/subsets.h"
 #include "schedule/tiling.h"
 #include "spatial/site_tree.h"
@@ -19,7 +20,7 @@ Buffer<PointNumber> distinct_points(std::size_t count, std::size_t points, std::
                                     const Arena& arena) {
   const NestedSubsets subset(seed, streams::initial_sites, points, std::array{count}, arena);
   const NestedSubsets::Members first = subset.members(0);
-  return collect<PointNumber>(
+  return collect_together<PointNumber>(
       arena, points, NestedSubsets::kBlock,
       [&](std::size_t begin, std::size_t end, std::vector<PointNumber>& out, int) {
         for (std::size_t p = begin; p < end; ++p) {
@@ -43,6 +44,28 @@ SiteState around_fixed(const Metric& metric, const SiteState& drawn, const SiteS
     if (replaced[s] == 0) next = std::copy_n(drawn.at(s), drawn.dimension, next);
   }
   return sites;
+}
+
+/// Calls put(site, coordinates) for the k-th of the points drawn, which is site k, on whatever rank
+/// it is.
+template <class Scalar, class Put>
+void put_drawn(const Problem<Scalar>& problem, const Buffer<PointNumber>& drawn, const Arena& arena,
+               const Put& put) {
+  if (problem.ranks() == nullptr) {
+    return for_each_site(arena, drawn.size(), kSitesPerGrain,
+                         [&](SiteNumber s) { put(s, problem.points()[drawn[s].index()]); });
+  }
+  const Index first = problem.first_own_point();
+  const Index end = first + problem.own_points().count;
+  const auto dimension = static_cast<std::size_t>(problem.dimension());
+  std::vector<Scalar> own;
+  for (const PointNumber p : drawn) {
+    if (p.index() < first || p.index() >= end) continue;
+    own.insert(own.end(), problem.points()[p.index()], problem.points()[p.index()] + dimension);
+  }
+  // Points are drawn in ascending order, as ranks have them.
+  const std::vector<Scalar> all = joined(problem.ranks(), std::move(own));
+  for (const SiteNumber s : sites_below(drawn.size())) put(s, all.data() + s * dimension);
 }
 
 }  // namespace
@@ -72,8 +95,7 @@ SiteState initial_sites(const Problem<Scalar>& problem, const Metric& metric, st
   } else {
     const auto points = static_cast<std::size_t>(problem.point_count());
     const auto drawn = distinct_points(sites.count(), points, seed, arena);
-    for_each_site(arena, drawn.size(), kSitesPerGrain,
-                  [&](SiteNumber s) { put(s, problem.points()[drawn[s].index()]); });
+    put_drawn(problem, drawn, arena, put);
     drawn_freely = true;
   }
   if (fixed.count() == 0) return sites;

@@ -1,11 +1,14 @@
 #include "relax/initialize.h"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "parallel/loops.h"
+#include "parallel/together.h"
 #include "random.h"
 #include "relax/balance.h"
+#include "relax/home.h"
 #include "relax/nearest_sites.h"
 #include "spatial/site_tree.h"
 #include "streams.h"
@@ -40,16 +43,15 @@ Buffer<Pair> nearest_neighbours(const Metric& metric, const SiteState& sites, co
   const int wanted = 1 + std::min(24, 3 + 2 * metric.dimension());
   const SiteTree tree(metric, sites.position);
   PerWorker<std::vector<Index>> scratch(arena);
-  Buffer<Pair> found = collect_by_site<Pair>(arena, sites.count(), kSitesPerGrain,
-                                             [&](SiteNumber site, std::vector<Pair>& pairs, int w) {
-                                               scratch[w].clear();
-                                               tree.nearest(sites.at(site), wanted, scratch[w]);
-                                               for (const Index near : scratch[w]) {
-                                                 const SiteNumber other(near);
-                                                 if (other != site)
-                                                   pairs.push_back(Pair::ascending(site, other));
-                                               }
-                                             });
+  Buffer<Pair> found = collect_by_site_together<Pair>(
+      arena, sites.count(), kSitesPerGrain, [&](SiteNumber site, std::vector<Pair>& pairs, int w) {
+        scratch[w].clear();
+        tree.nearest(sites.at(site), wanted, scratch[w]);
+        for (const Index near : scratch[w]) {
+          const SiteNumber other(near);
+          if (other != site) pairs.push_back(Pair::ascending(site, other));
+        }
+      });
   return sorted_pairs(arena, std::move(found), sites.count());
 }
 
@@ -77,6 +79,44 @@ void add_to_nearest(const NearestSites<Scalar>& nearest, const JoiningPoints& jo
       }
     });
     found.points = std::move(by_site.items);
+  });
+}
+
+/// The same by several ranks, each part by part of its own points. In the end points are in the
+/// order in which one process would have added them: part by part of all, in these as find() has
+/// them.
+template <std::size_t Dimension, class Scalar>
+void add_to_nearest_on_ranks(const NearestSites<Scalar>& nearest, const JoiningPoints& joining,
+                             const Arena& arena, Filling<Scalar>& filling) {
+  const Tiling& tiling = filling.tiles;
+  const std::size_t part = std::max(kLeastPoints, kPointsPerSite * filling.cells.site_count());
+  const std::vector<Index> before = filling.filled;
+  typename NearestSites<Scalar>::template Found<Dimension> found;
+  const auto add = [&](std::span<const PointNumber> which) {
+    nearest.template find<Dimension>(filling.points, which, arena, found);
+    const auto charge = arena.phase(Phase::join);
+    if constexpr (Dimension > 0) {
+      add_at_home<Dimension>(found, arena, filling);
+    } else {
+      add_at_home<Scalar>(found.points.span(), arena, filling);
+    }
+  };
+  joining.for_own_parts(
+      std::max(kLeastPoints, part / static_cast<std::size_t>(tiling.ranks()->count())), arena,
+      [&](std::span<const PointNumber> which) {
+        any(tiling.ranks(), true);
+        add(which);
+      });
+  while (any(tiling.ranks(), false)) add({});  // others have more
+
+  const auto charge = arena.phase(Phase::join);
+  const std::vector<PointNumber> begins = joining.parts(part);
+  for_each_site(arena, tiling, [&](SiteNumber s) {
+    filling.sort_added(s, before[s], [&](PointNumber point, const Scalar* x) {
+      const auto of_part = std::upper_bound(begins.begin(), begins.end(), point) - begins.begin();
+      const std::size_t cell = Dimension > 0 ? nearest.cell_of(x) : 0;
+      return std::tuple(of_part, cell, point);
+    });
   });
 }
 
@@ -127,7 +167,11 @@ void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
     const auto charge = arena.phase(Phase::nearest);
     const NearestSites<Scalar> nearest(metric, sites, box, arena);
     with_dimension(nearest.dimension_of_copies(), [&]<std::size_t Dimension>() {
-      add_to_nearest<Dimension>(nearest, joining, arena, filling);
+      if (filling.tiles.ranks() != nullptr) {
+        add_to_nearest_on_ranks<Dimension>(nearest, joining, arena, filling);
+      } else {
+        add_to_nearest<Dimension>(nearest, joining, arena, filling);
+      }
     });
   }
   if (near.empty()) {

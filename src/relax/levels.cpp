@@ -81,6 +81,30 @@ JoiningPoints JoiningPoints::between(std::size_t start, std::size_t end) {
 Buffer<PointNumber> JoiningPoints::in_blocks(std::size_t first, std::size_t last,
                                              const Arena& arena) const {
   const auto charge = arena.phase(Phase::levels);
+  const auto own = [this](std::size_t point) {
+    return std::clamp(point, own_begin_, std::max(own_begin_, own_end_)) - start_;
+  };
+  const std::size_t begin_of_first = start_ + first * kBlock;
+  const std::size_t end_of_last = std::min(start_ + last * kBlock, end_);
+  if (begin_of_first < own_begin_ || end_of_last > own_end_) {
+    const std::size_t some = std::clamp(own(begin_of_first) / kBlock, first, last);
+    const std::size_t to = std::clamp((own(end_of_last) + kBlock - 1) / kBlock, some, last);
+    return trimmed(in_whole_blocks(some, to, arena));
+  }
+  return in_whole_blocks(first, last, arena);
+}
+
+Buffer<PointNumber> JoiningPoints::trimmed(const Buffer<PointNumber>& points) const {
+  const auto begin = std::lower_bound(points.begin(), points.end(), PointNumber(own_begin_));
+  const auto end = own_end_ >= end_ ? points.end()
+                                    : std::lower_bound(begin, points.end(), PointNumber(own_end_));
+  Buffer<PointNumber> own(static_cast<std::size_t>(end - begin));
+  std::copy(begin, end, own.begin());
+  return own;
+}
+
+Buffer<PointNumber> JoiningPoints::in_whole_blocks(std::size_t first, std::size_t last,
+                                                   const Arena& arena) const {
   Buffer<PointNumber> points(before_[last] - before_[first]);
   const auto fill = [&](std::size_t block, const auto& joins) {
     PointNumber* next = points.data() + (before_[block] - before_[first]);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -26,6 +27,13 @@ class JoiningPoints {
   /// Points start.. to end - 1.
   static JoiningPoints between(std::size_t start, std::size_t end);
 
+  /// From now on only those of a rank are given out.
+  void keep_own(std::size_t begin, std::size_t end) {
+    own_begin_ = begin;
+    own_end_ = end;
+  }
+
+  /// Of all ranks.
   [[nodiscard]] std::size_t size() const { return before_.back(); }
   /// Ascending. O(points).
   [[nodiscard]] Buffer<PointNumber> all(const Arena& arena = Arena(1)) const {
@@ -35,8 +43,27 @@ class JoiningPoints {
   /// one block.
   template <class Visit>
   void for_parts(std::size_t most, const Arena& arena, const Visit& visit) const {
-    const std::size_t blocks = before_.size() - 1;
-    for (std::size_t first = 0, last = 0; first < blocks; first = last) {
+    for_blocks(most, [&](std::size_t first, std::size_t last) {
+      const Buffer<PointNumber> points = in_blocks(first, last, arena);
+      visit(points.span());
+    });
+  }
+  /// The first point that may be in each of these parts, of all ranks.
+  [[nodiscard]] std::vector<PointNumber> parts(std::size_t most) const {
+    std::vector<PointNumber> begins;
+    for_blocks(most, [&](std::size_t first, std::size_t) {
+      begins.emplace_back(start_ + first * NestedSubsets::kBlock);
+    });
+    return begins;
+  }
+  /// Only those of this rank, in parts of their own.
+  template <class Visit>
+  void for_own_parts(std::size_t most, const Arena& arena, const Visit& visit) const {
+    const std::size_t begin = std::max(own_begin_, start_) - start_;
+    const std::size_t end = std::max(std::min(own_end_, end_) - start_, begin);
+    std::size_t first = begin / NestedSubsets::kBlock;
+    const std::size_t blocks = (end + NestedSubsets::kBlock - 1) / NestedSubsets::kBlock;
+    for (std::size_t last = first; first < blocks; first = last) {
       while (last < blocks && (last == first || before_[last + 1] - before_[first] <= most)) ++last;
       const Buffer<PointNumber> points = in_blocks(first, last, arena);
       visit(points.span());
@@ -44,13 +71,27 @@ class JoiningPoints {
   }
 
  private:
+  template <class Visit>
+  void for_blocks(std::size_t most, const Visit& visit) const {
+    const std::size_t blocks = before_.size() - 1;
+    for (std::size_t first = 0, last = 0; first < blocks; first = last) {
+      while (last < blocks && (last == first || before_[last + 1] - before_[first] <= most)) ++last;
+      visit(first, last);
+    }
+  }
   [[nodiscard]] Buffer<PointNumber> in_blocks(std::size_t first, std::size_t last,
                                               const Arena& arena) const;
+
+  [[nodiscard]] Buffer<PointNumber> in_whole_blocks(std::size_t first, std::size_t last,
+                                                    const Arena& arena) const;
+  [[nodiscard]] Buffer<PointNumber> trimmed(const Buffer<PointNumber>& points) const;
 
   std::shared_ptr<const NestedSubsets> subsets_;
   std::size_t subset_ = 0;
   std::size_t start_ = 0;
   std::size_t end_ = 0;
+  std::size_t own_begin_ = 0;
+  std::size_t own_end_ = SIZE_MAX;
   std::vector<std::size_t> before_{0};  ///< how many are in the blocks before each; and in all
 };
 

@@ -123,23 +123,23 @@ bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Are
   // Beyond the limit nothing more is looked for.
   std::atomic<std::size_t> total{0};
   PerWorker<std::vector<Index>> scratch(arena);
-  Buffer<Pair> found =
-      collect<Pair>(arena, count, kSitesPerSearch,
-                    [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int w) {
-                      if (total > limit) return;
-                      const std::size_t before = out.size();
-                      for (const SiteNumber site : sites_between(begin, end)) {
-                        const auto add = [&](Index k, double squared) {
-                          const SiteNumber other(k);
-                          if (searches(reach_, site, other) && may_meet(site, other, squared)) {
-                            out.push_back(Pair::ascending(site, other));
-                          }
-                        };
-                        search_->within(at(site), 2 * reach_[site] * kRounding, scratch[w], add);
-                      }
-                      total += out.size() - before;
-                    });
-  if (total > limit) {
+  Buffer<Pair> found = collect_together<Pair>(
+      arena, count, kSitesPerSearch,
+      [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int w) {
+        if (total > limit) return;
+        const std::size_t before = out.size();
+        for (const SiteNumber site : sites_between(begin, end)) {
+          const auto add = [&](Index k, double squared) {
+            const SiteNumber other(k);
+            if (searches(reach_, site, other) && may_meet(site, other, squared)) {
+              out.push_back(Pair::ascending(site, other));
+            }
+          };
+          search_->within(at(site), 2 * reach_[site] * kRounding, scratch[w], add);
+        }
+        total += out.size() - before;
+      });
+  if (found.size() > limit) {
     search_.reset();
     return false;
   }

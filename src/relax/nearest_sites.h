@@ -46,6 +46,12 @@ class NearestSites {
   /// The number of dimensions whose coordinates come along: 2 or 3 with a grid, else 0.
   [[nodiscard]] std::size_t dimension_of_copies() const { return bins_ ? dimension_ : 0; }
 
+  /// The order in which find() leaves points of a grid: by this, and then by their numbers.
+  [[nodiscard]] std::size_t cell_count() const { return bins_->bin_count() << dimension_; }
+  [[nodiscard]] std::size_t cell_of(const Scalar* x) const {
+    return dimension_ == 2 ? cell_of<2>(x) : cell_of<3>(x);
+  }
+
   /// What find() finds, and memory that it needs: both last from one call to the next.
   template <std::size_t Dimension>
   struct Found {

@@ -24,6 +24,10 @@ constexpr Index kReplacedShare = 4;
 /// Bins of a patch, along the last dimension: within a bin points are in no order.
 constexpr double kBinsOfPatch = 8;
 
+Index size_of_patch(Index points) {
+  return static_cast<Index>(kSizeOfRoot * std::cbrt(points)) / kSizeStep * kSizeStep;
+}
+
 /// A grid over a cell, as its points are spread. Consecutive bins are neighbours: every other row
 /// runs backwards.
 template <class Scalar>
@@ -66,14 +70,20 @@ class Grid {
 }  // namespace
 
 template <class Scalar>
+bool Patches<Scalar>::divides(Index points) const {
+  const Index size = size_of_patch(points);
+  return size > 0 && points >= size * std::pow(kLeastAlong, static_cast<double>(dimension_));
+}
+
+template <class Scalar>
 void Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch) {
   Cell& cell = cells_[site];
   const Index points = cells.size(site);
   if (++cell.looks < kLooks) return;
   cell.looks = 0;
   if (has(site) && cell.replaced <= points / kReplacedShare) return;
-  const auto size = static_cast<Index>(kSizeOfRoot * std::cbrt(points)) / kSizeStep * kSizeStep;
-  if (size == 0 || points < size * std::pow(kLeastAlong, static_cast<double>(dimension_))) return;
+  if (!divides(points)) return;
+  const Index size = size_of_patch(points);
   const auto count = static_cast<std::size_t>((points + size - 1) / size);
   cell.low.resize((count + 1) * dimension_);
   cell.high.resize(cell.low.size());

@@ -44,6 +44,27 @@ class Patches {
   [[nodiscard]] std::span<const Scalar> low(SiteNumber site) const { return cells_[site].low; }
   [[nodiscard]] std::span<const Scalar> high(SiteNumber site) const { return cells_[site].high; }
 
+  /// Whether a cell of so many points is ever divided. What is known of others does not matter.
+  [[nodiscard]] bool divides(Index points) const;
+
+  /// Writes what is known of a cell, for another rank, and reads it there.
+  void write(ByteWriter& out, SiteNumber site) const {
+    const Cell& cell = cells_[site];
+    out.put(cell.low);
+    out.put(cell.high);
+    out.put(cell.size);
+    out.put(cell.looks);
+    out.put(cell.replaced);
+  }
+  void read(ByteReader& in, SiteNumber site) {
+    Cell& cell = cells_[site];
+    in.get(cell.low);
+    in.get(cell.high);
+    in.get(std::span(&cell.size, 1));
+    in.get(std::span(&cell.looks, 1));
+    in.get(std::span(&cell.replaced, 1));
+  }
+
   /// Says that another point has come to a place of a cell.
   void replace(SiteNumber site, Index place, const Scalar* coordinates);
 

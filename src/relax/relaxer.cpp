@@ -4,8 +4,12 @@
 #include <limits>
 #include <utility>
 
+#include "parallel/together.h"
+#include "relax/across.h"
 #include "relax/all_pairs.h"
+#include "relax/loans.h"
 #include "relax/screen.h"
+#include "relax/site_records.h"
 #include "relax/update.h"
 
 namespace ccvt {
@@ -37,6 +41,7 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
     workers_[w].swapped.clear();
   }
   if (touched_tile_.empty()) touched_tile_.assign(state.tiling.count(), 1);
+  if (state.tiling.ranks() != nullptr) loans_.begin(state.sites.count());
   cached_passes_ = full ? 0 : cached_passes_ + 1;
   try {
     if (full) {
@@ -57,7 +62,7 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
   }
   // What is left takes a pass over the cells that have changed.
   if (stopped_) stop_.off();
-  PassCount result = count(full);
+  PassCount result = count(full, state.tiling);
   const Stop::Pause pause(stop_);
   result.active_sites = update_changed(state, full && !stopped_);
   stable_ = full && !stopped_ && result.swaps == 0;
@@ -94,17 +99,24 @@ void Relaxer<Scalar>::run(Source&& source, bool full, LevelState<Scalar>& state)
   const auto touched = [](const std::vector<std::uint8_t>& flags, auto a, auto b) {
     return (flags[a] | flags[b]) != 0;
   };
+  const auto for_pairs = [&](const Schedule::Task& task, const auto& visit) {
+    if (of_touched && !touched(touched_tile_, task.a, task.b)) return;
+    source.for_pairs(task, [&](SiteNumber i, SiteNumber j) {
+      if (!of_touched || touched(touched_, i, j)) visit(i, j);
+    });
+  };
+  RelaxedLender lender{state,  patches_,  changed_,
+                       loans_, for_pairs, of_touched ? &touched_tile_ : nullptr};
   for (std::size_t b = 0; b < source.batch_count() && !cancelled(); ++b) {
-    Schedule::run_batch(
-        arena_, state.tiling, source.batch(b), [&](const Schedule::Task& task, int w) {
-          if (of_touched && !touched(touched_tile_, task.a, task.b)) return;
-          Worker& worker = workers_[w];
-          source.for_pairs(task, [&](SiteNumber i, SiteNumber j) {
-            if (of_touched && !touched(touched_, i, j)) return;
-            if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j)) return;
-            examine(state, worker, i, j);
-          });
-        });
+    run_batch(arena_, state.tiling, source.batch(b), lender,
+              [&](const Schedule::Task& task, int w) {
+                Worker& worker = workers_[w];
+                for_pairs(task, [&](SiteNumber i, SiteNumber j) {
+                  if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j))
+                    return;
+                  examine(state, worker, i, j);
+                });
+              });
   }
 }
 
@@ -120,6 +132,7 @@ void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, SiteNum
   const std::int64_t exchanged = worker.swap(state.cells, patches_, state.sites, i, j);
   if (exchanged == 0) return;
   changed_[i] = changed_[j] = 1;
+  loans_.note_change(i, j);
   ++worker.count.swaps;
   worker.count.exchanged += 2 * exchanged;
   if (options_.cached_passes > 0) worker.swapped.emplace_back(i, j);
@@ -127,7 +140,7 @@ void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, SiteNum
 
 /// Adds up what the workers have done, and keeps the pairs that swapped for the next pass.
 template <class Scalar>
-PassCount Relaxer<Scalar>::count(bool full) {
+PassCount Relaxer<Scalar>::count(bool full, const Tiling& tiling) {
   PassCount count;
   count.full = full;
   count.stopped = stopped_;
@@ -139,6 +152,11 @@ PassCount Relaxer<Scalar>::count(bool full) {
     count.exchanged += worker.count.exchanged;
     cache_.insert(cache_.end(), worker.swapped.begin(), worker.swapped.end());
   }
+  Ranks* const ranks = tiling.ranks();
+  count.pairs = total(ranks, count.pairs);
+  count.swaps = total(ranks, count.swaps);
+  count.exchanged = total(ranks, count.exchanged);
+  if (options_.cached_passes > 0) cache_ = joined(ranks, std::move(cache_));
   // Which worker met a pair is chance; the schedule must not depend on it.
   std::sort(cache_.begin(), cache_.end());
   return count;
@@ -149,15 +167,20 @@ template <class Scalar>
 Index Relaxer<Scalar>::update_changed(LevelState<Scalar>& state, bool full) {
   const auto charge = arena_.phase(Phase::update);
   PerWorker<Index> active(arena_);
-  for_each_tile(arena_, state.tiling, [&](Tile tile, int worker) {
-    std::uint8_t any = 0;
+  for_each_tile(arena_, state.tiling, [&](Tile tile, int) {
     for (const SiteNumber site : state.tiling.sites_of(tile)) {
+      if (changed_[site] != 0) update_site(metric_, state.cells, state.sites, site);
+    }
+  });
+  share_records(state.tiling, state.sites, changed_);
+  arena_.for_ranges(state.tiling.count(), 1, [&](std::size_t t, std::size_t, int worker) {
+    std::uint8_t any = 0;
+    for (const SiteNumber site : state.tiling.sites_of(Tile(t))) {
       const std::uint8_t changed = std::exchange(changed_[site], std::uint8_t{0});
-      if (changed != 0) update_site(metric_, state.cells, state.sites, site);
       active[worker] += changed;
       any |= touched_[site] = full ? changed : touched_[site] | changed;
     }
-    touched_tile_[tile] = any;
+    touched_tile_[Tile(t)] = any;
   });
   Index all = 0;
   for (int w = 0; w < arena_.threads(); ++w) all += active[w];
@@ -181,6 +204,9 @@ void update_all(const Metric& metric, LevelState<Scalar>& state, const Arena& ar
     state.sites.radius[site] = std::numeric_limits<double>::infinity();
     update_site(metric, state.cells, state.sites, site);
   });
+  if (state.tiling.ranks() == nullptr) return;
+  std::vector<std::uint8_t> all(state.sites.count(), 1);
+  share_records(state.tiling, state.sites, all);
 }
 
 template class Relaxer<float>;

@@ -8,6 +8,7 @@
 #include "geometry/metric.h"
 #include "parallel/loops.h"
 #include "relax/level_state.h"
+#include "relax/loans.h"
 #include "relax/pair_lists.h"
 #include "relax/swap.h"
 #include "schedule/schedule.h"
@@ -58,7 +59,7 @@ class Relaxer {
   void run(Source&& source, bool full, LevelState<Scalar>& state);
   void examine(LevelState<Scalar>& state, Worker& worker, SiteNumber i, SiteNumber j);
   Index update_changed(LevelState<Scalar>& state, bool full);
-  PassCount count(bool full);
+  PassCount count(bool full, const Tiling& tiling);
   void forget_pairs();
   bool cancelled() { return stopped_ = stopped_ || stop_.requested(); }
 
@@ -70,6 +71,7 @@ class Relaxer {
 
   Patches<Scalar> patches_;
   PairLists lists_;
+  Loans loans_;
   std::vector<std::uint8_t> changed_;       ///< sites, in this pass
   std::vector<std::uint8_t> touched_;       ///< sites, since the last full pass began
   std::vector<std::uint8_t> touched_tile_;  ///< tiles with touched sites

@@ -94,7 +94,7 @@ Buffer<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
       if (std::none_of(own.nearest_first.begin(), next, between)) kept.emplace_back(a, next->site);
     }
   };
-  return collect_by_site<Pair>(arena, neighbours.count(), kSitesPerGrain, keep);
+  return collect_by_site_together<Pair>(arena, neighbours.count(), kSitesPerGrain, keep);
 }
 
 SiteGraph::SiteGraph(std::size_t sites, std::span<const Pair> edges, const Arena& arena)

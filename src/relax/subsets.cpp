@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "parallel/loops.h"
+#include "parallel/together.h"
 
 namespace ccvt {
 
@@ -52,21 +53,28 @@ bool NestedSubsets::search(std::size_t points, std::span<const std::size_t> size
   };
   const std::size_t subsets = sizes.size();
   count_.assign(((points - 1) / kBlock + 1) * subsets, 0);
-  const Buffer<Found> inside =
-      collect<Found>(arena, points, kBlock,
-                     [&](std::size_t begin, std::size_t end, std::vector<Found>& found, int) {
-                       std::size_t* const below = &count_[begin / kBlock * subsets];
-                       for (std::size_t p = begin; p < end; ++p) {
-                         const std::uint64_t key = key_of(p);
-                         for (std::size_t s = subsets; s-- > 0 && key <= windows[s].high;) {
-                           if (key < windows[s].low) {
-                             ++below[s];
-                           } else {
-                             found.push_back({key, s, begin / kBlock});
-                           }
-                         }
-                       }
-                     });
+  const Buffer<Found> inside = collect_together<Found>(
+      arena, points, kBlock,
+      [&](std::size_t begin, std::size_t end, std::vector<Found>& found, int) {
+        std::size_t* const below = &count_[begin / kBlock * subsets];
+        for (std::size_t p = begin; p < end; ++p) {
+          const std::uint64_t key = key_of(p);
+          for (std::size_t s = subsets; s-- > 0 && key <= windows[s].high;) {
+            if (key < windows[s].low) {
+              ++below[s];
+            } else {
+              found.push_back({key, s, begin / kBlock});
+            }
+          }
+        }
+      });
+  if (arena.ranks() != nullptr) {
+    const RankRange own(arena.ranks(), points, kBlock);
+    const auto place = [&](std::size_t point) {
+      return count_.begin() + std::ptrdiff_t((point + kBlock - 1) / kBlock * subsets);
+    };
+    count_ = joined(arena.ranks(), std::vector<std::size_t>(place(own.begin), place(own.end)));
+  }
   for (std::size_t s = 0; s < subsets; ++s) {
     std::size_t before = 0;
     for (std::size_t k = s; k < count_.size(); k += subsets) before += count_[k];

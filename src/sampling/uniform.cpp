@@ -27,26 +27,31 @@ struct Fill {
   ScalarBox<Scalar> bounds;
   std::size_t dimension;
   Index count;
+  Index begin;  // the points that there is room for
+  Index end;
   Scalar* coordinates;
   std::ptrdiff_t pitch;  // from one point to the next
 
-  Fill(const Box& b, std::span<Scalar> out)
+  Fill(const Box& b, Index all, Index first, std::span<Scalar> out)
       : box(b),
         bounds(b),
         dimension(bounds.dimension()),
-        count(static_cast<Index>(out.size() / dimension)),
+        count(all),
+        begin(first),
+        end(first + static_cast<Index>(out.size() / dimension)),
         coordinates(out.data()),
         pitch(b.lower.size()) {}
 
-  [[nodiscard]] Scalar* point(Index p) const { return coordinates + p * pitch; }
+  [[nodiscard]] bool has(Index p) const { return begin <= p && p < end; }
+  [[nodiscard]] Scalar* point(Index p) const { return coordinates + (p - begin) * pitch; }
 
   void white(Random& random, Index first, Index last) const {
     const Eigen::VectorXd extent = box.extent();
     const double* lower = box.lower.data();
     for (Index p = first; p < last; ++p) {
-      Scalar* out = point(p);
       for (std::size_t d = 0; d < dimension; ++d) {
-        out[d] = bounds.round(d, lower[d] + random.uniform() * extent.data()[d]);
+        const double at = random.uniform();
+        if (has(p)) point(p)[d] = bounds.round(d, lower[d] + at * extent.data()[d]);
       }
     }
   }
@@ -54,19 +59,22 @@ struct Fill {
   void jittered(Random& random, const Strata& strata, Index first, Index last) const {
     strata.visit(box.lower, first, last,
                  [&](Index p, std::span<const double> corner, std::span<const double> size) {
-                   Scalar* out = point(p);
                    for (std::size_t d = 0; d < dimension; ++d) {
-                     out[d] = bounds.round(d, corner[d] + random.uniform() * size[d]);
+                     const double at = random.uniform();
+                     if (has(p)) point(p)[d] = bounds.round(d, corner[d] + at * size[d]);
                    }
                  });
   }
 
-  // The places a fraction `at` along the diagonals of the cells, for the points begin, begin +
+  // The places a fraction `at` along the diagonals of the cells, for the points first, first +
   // stride, ...
-  void diagonal(const Strata& strata, Index cells, double at, Index begin, Index stride) const {
-    strata.visit(box.lower, 0, cells,
+  void diagonal(const Strata& strata, Index cells, double at, Index first, Index stride) const {
+    const Index from = std::max((begin - first) / stride, 0);
+    const Index to = std::min(cells, (end - first) / stride + 1);
+    strata.visit(box.lower, from, to,
                  [&](Index cell, std::span<const double> corner, std::span<const double> size) {
-                   Scalar* out = point(begin + cell * stride);
+                   if (!has(first + cell * stride)) return;
+                   Scalar* out = point(first + cell * stride);
                    for (std::size_t d = 0; d < dimension; ++d) {
                      out[d] = bounds.round(d, corner[d] + at * size[d]);
                    }
@@ -78,7 +86,7 @@ struct Fill {
     const Strata strata(box.extent(), cells);
     diagonal(strata, count / 2, 0.25, 0, 2);
     diagonal(strata, count / 2, 0.75, 1, 2);
-    if (count % 2 == 1) {
+    if (count % 2 == 1 && has(count - 1)) {
       strata.visit(box.lower, cells - 1, cells,
                    [&](Index, std::span<const double> corner, std::span<const double> size) {
                      for (std::size_t d = 0; d < dimension; ++d) {
@@ -99,14 +107,14 @@ struct Fill {
     const auto rows = static_cast<std::int64_t>(std::clamp(even, 1.0, m));
     const auto begin_of = [&](std::int64_t row) { return static_cast<Index>(row * count / rows); };
     for (std::int64_t row = 0; row < rows; ++row) {
-      const Index begin = begin_of(row);
-      const Index end = begin_of(row + 1);
-      const double y = box.lower[1] + extent[1] * (0.5 * (1.0 * begin + end) / m);
+      const Index row_begin = begin_of(row);
+      const Index row_end = begin_of(row + 1);
+      const double y = box.lower[1] + extent[1] * (0.5 * (1.0 * row_begin + row_end) / m);
       const double shift = rows == 1 ? 0.5 : row % 2 == 0 ? 0.25 : 0.75;
-      const double spacing = extent[0] / (end - begin);
-      for (Index k = begin; k < end; ++k) {
+      const double spacing = extent[0] / (row_end - row_begin);
+      for (Index k = std::max(row_begin, begin); k < std::min(row_end, end); ++k) {
         Scalar* out = point(k);
-        out[0] = bounds.round(0, box.lower[0] + (k - begin + shift) * spacing);
+        out[0] = bounds.round(0, box.lower[0] + (k - row_begin + shift) * spacing);
         out[1] = bounds.round(1, y);
       }
     }
@@ -122,18 +130,22 @@ struct Fill {
       diagonal(strata, count, 0.5, 0, 1);
       return;
     }
-    const Arena arena(count < points_for_threads ? 1 : threads);
-    arena.for_ranges(static_cast<std::size_t>(count), chunk_points,
-                     [&](std::size_t begin, std::size_t end, int) {
-                       Random random(seed, streams::uniform + begin / chunk_points);
-                       const Index first = PointNumber(begin).index();
-                       const Index last = PointNumber(end).index();
-                       if (distribution == Distribution::white) {
-                         white(random, first, last);
-                       } else {
-                         jittered(random, strata, first, last);
-                       }
-                     });
+    if (begin == end) return;
+    const Arena arena(end - begin < points_for_threads ? 1 : threads);
+    const std::size_t first_chunk = PointNumber(begin) / chunk_points;
+    const std::size_t chunks = (PointNumber(end) - 1) / chunk_points + 1 - first_chunk;
+    arena.for_each(chunks, 1, [&](std::size_t k) {
+      const std::size_t chunk = first_chunk + k;
+      Random random(seed, streams::uniform + chunk);
+      const Index first = PointNumber(chunk * chunk_points).index();
+      const Index last =
+          PointNumber(std::min((chunk + 1) * chunk_points, std::size_t(PointNumber(end)))).index();
+      if (distribution == Distribution::white) {
+        white(random, first, last);
+      } else {
+        jittered(random, strata, first, last);
+      }
+    });
   }
 };
 
@@ -200,14 +212,26 @@ void check_sampling(const Box& box, Index count, int fixed_dimension, std::size_
 
 void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution, int threads,
                   std::span<float> coordinates) {
-  require_threads(threads);
-  Fill<float>(box, coordinates).run(seed, distribution, threads);
+  fill_uniform_part(box, static_cast<Index>(std::ssize(coordinates) / box.dimension()), 0, seed,
+                    distribution, threads, coordinates);
 }
 
 void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution, int threads,
                   std::span<double> coordinates) {
+  fill_uniform_part(box, static_cast<Index>(std::ssize(coordinates) / box.dimension()), 0, seed,
+                    distribution, threads, coordinates);
+}
+
+void fill_uniform_part(const Box& box, Index count, Index first, std::uint64_t seed,
+                       Distribution distribution, int threads, std::span<float> coordinates) {
   require_threads(threads);
-  Fill<double>(box, coordinates).run(seed, distribution, threads);
+  Fill<float>(box, count, first, coordinates).run(seed, distribution, threads);
+}
+
+void fill_uniform_part(const Box& box, Index count, Index first, std::uint64_t seed,
+                       Distribution distribution, int threads, std::span<double> coordinates) {
+  require_threads(threads);
+  Fill<double>(box, count, first, coordinates).run(seed, distribution, threads);
 }
 
 }  // namespace detail

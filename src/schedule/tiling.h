@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
+#include "ccvt/ranks.h"
 #include "ccvt/types.h"
 #include "numbers.h"
 #include "parallel/loops.h"
@@ -14,7 +17,8 @@ namespace ccvt {
 using Tile = Number<struct OfTiles>;
 
 /// The partition of all work in the solver: tiles are runs of sites with consecutive numbers, which
-/// lie close together (see spatial_order()) and have their points in one run of memory.
+/// lie close together (see spatial_order()) and have their points in one run of memory. Where
+/// several ranks work, each has the cells of its own tiles, which are consecutive too.
 class Tiling {
  public:
   Tiling() = default;
@@ -44,6 +48,41 @@ class Tiling {
     return {SiteNumber(begin), SiteNumber(begin + std::min(sites_per_tile_, end_.index() - begin))};
   }
 
+  /// Deals the tiles out to ranks, about as many points to each.
+  void deal(Ranks& ranks, std::span<const Index> capacities) {
+    ranks_ = &ranks;
+    std::int64_t all = 0;
+    for (const Index capacity : capacities) all += capacity;
+    rank_.assign(count(), 0);
+    std::int64_t before = 0;
+    for (const Tile tile : numbers_below<Tile>(count())) {
+      std::int64_t own = 0;
+      for (const SiteNumber site : sites_of(tile)) own += capacities[site];
+      rank_[tile] = static_cast<int>((before + own / 2) * ranks.count() / all);
+      before += own;
+    }
+    const auto own = std::equal_range(rank_.begin(), rank_.end(), ranks.rank());
+    own_begin_ = Tile(own.first - rank_.begin());
+    own_end_ = Tile(own.second - rank_.begin());
+  }
+  /// Null where there is one.
+  [[nodiscard]] Ranks* ranks() const { return ranks_; }
+  [[nodiscard]] int rank_of(Tile tile) const { return rank_[tile]; }
+  /// The tiles of this rank, and their sites; without ranks, all.
+  [[nodiscard]] NumberRange<Tile> own_tiles() const {
+    return ranks_ == nullptr ? numbers_below<Tile>(count()) : NumberRange(own_begin_, own_end_);
+  }
+  [[nodiscard]] NumberRange<SiteNumber> own_sites() const {
+    const auto first = [this](Tile tile) {
+      return SiteNumber(std::min(tile.index() * sites_per_tile_, end_.index()));
+    };
+    const NumberRange<Tile> own = own_tiles();
+    return {first(*own.begin()), first(*own.end())};
+  }
+  [[nodiscard]] bool is_own(Tile tile) const {
+    return ranks_ == nullptr || (own_begin_ <= tile && tile < own_end_);
+  }
+
  private:
   static constexpr Index kPairsPerGrain = 24;  ///< of cells of a few points
   static constexpr Index kFewPoints = 256;
@@ -51,16 +90,23 @@ class Tiling {
   SiteNumber end_{1};
   Index sites_per_tile_ = 1;
   Index pairs_per_grain_ = kPairsPerGrain;
+  Ranks* ranks_ = nullptr;
+  std::vector<int> rank_;  ///< by tile
+  Tile own_begin_;
+  Tile own_end_;
 };
 
-/// Calls body(tile, worker) for each tile, which is a task.
+/// Calls body(tile, worker) for each tile of this rank, which is a task.
 template <class Body>
 void for_each_tile(const Arena& arena, const Tiling& tiling, const Body& body) {
-  arena.for_ranges(tiling.count(), 1,
-                   [&body](std::size_t t, std::size_t, int worker) { body(Tile(t), worker); });
+  const NumberRange<Tile> own = tiling.own_tiles();
+  const std::size_t first = *own.begin();
+  arena.for_ranges(own.size(), 1, [&body, first](std::size_t t, std::size_t, int worker) {
+    body(Tile(first + t), worker);
+  });
 }
 
-/// Calls body(site) for each site, those of a tile one after the other.
+/// Calls body(site) for each site of this rank, those of a tile one after the other.
 template <class Body>
 void for_each_site(const Arena& arena, const Tiling& tiling, const Body& body) {
   for_each_tile(arena, tiling, [&](Tile tile, int) {
@@ -74,7 +120,19 @@ void for_each_site(const Arena& arena, std::size_t sites, std::size_t grain, con
   arena.for_each(sites, grain, [&body](std::size_t s) { body(SiteNumber(s)); });
 }
 
-/// What body(site, out, worker) appends to the vector `out`, one site after the other.
+/// What body(site, out, worker) appends to the vector `out`, one site after the other; ranks divide
+/// the sites.
+template <class T, class Body>
+Buffer<T> collect_by_site_together(const Arena& arena, std::size_t sites, std::size_t grain,
+                                   const Body& body) {
+  return collect_together<T>(
+      arena, sites, grain,
+      [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
+        for (const SiteNumber site : sites_between(begin, end)) body(site, out, worker);
+      });
+}
+
+/// The same, each rank all.
 template <class T, class Body>
 Buffer<T> collect_by_site(const Arena& arena, std::size_t sites, std::size_t grain,
                           const Body& body) {

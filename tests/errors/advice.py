@@ -2,6 +2,8 @@
 
 _PARAMETER = ("A value that was given is wrong. The message says which, what it is and what it must "
               "be; headers document the ranges.")
+_RANKS = ("Several processes read and write `.npy` only, and know some of the options. `ccvt` knows "
+          "all.")
 _USAGE = "The command line does not fit together. `ccvt COMMAND --help` says what does."
 _DAMAGED = ("The file is damaged, cut short or of another kind than its name says. Make it again, or "
             "name it for what it is.")
@@ -25,7 +27,7 @@ ADVICE = {
     "src/cli/quantize.cpp": _USAGE,
     "src/cli/run.cpp": "Give `--box` all lower bounds, then all upper ones.",
     "src/cli/run.h": "Fixed and initial sites have the dimensions of the points.",
-    "src/cli/sample.cpp": "`sample` fills the unit box; scale fixed sites to it.",
+    "src/cli/sample.h": "`sample` fills the unit box; scale fixed sites to it.",
     "src/cli/standard_streams.cpp": "One input and one output may be `-`; kinds are named as in "
                                     "`npy:-`. Redirect binary files, and set TMPDIR to a directory "
                                     "with room for the whole file.",
@@ -40,6 +42,13 @@ ADVICE = {
     "src/codebook/codebook.cpp": _PARAMETER,
     "src/codebook/train.cpp": _PARAMETER,
     "src/domain.cpp": _PARAMETER,
+    "src/mpi/mpi_ranks.cpp": "Take more ranks: each then sends less at a time.",
+    "src/mpi/results.h": _RANKS,
+    "src/mpi/session.cpp": _RANKS,
+    "src/mpi/shared_file.cpp": "All ranks need a file system that all of them see, with room.",
+    "src/mpi/tessellate.cpp": _RANKS,
+    "src/run.cpp": "Several ranks start balanced, and take levels of few points a site: lower "
+                   "dimensions, more sites, or `Options::descent_points` of 0.",
     "src/geometry/linear_map.cpp": "Give a regular matrix. Points that lie in a plane cannot be "
                                    "whitened: take away a dimension.",
     "src/io/byte_stream.cpp": _DAMAGED,
@@ -121,7 +130,14 @@ _KERNEL = "the system fails to read an open file"
 _HUGE = "needs more than 2^31 of them in memory or in a file"
 
 # (file, longest constant part of the message): why.
+_MPI = "tests/mpi/program.py provokes it, where there is MPI"
 CANNOT_BE_PROVOKED = {
+    ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 16 GB together"): _HUGE,
+    ("src/mpi/mpi_ranks.cpp", "ranks: a message has more than 16 GB"): _HUGE,
+    ("src/mpi/mpi_ranks.cpp", "ranks: a message has more than 2 GB"): _HUGE,
+    ("src/mpi/tessellate.cpp", ": is for ccvt only, not for several processes"): _MPI,
+    ("src/mpi/results.h", ": what several processes write together goes into .npy"): _MPI,
+    ("src/mpi/shared_file.cpp", ": cannot "): _MPI,
     ("src/cli/analyze.cpp", ": cannot be read"): _KERNEL,
     ("src/io/input_file.cpp", ": cannot be read: "): _KERNEL,
     ("src/io/input_file.cpp", "its size is unknown: "): _KERNEL,

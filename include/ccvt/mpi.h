@@ -1,0 +1,57 @@
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <list>
+#include <vector>
+
+#include "ccvt/ranks.h"
+
+namespace ccvt {
+
+/// The processes of an MPI communicator. Made of it by all of them; MPI is initialized, for calls
+/// from one thread at least (MPI_THREAD_FUNNELED), and not finalized before the last of these is
+/// gone. Calls come from the thread that calls the library.
+///
+///     ccvt::MpiRanks ranks(MPI_COMM_WORLD);
+///     ccvt::Problem<float> problem(ranks, own_points, sites);
+///     auto [all_sites, owners_of_own_points, summary] = ccvt::tessellate(problem);
+class MpiRanks final : public Ranks {
+ public:
+  /// Works on a duplicate of `communicator`.
+  explicit MpiRanks(MPI_Comm communicator);
+  ~MpiRanks() override;
+
+  [[nodiscard]] int rank() const override { return rank_; }
+  [[nodiscard]] int count() const override { return count_; }
+  [[nodiscard]] std::vector<Bytes> gather(std::span<const std::byte> own) override;
+  [[nodiscard]] std::vector<Bytes> exchange(std::vector<Bytes> to) override;
+  void send(int to, Bytes message) override;
+  [[nodiscard]] Bytes receive(int from) override;
+
+  /// What this rank has sent since it was made: by send() and exchange() to others, and by
+  /// gather(), where what it hands in counts once.
+  struct Traffic {
+    std::int64_t messages = 0;
+    std::int64_t sent_bytes = 0;
+    std::int64_t gathered_bytes = 0;
+    double seconds = 0;  ///< that it took, with what this rank waited for others
+  };
+  [[nodiscard]] const Traffic& traffic() const { return traffic_; }
+
+ private:
+  struct Sent {
+    Bytes message;
+    MPI_Request request;
+  };
+  void forget_delivered();
+
+  MPI_Comm communicator_ = MPI_COMM_NULL;
+  int rank_ = 0;
+  int count_ = 1;
+  std::list<Sent> sent_;  ///< that may be on their way
+  Traffic traffic_;
+};
+
+}  // namespace ccvt

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "ccvt/export.h"
+
+namespace ccvt {
+
+/// The processes, "ranks", that work on one problem together, as one of them sees them. The library
+/// has none of its own: ccvt/mpi.h makes them of an MPI communicator.
+///
+/// All ranks make the same calls in the same order. A Problem that is given ranks needs nothing
+/// else: see Problem::Problem(). What goes wrong on one rank only, such as memory running out,
+/// leaves the others waiting: whoever catches it must end them, as MPI_Abort() does. Bad input on
+/// one rank is InvalidInput on all of them.
+class CCVT_EXPORT Ranks {
+ public:
+  using Bytes = std::vector<std::byte>;
+
+  Ranks() = default;
+  Ranks(const Ranks&) = delete;
+  Ranks& operator=(const Ranks&) = delete;
+  virtual ~Ranks() = default;
+
+  /// In 0..count() - 1.
+  [[nodiscard]] virtual int rank() const = 0;
+  [[nodiscard]] virtual int count() const = 0;
+
+  /// What each rank hands in, by rank; the same on all.
+  [[nodiscard]] virtual std::vector<Bytes> gather(std::span<const std::byte> own) = 0;
+  /// Sends `to[r]` to rank r, for all; what each has sent here, by rank. `to` has one for each.
+  [[nodiscard]] virtual std::vector<Bytes> exchange(std::vector<Bytes> to) = 0;
+  /// Sends a message to another rank without waiting for it.
+  virtual void send(int to, Bytes message) = 0;
+  /// The next message from another rank, in the order in which that sent them. Waits for it.
+  [[nodiscard]] virtual Bytes receive(int from) = 0;
+};
+
+}  // namespace ccvt

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "cli/arguments.h"
+#include "session.h"
+
+/// Commands of ccvt-mpi, each run by all ranks together. They throw Failure, and InvalidInput on
+/// all ranks.
+namespace ccvt::mpi {
+
+int run_sample(const Session& session, const cli::SampleArguments& arguments);
+int run_tessellate(const Session& session, const cli::TessellateArguments& arguments);
+
+}  // namespace ccvt::mpi

@@ -1,0 +1,101 @@
+#include <mpi.h>
+
+#include <exception>
+#include <iostream>
+#include <new>
+#include <string>
+
+#include "ccvt/metrics.h"
+#include "cli/command_line.h"
+#include "cli/commands.h"
+#include "cli/run.h"
+#include "cli/signals.h"
+#include "cli/streams.h"
+#include "commands.h"
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+namespace {
+
+using ccvt::mpi::Session;
+
+constexpr const char* kExamples =
+    "Each of the processes that mpirun starts has its part of the points; what comes out is what\n"
+    "ccvt gives, to the bit. The options are those of ccvt; points are read from .npy, and what\n"
+    "there is for each point is written to .npy.\n"
+    "\n"
+    "Examples:\n"
+    "  mpirun -n 4 ccvt-mpi sample --dim 3 --sites 262144 --periodic -o sites.npy\n"
+    "  mpirun -n 4 ccvt-mpi tessellate points.npy --sites 1000 -o sites.npy\n"
+    "\n"
+    "Exit status: as of ccvt.";
+
+int run(const Session& session, int argc, char** argv) {
+  CLI::App app("Capacity-constrained Voronoi tessellation by several processes", "ccvt-mpi");
+  ccvt::cli::set_up(app);
+  app.footer(kExamples);
+  ccvt::cli::SampleArguments sample;
+  ccvt::cli::TessellateArguments tessellate;
+  const ccvt::cli::Commands commands = {
+      {add_sample(app, sample), [&] { return run_sample(session, sample); }},
+      {add_tessellate(app, tessellate), [&] { return run_tessellate(session, tessellate); }},
+  };
+  return ccvt::cli::parse_and_run(app, commands, argc, argv, [&](const std::string& text) {
+    if (session.is_first()) ccvt::cli::print(text);
+  });
+}
+
+void tell(const std::string& message) {
+  std::cerr << ccvt::cli::one_line("ccvt-mpi: error: " + message);
+}
+
+/// Of what goes wrong on all ranks only the first one speaks; where it is this one alone, it ends
+/// the others.
+int run_all(const Session& session, int argc, char** argv) {
+  const auto report = [&](const std::string& message, int status) {
+    if (session.is_first()) tell(message);
+    return status;
+  };
+  const auto end_all = [](const std::string& message, int status) {
+    tell(message);
+    ccvt::remove_unfinished_files();
+    MPI_Abort(MPI_COMM_WORLD, status);
+    return status;
+  };
+  try {
+    return run(session, argc, argv);
+  } catch (const ccvt::mpi::Failure& failure) {
+    return report(failure.message, failure.status);
+  } catch (const ccvt::InvalidInput& error) {
+    return report(error.what(), 2);
+  } catch (const std::bad_alloc&) {
+    return end_all("rank " + std::to_string(session.ranks().rank()) + " is out of memory", 1);
+  } catch (const std::exception& error) {
+    return end_all(error.what(), 1);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+#ifdef __GLIBC__
+  // What is freed goes back to the system at once: messages come in many sizes, between which the
+  // heap would be left with holes.
+  constexpr int kLarge = 1 << 20;
+  mallopt(M_MMAP_THRESHOLD, kLarge);
+  mallopt(M_TRIM_THRESHOLD, kLarge);
+#endif
+  int provided = MPI_THREAD_SINGLE;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+  int status = 1;
+  {
+    ccvt::MpiRanks ranks(MPI_COMM_WORLD);
+    ccvt::cli::fill_closed_streams();
+    ccvt::cli::handle_signals();
+    status = run_all(Session(ranks), argc, argv);
+  }
+  MPI_Finalize();
+  return status;
+}

@@ -1,0 +1,30 @@
+#include "results.h"
+
+#include "ccvt/publication.h"
+#include "cli/streams.h"
+#include "number_text.h"
+
+namespace ccvt::mpi {
+
+int finish(const Session& session, const cli::CommonArguments& arguments, const Summary& summary,
+           const std::function<void()>& write) {
+  const cli::RankFigures figures = session.figures();
+  int status = 0;
+  session.together([&] {
+    if (!session.is_first()) return;
+    Publication outputs;
+    write();
+    cli::write_summary(arguments, summary, {}, {}, figures);
+    status = cli::finish(arguments, outputs, summary);
+    if (arguments.quiet) return;
+    const auto megabytes = [](auto bytes) { return text(static_cast<double>(bytes) / 1e6, 3); };
+    cli::print(std::to_string(figures.ranks) + " ranks sent " + megabytes(figures.sent_bytes) +
+               " MB and gathered " + megabytes(figures.gathered_bytes) + " MB in " +
+               std::to_string(figures.messages) + " messages; the largest held " +
+               megabytes(figures.largest_peak_bytes) + " MB\n");
+  });
+  MPI_Bcast(&status, 1, MPI_INT, 0, MPI_COMM_WORLD);
+  return status;
+}
+
+}  // namespace ccvt::mpi

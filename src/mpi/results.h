@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "ccvt/io.h"
+#include "ccvt/summary.h"
+#include "session.h"
+#include "shared_file.h"
+
+namespace ccvt::mpi {
+
+/// Throws InvalidInput unless what all ranks write together goes into .npy.
+inline void require_npy(const std::string& option, const std::filesystem::path& path) {
+  if (path.empty() || path.extension() == ".npy") return;
+  throw InvalidInput(option + ": " + path.string() +
+                     ": what several processes write together goes into .npy");
+}
+
+/// The owners of each rank's points.
+class OwnersFile {
+ public:
+  OwnersFile(const Session& session, const std::filesystem::path& path, std::int64_t points) {
+    if (!path.empty()) {
+      file_.emplace(session, path, "<i4", static_cast<std::uint64_t>(points), 0, sizeof(Index));
+    }
+  }
+  void write(std::int64_t first, const std::vector<Index>& owners) {
+    if (file_) file_->write(static_cast<std::uint64_t>(first), std::as_bytes(std::span(owners)));
+  }
+  void publish() {
+    if (file_) file_->publish();
+  }
+
+ private:
+  std::optional<SharedFile> file_;
+};
+
+/// The end of a command: the first rank writes sites and summary, and prints. `write` writes what
+/// goes beside the summary. The status of all.
+int finish(const Session& session, const cli::CommonArguments& arguments, const Summary& summary,
+           const std::function<void()>& write);
+
+}  // namespace ccvt::mpi

@@ -1,0 +1,49 @@
+#include "session.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <thread>
+
+#include "cli/memory.h"
+
+namespace ccvt::mpi {
+
+void Session::agree(const std::string& message, int status) const {
+  Ranks::Bytes own;
+  if (status != 0) {
+    own.push_back(static_cast<std::byte>(status));
+    for (const char c : message) own.push_back(static_cast<std::byte>(c));
+  }
+  const std::vector<Ranks::Bytes> all = ranks_.gather(own);
+  for (std::size_t r = 0; r < all.size(); ++r) {
+    const Ranks::Bytes& bytes = all[r];
+    if (bytes.empty()) continue;
+    std::string theirs;
+    for (const std::byte b : std::span(bytes).subspan(1)) theirs += static_cast<char>(b);
+    throw Failure{theirs, static_cast<int>(bytes[0])};
+  }
+}
+
+int Session::own_threads() const {
+  MPI_Comm machine = MPI_COMM_NULL;
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  int ranks_here = 1;
+  MPI_Comm_size(machine, &ranks_here);
+  MPI_Comm_free(&machine);
+  const auto processors = static_cast<int>(std::thread::hardware_concurrency());
+  return std::max(1, processors / ranks_here);
+}
+
+cli::RankFigures Session::figures() const {
+  const MpiRanks::Traffic& own = ranks_.traffic();
+  std::int64_t sums[] = {own.messages, own.sent_bytes, own.gathered_bytes};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  std::uint64_t peak = cli::peak_memory_bytes();
+  MPI_Allreduce(MPI_IN_PLACE, &peak, 1, MPI_UINT64_T, MPI_MAX, MPI_COMM_WORLD);
+  double seconds = own.seconds / ranks_.count();
+  MPI_Allreduce(MPI_IN_PLACE, &seconds, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  return {ranks_.count(), sums[0], sums[1], sums[2], seconds, peak};
+}
+
+}  // namespace ccvt::mpi

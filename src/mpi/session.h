@@ -1,0 +1,83 @@
+#pragma once
+
+#include <exception>
+#include <new>
+#include <string>
+#include <utility>
+
+#include "ccvt/mpi.h"
+#include "ccvt/options.h"
+#include "ccvt/types.h"
+#include "cli/arguments.h"
+#include "cli/run.h"
+
+namespace ccvt::mpi {
+
+/// What ends all ranks: on each of them the same.
+struct Failure {
+  std::string message;
+  int status;
+};
+
+/// What ccvt-mpi knows of its ranks.
+class Session {
+ public:
+  explicit Session(MpiRanks& ranks) : ranks_(ranks) {}
+
+  [[nodiscard]] MpiRanks& ranks() const { return ranks_; }
+  [[nodiscard]] bool is_first() const { return ranks_.rank() == 0; }
+
+  /// Of `count` things, this rank's: begin.. to end - 1.
+  struct Share {
+    std::int64_t begin;
+    std::int64_t end;
+    [[nodiscard]] std::int64_t size() const { return end - begin; }
+  };
+  [[nodiscard]] Share share(std::int64_t count) const {
+    const auto place = [&](std::int64_t rank) { return count * rank / ranks_.count(); };
+    return {place(ranks_.rank()), place(ranks_.rank() + 1)};
+  }
+
+  /// Arguments for this rank: as many threads as its share of the processors, unless the user says
+  /// how many, and what is printed only from the first one.
+  template <class Arguments>
+  [[nodiscard]] Arguments own(Arguments arguments) const {
+    if (arguments.threads == 0) arguments.threads = own_threads();
+    if (!is_first()) arguments.quiet = true;
+    return arguments;
+  }
+
+  /// Calls `work` on each rank for itself. What it throws on one of them ends all, as a Failure.
+  template <class Work>
+  void together(const Work& work) const;
+
+  /// The figures of all ranks.
+  [[nodiscard]] cli::RankFigures figures() const;
+
+ private:
+  [[nodiscard]] int own_threads() const;
+  void agree(const std::string& message, int status) const;
+
+  MpiRanks& ranks_;
+};
+
+template <class Work>
+void Session::together(const Work& work) const {
+  std::string message;
+  int status = 0;
+  try {
+    work();
+  } catch (const InvalidInput& error) {
+    message = error.what();
+    status = 2;
+  } catch (const std::bad_alloc&) {
+    message = "out of memory";
+    status = 1;
+  } catch (const std::exception& error) {
+    message = error.what();
+    status = 1;
+  }
+  agree(message, status);
+}
+
+}  // namespace ccvt::mpi

@@ -1,0 +1,190 @@
+#!/usr/bin/env python3
+"""ccvt-mpi beside ccvt: the same files to the bit, and how it ends when something is wrong.
+
+    program.py BIN MPIRUN [--ranks 1,2,3] [--soak PROBLEMS]
+
+BIN is the directory of both programs. With --soak, random problems instead.
+"""
+
+import argparse
+import os
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+parser = argparse.ArgumentParser()
+parser.add_argument("bin", type=pathlib.Path)
+parser.add_argument("mpirun")
+parser.add_argument("--ranks", default="1,2,3,4,7")
+parser.add_argument("--soak", type=int, default=0)
+given = parser.parse_args()
+given.bin = given.bin.resolve()
+ALONE = str(given.bin / "ccvt")
+TOGETHER = str(given.bin / "ccvt-mpi")
+RANKS = [int(n) for n in given.ranks.split(",")]
+# Open MPI asks these of root; and wants to hear that there are more ranks than processors.
+os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+os.environ.update(OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_hwloc_base_binding_policy="none")
+work = tempfile.TemporaryDirectory()
+os.chdir(work.name)
+failures = 0
+
+
+def check(holds, what):
+    global failures
+    if not holds:
+        failures += 1
+        print("FAILED:", what, flush=True)
+
+
+def alone(*arguments):
+    subprocess.run([ALONE, *arguments, "-q"], check=True)
+
+
+def together(ranks, *arguments):
+    command = [given.mpirun, "-n", str(ranks), TOGETHER, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300)
+
+
+def files(prefix, *options):
+    """Options that name outputs, which begin with a prefix."""
+    return [part for option, name in options for part in (option, prefix + name)]
+
+
+def compare(command, options, arguments, ranks=RANKS, threads=(1, 2)):
+    alone(*command, *arguments, *files("alone-", *options))
+    for n in ranks:
+        for t in threads:
+            run = together(n, *command, *arguments, *files("ranks-", *options), "--threads", str(t))
+            check(run.returncode == 0, f"{command} {arguments}, {n} ranks: {run.stderr}")
+            for _, name in options:
+                path = pathlib.Path("ranks-" + name)
+                same = path.exists() and path.read_bytes() == pathlib.Path("alone-" + name).read_bytes()
+                check(same, f"{command} {arguments}, {n} ranks, {t} threads: {name}")
+                path.unlink(missing_ok=True)
+
+
+ALL = [("-o", "sites.npy"), ("--owners-out", "owners.npy"), ("--points-out", "points.npy")]
+
+
+def bits():
+    for dimension in ("2", "3"):
+        for domain in ([], ["--periodic"]):
+            compare(["sample"], ALL, ["--dim", dimension, "--sites", "700", *domain])
+    compare(["sample"], ALL, ["--dim", "2", "--sites", "300", "--double", "--seed", "4",
+                              "--distribution", "white", "--points-per-site", "100"])
+    compare(["sample"], [("-o", "load.hdf5" if "hdf5" in supported() else "load.csv")],
+            ["--dim", "3", "--sites", "200", "--periodic"], threads=(1,))
+    alone("sample", "--dim", "3", "--sites", "10", "--points-per-site", "5000", "-o", "ten.npy",
+          "--points-out", "cloud.npy")
+    random.seed(1)
+    sizes = [random.randrange(1, 200) for _ in range(399)]
+    pathlib.Path("capacities.csv").write_text("\n".join(map(str, sizes + [50000 - sum(sizes)])))
+    given_capacities = ["cloud.npy", "--sites", "400", "--capacities", "capacities.csv"]
+    compare(["tessellate"], ALL[:2], given_capacities)
+    compare(["tessellate"], ALL[:2], ["cloud.npy", "--sites", "150", "--periodic", "--box",
+                                      *"0 0 0 1 1 1".split(), "--fixed-sites", "ten.npy"])
+
+
+def supported():
+    return subprocess.run([ALONE, "--version"], capture_output=True, text=True).stdout
+
+
+def ends(run, status, line):
+    """One line of ours says why, whatever the number of ranks; mpirun may say more."""
+    own = [text for text in run.stderr.splitlines() if "ccvt-mpi: error: " in text]
+    check(run.returncode == status, f"status {run.returncode} instead of {status}: {run.stderr}")
+    check(len(own) == 1 and line in own[0], f"expected one line with '{line}': {own}")
+    left = [path.name for path in pathlib.Path().iterdir()
+            if path.name.startswith(".ccvt") or path.name.startswith("bad-")]
+    check(left == [], f"left behind: {left}")
+
+
+def faults():
+    alone("sample", "--dim", "2", "--sites", "10", "--points-per-site", "500", "-o", "x.npy",
+          "--points-out", "points.npy")
+    outputs = ["-o", "bad-sites.npy", "--owners-out", "bad-owners.npy"]
+    ends(together(3, "sample", "--dim", "2", "--sites", "0", *outputs), 2, "--sites")
+    ends(together(3, "tessellate", "points.npy", *outputs), 2, "needs --sites")
+    ends(together(3, "tessellate", "absent.npy", "--sites", "5", *outputs), 2, "absent.npy")
+    ends(together(3, "sample", "--dim", "2", "--sites", "9", "-o", "none/bad.npy"), 2, "none")
+    ends(together(3, "sample", "--dim", "9", "--sites", "9", *outputs), 2, "initialization")
+    ends(together(2, "tessellate", "points.npy", "--sites", "4", *outputs), 2, "descent_points")
+    ends(together(2, "tessellate", "points.npy", "--sites", "40", "--whiten", *outputs), 2,
+         "--whiten")
+    ends(together(2, "sample", "--dim", "2", "--sites", "9", "-o", "bad-sites.npy", "--owners-out",
+                  "bad-owners.csv"), 2, ".npy")
+    # In the last rank's part only.
+    broken = bytearray(pathlib.Path("points.npy").read_bytes())
+    broken[-4:] = b"\x00\x00\xc0\x7f"
+    pathlib.Path("broken.npy").write_bytes(broken)
+    ends(together(3, "tessellate", "broken.npy", "--sites", "40", *outputs), 2,
+         "row 4999, column 1: nan is not finite")
+    pathlib.Path("short.npy").write_bytes(broken[:-9])
+    ends(together(3, "tessellate", "short.npy", "--sites", "40", *outputs), 2, "short.npy")
+
+
+def kills():
+    """Who is killed takes the others along, and nothing is half-written."""
+    long_run = [given.mpirun, "-n", "3", TOGETHER, "sample", "--dim", "3", "--sites", "40000",
+                "-o", "bad-sites.npy", "--owners-out", "bad-owners.npy", "--threads", "1"]
+    for victim, name in ((signal.SIGKILL, "rank"), (signal.SIGTERM, "mpirun"),
+                         (signal.SIGINT, "mpirun")):
+        run = subprocess.Popen(long_run, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        ranks = []
+        for _ in range(600):
+            found = subprocess.run(["pgrep", "-f", f"^{TOGETHER} sample"], capture_output=True,
+                                   text=True).stdout.split()
+            ranks = [int(number) for number in found]
+            if len(ranks) == 3:
+                break
+            time.sleep(0.05)
+        check(len(ranks) == 3, f"three ranks run: {ranks}")
+        os.kill(ranks[1] if name == "rank" else run.pid, victim)
+        began = time.time()
+        try:
+            check(run.wait(timeout=60) != 0, f"{victim} to {name}: it ended well")
+        except subprocess.TimeoutExpired:
+            run.kill()
+            check(False, f"{victim} to {name}: it went on")
+        print(f"{victim.name} to {name}: ended after {time.time() - began:.1f} s", flush=True)
+        left = [path.name for path in pathlib.Path().iterdir() if "bad-" in path.name]
+        check(left == [], f"{victim} to {name} left {left}")
+
+
+def soak(problems):
+    for k in range(problems):
+        random.seed(k)
+        dimension = random.randrange(1, 5)
+        sites = int(10 ** random.uniform(0, 3.3))
+        per_site = random.randrange(2, 500)
+        ranks = [random.randrange(1, 8)]
+        threads = (random.randrange(1, 4),)
+        sample = ["--dim", str(dimension), "--sites", str(sites), "--points-per-site", str(per_site),
+                  "--seed", str(k), *random.choice(([], ["--periodic"])),
+                  random.choice(("--float", "--double")),
+                  "--distribution", random.choice(("white", "jittered", "square", "hexagonal")),
+                  *random.choice(([], ["--until", "stable"], ["--max-iterations", "7"]))]
+        print(f"{k}: {ranks[0]} ranks of {threads[0]} threads:", *sample, flush=True)
+        compare(["sample"], ALL, sample, ranks, threads)
+        points = sites * per_site
+        cells = random.randrange(max(1, points // 500), points + 1) if points < 20000 else sites
+        cuts = sorted(random.sample(range(1, points), cells - 1))
+        sizes = [b - a for a, b in zip([0, *cuts], [*cuts, points])]
+        pathlib.Path("capacities.csv").write_text("\n".join(map(str, sizes)))
+        compare(["tessellate"], ALL[:2], ["alone-points.npy", "--sites", str(cells), "--capacities",
+                                          "capacities.csv"], ranks, threads)
+
+
+if given.soak > 0:
+    soak(given.soak)
+else:
+    bits()
+    faults()
+    kills()
+print("passed" if failures == 0 else f"{failures} failed")
+sys.exit(failures > 0)

@@ -1,0 +1,221 @@
+// Run by several ranks: each compares what they get together with what one process gets.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "ccvt/domain.h"
+#include "ccvt/mpi.h"
+#include "ccvt/sampling.h"
+#include "ccvt/solver.h"
+
+using ccvt::Box;
+using ccvt::Domain;
+using ccvt::Index;
+using ccvt::Options;
+using ccvt::PointsView;
+using ccvt::Problem;
+
+namespace {
+
+/// Of so many points, those of a rank: not as many for each, and for some none.
+struct Share {
+  Index first;
+  Index end;
+  Share(const ccvt::Ranks& ranks, Index points) {
+    const auto place = [&](int rank) {
+      if (rank == 0 || rank == ranks.count()) return rank == 0 ? 0 : points;
+      const double part = static_cast<double>(rank) / ranks.count();
+      return static_cast<Index>(points * part * part);
+    };
+    first = place(ranks.rank());
+    end = place(ranks.rank() + 1);
+  }
+};
+
+template <class Scalar>
+struct Case {
+  int dimension;
+  Index points;
+  Index sites;
+  Domain domain;
+  Options options;
+  std::vector<Index> capacities = {};
+  ccvt::Points<Scalar> initial_sites = {};
+  ccvt::Points<Scalar> fixed_sites = {};
+  ccvt::Distribution distribution = ccvt::Distribution::jittered;
+};
+
+template <class Scalar>
+void set_up(const Case<Scalar>& given, Problem<Scalar>& problem) {
+  problem.set_domain(given.domain);
+  if (!given.capacities.empty()) problem.set_capacities(given.capacities);
+  if (given.initial_sites.size() > 0) problem.set_initial_sites(given.initial_sites);
+  if (given.fixed_sites.size() > 0) problem.set_fixed_sites(given.fixed_sites);
+}
+
+template <class Scalar>
+void compare(const Case<Scalar>& given) {
+  CAPTURE(given.dimension);
+  CAPTURE(sizeof(Scalar));
+  const ccvt::Points<Scalar> points =
+      ccvt::sample_uniform<Scalar>(Box::unit(given.dimension), given.points, 5, given.distribution);
+  Problem<Scalar> alone(points, given.sites);
+  set_up(given, alone);
+  const auto expected = ccvt::tessellate(alone, given.options);
+
+  ccvt::MpiRanks ranks(MPI_COMM_WORLD);
+  const Share share(ranks, given.points);
+  const auto own = ccvt::sample_uniform_part<Scalar>(Box::unit(given.dimension), given.points,
+                                                     share.first, share.end, 5, given.distribution);
+  CHECK((own == points.middleCols(share.first, share.end - share.first)));
+  Problem<Scalar> together(ranks, ccvt::view_points(own), given.sites);
+  set_up(given, together);
+  const auto result = ccvt::tessellate(together, given.options);
+
+  CHECK((result.sites == expected.sites));
+  CHECK((std::equal(result.owners.begin(), result.owners.end(),
+                    expected.owners.begin() + share.first, expected.owners.begin() + share.end)));
+  CHECK(result.summary.energy == expected.summary.energy);
+  CHECK(result.summary.iterations == expected.summary.iterations);
+  CHECK(result.summary.swaps == expected.summary.swaps);
+  CHECK(result.summary.pairs == expected.summary.pairs);
+}
+
+/// All ranks must have thrown the same.
+template <class Work>
+std::string message_of(const Work& work) {
+  try {
+    work();
+  } catch (const ccvt::InvalidInput& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+}  // namespace
+
+TEST_CASE("ranks: the bits of one process") {
+  for (const int threads : {1, 2}) {
+    CAPTURE(threads);
+    Options options;
+    options.threads = threads;
+    for (const int dimension : {1, 2, 3, 4}) {
+      const Box box = Box::unit(dimension);
+      compare<float>({dimension, 20000, 301, Domain::periodic(box), options});
+      compare<double>({dimension, 20000, 150, Domain::euclidean(box), options});
+    }
+  }
+}
+
+TEST_CASE("ranks: points that come in several parts") {
+  const Box box = Box::unit(2);
+  for (const auto distribution : {ccvt::Distribution::white, ccvt::Distribution::jittered,
+                                  ccvt::Distribution::square, ccvt::Distribution::hexagonal}) {
+    Options options;
+    options.max_iterations = 20;
+    compare<float>({2, 700001, 2000, Domain::periodic(box), options, {}, {}, {}, distribution});
+  }
+}
+
+TEST_CASE("ranks: unequal capacities, sites that are given, and partly periodic domains") {
+  const Index sites = 400;
+  std::vector<Index> capacities(sites, 1);
+  Index points = 0;
+  for (Index s = 0; s < sites; ++s) {
+    capacities[static_cast<std::size_t>(s)] += s % 7 == 0 ? 3 * s : s % 50;
+    points += capacities[static_cast<std::size_t>(s)];
+  }
+  const Box box = Box::unit(2);
+  const ccvt::Points<double> given = ccvt::sample_uniform<double>(box, sites, 9);
+  const Domain partly = Domain::periodic(box, {true, false});
+  compare<double>({2, points, sites, {}, {}, capacities});
+  compare<double>({2, points, sites, partly, {}, capacities, given});
+  compare<double>({2, points, sites, partly, {}, capacities, {}, given.leftCols(30)});
+}
+
+TEST_CASE("ranks: every way to choose and to swap pairs") {
+  const Box box = Box::unit(2);
+  for (const auto pairs : {ccvt::PairSelection::meeting, ccvt::PairSelection::all}) {
+    for (const int cached_passes : {0, 3}) {
+      for (const int tile_sites : {1, 7, 64}) {
+        Options options;
+        options.pairs = pairs;
+        options.cached_passes = cached_passes;
+        options.tile_sites = tile_sites;
+        options.multilevel = tile_sites != 7;
+        compare<float>({2, 6000, 120, Domain::periodic(box), options});
+      }
+    }
+  }
+}
+
+TEST_CASE("ranks: cells that are divided into patches") {
+  Options options;
+  options.descent_points = 0;
+  compare<float>({2, 60 * 4000, 60, Domain::periodic(Box::unit(2)), options});
+}
+
+TEST_CASE("ranks: fewer tiles than ranks, and ranks without points") {
+  compare<double>({2, 40, 3, {}, {}});
+  compare<double>({2, 1, 1, {}, {}});
+  compare<double>({2, 5, 5, {}, {}});
+}
+
+TEST_CASE("ranks: what is wrong on one is thrown on all") {
+  ccvt::MpiRanks ranks(MPI_COMM_WORLD);
+  ccvt::Points<double> own = ccvt::sample_uniform<double>(Box::unit(2), 50, 3);
+  if (ranks.rank() == ranks.count() - 1) own(1, 7) = 2;
+  const std::string number = std::to_string(50 * (ranks.count() - 1) + 7);
+  Problem<double> problem(ranks, ccvt::view_points(own), 4);
+  CHECK(message_of([&] { problem.set_domain(Domain::euclidean(Box::unit(2))); }) ==
+        "points: coordinate 1 of points[" + number + "] is 2: it must lie in the box, from 0 to 1");
+  own.setConstant(0.5);
+  if (ranks.rank() == ranks.count() - 1) own(0, 7) = std::numeric_limits<double>::quiet_NaN();
+  CHECK(message_of([&] {
+          Problem<double>(ranks, ccvt::view_points(own), 4);
+        }).starts_with("points: coordinate 0 of points[" + number + "] is nan: "));
+  CHECK(message_of([&] { Problem<double>(ranks, ccvt::view_points(own.leftCols(0)), 4); }) ==
+        "points: there are none");
+  if (ranks.count() == 1) return;
+  const ccvt::Points<double> other = own.topRows(ranks.rank() == 1 ? 1 : 2).leftCols(3);
+  CHECK(message_of([&] { Problem<double>(ranks, ccvt::view_points(other), 4); }) ==
+        "ranks: rank 1 has points of 1 dimensions for 4 sites, rank 0 has 2 for 4: they must be "
+        "equal");
+}
+
+TEST_CASE("ranks: what several cannot do is refused") {
+  ccvt::MpiRanks ranks(MPI_COMM_WORLD);
+  if (ranks.count() == 1) return;
+  const ccvt::Points<double> own = ccvt::sample_uniform<double>(Box::unit(2), 6000, 3);
+  Problem<double> problem(ranks, ccvt::view_points(own), 4);
+  CHECK(message_of([&] {
+          ccvt::tessellate(problem);
+        }).starts_with("options.descent_points: is 512, and there are "));
+  CHECK(message_of([&] {
+          ccvt::tessellate(problem, {.initialization = ccvt::Initialization::random});
+        }).starts_with("options.initialization: is random, "));
+  CHECK(message_of([&] { problem.set_initial_owners({0}); }) ==
+        "initial_owners: a problem of ranks cannot have any");
+}
+
+TEST_CASE("ranks: all end when one is cancelled, or the time is over") {
+  ccvt::MpiRanks ranks(MPI_COMM_WORLD);
+  const ccvt::Points<float> own =
+      ccvt::sample_uniform<float>(Box::unit(2), 100000 / ranks.count(), 3);
+  Problem<float> problem(ranks, ccvt::view_points(own), 1000);
+  Options options;
+  int iterations = 0;
+  options.on_iteration = [&](const ccvt::IterationRecord&) {
+    return ++iterations < 3 || ranks.rank() != ranks.count() - 1;
+  };
+  const auto result = ccvt::tessellate(problem, options);
+  CHECK(result.summary.termination == ccvt::Termination::cancelled);
+  CHECK(result.summary.iterations == 3);
+  CHECK(std::none_of(result.owners.begin(), result.owners.end(), [](Index o) { return o < 0; }));
+  options.on_iteration = {};
+  options.time_limit = 1e-9;
+  CHECK(ccvt::tessellate(problem, options).summary.termination == ccvt::Termination::time_limit);
+}

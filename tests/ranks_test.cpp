@@ -1,0 +1,177 @@
+// Problems of several ranks, which are threads here; tests/mpi has the same with processes, and
+// more.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "ccvt/io.h"
+#include "ccvt/problem.h"
+#include "ccvt/sampling.h"
+#include "ccvt/solver.h"
+#include "support/files.h"
+#include "support/thread_ranks.h"
+
+using ccvt::Box;
+using ccvt::Domain;
+using ccvt::Index;
+using ccvt::Options;
+using ccvt::Problem;
+
+namespace {
+
+/// What all ranks throw, which must be the same.
+std::set<std::string> messages_of(int count, const std::function<void(ccvt::Ranks&)>& work) {
+  std::set<std::string> messages;
+  std::mutex mutex;
+  ThreadRanks(count).run([&](ccvt::Ranks& ranks) {
+    std::string message = "nothing was thrown";
+    try {
+      work(ranks);
+    } catch (const ccvt::InvalidInput& error) {
+      message = error.what();
+    }
+    const std::lock_guard lock(mutex);
+    messages.insert(message);
+  });
+  return messages;
+}
+
+void check_message(int count, const std::function<void(ccvt::Ranks&)>& work,
+                   const std::string& expected) {
+  const std::set<std::string> messages = messages_of(count, work);
+  REQUIRE(messages.size() == 1);
+  CHECK(messages.begin()->find(expected) != std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("ranks: threads that are ranks get the bits of one process") {
+  for (const int dimension : {2, 3}) {
+    for (const int count : {2, 3, 5}) {
+      CAPTURE(dimension);
+      CAPTURE(count);
+      const Box box = Box::unit(dimension);
+      const Index all = 30011;
+      const ccvt::Points<float> points = ccvt::sample_uniform<float>(box, all, 3);
+      Problem<float> alone(points, 200);
+      alone.set_domain(Domain::periodic(box));
+      const Options options{.threads = 1};
+      const auto expected = ccvt::tessellate(alone, options);
+      std::vector<Index> owners(static_cast<std::size_t>(all), -1);
+      std::vector<int> same(static_cast<std::size_t>(count), 0);
+      ThreadRanks(count).run([&](ccvt::Ranks& ranks) {
+        const Index begin = all / count * ranks.rank();
+        const Index end = ranks.rank() + 1 == count ? all : begin + all / count;
+        const auto own = ccvt::sample_uniform_part<float>(box, all, begin, end, 3);
+        Problem<float> problem(ranks, ccvt::view_points(own), 200);
+        problem.set_domain(Domain::periodic(box));
+        const auto result = ccvt::tessellate(problem, options);
+        std::copy(result.owners.begin(), result.owners.end(), owners.begin() + begin);
+        same[static_cast<std::size_t>(ranks.rank())] =
+            result.sites == expected.sites && result.summary.energy == expected.summary.energy &&
+                    result.summary.swaps == expected.summary.swaps
+                ? 1
+                : 0;
+      });
+      CHECK(owners == expected.owners);
+      CHECK(std::count(same.begin(), same.end(), 1) == count);
+    }
+  }
+}
+
+TEST_CASE("ranks: what is wrong with a problem is thrown on all") {
+  const Box box = Box::unit(2);
+  const auto points = [&](Index count) { return ccvt::sample_uniform<double>(box, count, 3); };
+  const ccvt::Points<double> good = points(3000);
+  ccvt::Points<double> bad = good;
+  bad(1, 7) = 2;
+  const auto problem = [&](ccvt::Ranks& ranks, Index sites) {
+    return Problem<double>(ranks, ccvt::view_points(good), sites);
+  };
+  check_message(
+      3,
+      [&](ccvt::Ranks& ranks) {
+        Problem<double>(ranks, ccvt::view_points(ranks.rank() == 1 ? bad : good), 40)
+            .set_domain(Domain::euclidean(box));
+      },
+      "coordinate 1 of points[3007] is 2: it must lie in the box");
+  check_message(
+      2,
+      [&](ccvt::Ranks& ranks) {
+        const ccvt::Points<double> own = ranks.rank() == 1 ? good.topRows(1) : good;
+        Problem<double>(ranks, ccvt::view_points(own), 40);
+      },
+      "ranks: rank 1 has points of 1 dimensions for 40 sites, rank 0 has 2 for 40");
+  check_message(
+      2,
+      [&](ccvt::Ranks& ranks) {
+        const ccvt::PointsView<double> many{good.data(), 1, 2000000000, 0};
+        Problem<double>(ranks, many, 40);
+      },
+      "points: there are 4000000000 of them on all ranks, but at most 2147483647");
+  check_message(
+      2, [&](ccvt::Ranks& ranks) { problem(ranks, 40).set_initial_owners({0}); },
+      "initial_owners: a problem of ranks cannot have any");
+  check_message(
+      2,
+      [&](ccvt::Ranks& ranks) {
+        ccvt::tessellate(problem(ranks, 40),
+                         {.threads = 1, .initialization = ccvt::Initialization::coherent});
+      },
+      "options.initialization: is coherent, which is the default beyond 8 dimensions, too");
+  check_message(
+      2, [&](ccvt::Ranks& ranks) { ccvt::tessellate(problem(ranks, 4), {.threads = 1}); },
+      "options.descent_points: is 512, and there are 1500 points a site");
+}
+
+TEST_CASE("ranks: a part of the points that are drawn, and of a file's") {
+  const ccvt::test::TemporaryDirectory directory;
+  const Box box = Box::unit(3);
+  const ccvt::Points<double> all = ccvt::sample_uniform<double>(box, 9001, 3);
+  const auto path = directory.path() / "points.npy";
+  ccvt::write_points(path, all);
+  for (const auto& [begin, end] : {std::pair<Index, Index>{0, 9001},
+                                   {0, 0},
+                                   {17, 18},
+                                   {4095, 8193},
+                                   {9000, 9001},
+                                   {9001, 9001}}) {
+    CAPTURE(begin);
+    CHECK((ccvt::sample_uniform_part<double>(box, 9001, begin, end, 3) ==
+           all.middleCols(begin, end - begin)));
+    const ccvt::ReadOptions part{.first_row = static_cast<std::uint64_t>(begin),
+                                 .end_row = static_cast<std::uint64_t>(end)};
+    CHECK((ccvt::read_points<double>(path, part) == all.middleCols(begin, end - begin)));
+  }
+  const auto message = [](const auto& work) {
+    try {
+      work();
+    } catch (const ccvt::InvalidInput& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(message([&] { ccvt::sample_uniform_part<double>(box, 9, 4, 10); }) ==
+        "first: the points 4 to 10 are asked for, of 9: it must hold that 0 <= first <= end <= "
+        "count");
+  const auto table = directory.path() / "points.csv";
+  ccvt::write_points(table, all);
+  CHECK(message([&] { ccvt::read_points<double>(table, {.first_row = 3}); }) ==
+        table.string() + ": a part of the rows is read of .npy files only");
+  const auto columns = directory.path() / "columns.npy";
+  {
+    std::ofstream file(columns, std::ios::binary);
+    const std::string header = "{'descr': '<f8', 'fortran_order': True, 'shape': (2, 1), }";
+    const std::string padded = header + std::string(117 - header.size(), ' ') + "\n";
+    file << std::string("\x93NUMPY\x01\x00\x76\x00", 10) << padded << std::string(16, '\0');
+  }
+  CHECK(message([&] { ccvt::read_points<double>(columns, {.first_row = 1}); }) ==
+        columns.string() +
+            ": is in Fortran order; a part of its rows is read of files in C order only");
+}
