@@ -90,7 +90,7 @@ python_package() {
 
 developer_packages() {
   cmake/install-packages.sh \
-    chromium clang clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev python3 python3-faiss python3-h5py
+    chromium clang clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev libopenmpi-dev python3 python3-faiss python3-h5py
 }
 
 # The page of errors has what tests throw.
@@ -116,6 +116,13 @@ debian_packages() {
 pages() {
   cmake/install-packages.sh fish groff-base zsh &&
     tests/pages/check.sh build/release/bin/ccvt build/release/pages
+}
+
+# By MPI, with the library and the program that the release preset built.
+several_processes() {  # which tests
+  cmake/install-packages.sh libopenmpi-dev openmpi-bin &&
+    cmake --preset release -DCCVT_BUILD_MPI=ON && cmake --build --preset release -j "$jobs" &&
+    ctest --preset release -R "$1"
 }
 
 # The documentation site, its guides' commands, links and layers, by README's command.

@@ -30,6 +30,15 @@ if(TARGET ccvt_cli)
   install(FILES ${pages}/completions/ccvt.fish
     DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
 endif()
+if(TARGET ccvt_mpi)
+  install(TARGETS ccvt_mpi EXPORT ccvtTargets
+    ARCHIVE COMPONENT development
+    FILE_SET HEADERS COMPONENT development)
+endif()
+if(TARGET ccvt_mpi_cli)
+  set_target_properties(ccvt_mpi_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${libdir_from_bindir}")
+  install(TARGETS ccvt_mpi_cli COMPONENT program)
+endif()
 if(TARGET ccvt_python AND CCVT_PACKAGE)  # else pip installs it
   set(modules lib/python3/dist-packages)
   install(TARGETS ccvt_python LIBRARY DESTINATION ${modules}/ccvt COMPONENT python)

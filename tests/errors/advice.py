@@ -11,6 +11,7 @@ _DAMAGED = ("The file is damaged, cut short or of another kind than its name say
 ADVICE = {
     "include/ccvt/grid_values.h": _PARAMETER,
     "include/ccvt/region.h": _PARAMETER,
+    "include/ccvt/sampling.h": _PARAMETER,
     "include/ccvt/types.h": "Pass a column-major matrix, one point a column; copy it with `.eval()` "
                             "where its memory is strided.",
     "src/capacity.cpp": "Capacities are whole numbers, one a site, and sum to the number of points.",
