@@ -74,19 +74,19 @@ void RunIdentity::add_digest(std::string name, std::uint64_t digest) {
 
 /// Those that bits depend on.
 void RunIdentity::add_options(const Options& options) {
-  add("Options::seed", std::to_string(options.seed));
-  add("Options::until", number_of(options.until));
-  add("Options::initialization", number_of(options.initialization));
-  add("Options::multilevel", number_of(options.multilevel));
-  add("Options::level_points", std::to_string(options.level_points));
-  add("Options::level_factor", std::to_string(options.level_factor));
-  add("Options::descent_points", std::to_string(options.descent_points));
-  add("Options::swap", number_of(options.swap));
-  add("Options::point_pruning", number_of(options.point_pruning));
-  add("Options::median_cut_pruning", number_of(options.median_cut_pruning));
-  add("Options::pairs", number_of(options.pairs));
-  add("Options::cached_passes", std::to_string(options.cached_passes));
-  add("Options::tile_sites", std::to_string(options.tile_sites));
+  add("the option seed", std::to_string(options.seed));
+  add("the option until", options.until == Until::stable ? "stable" : "blue_noise");
+  add("the option initialization", number_of(options.initialization));
+  add("the option multilevel", number_of(options.multilevel));
+  add("the option level_points", std::to_string(options.level_points));
+  add("the option level_factor", std::to_string(options.level_factor));
+  add("the option descent_points", std::to_string(options.descent_points));
+  add("the option swap", number_of(options.swap));
+  add("the option point_pruning", number_of(options.point_pruning));
+  add("the option median_cut_pruning", number_of(options.median_cut_pruning));
+  add("the option pairs", number_of(options.pairs));
+  add("the option cached_passes", std::to_string(options.cached_passes));
+  add("the option tile_sites", std::to_string(options.tile_sites));
 }
 
 void RunIdentity::add_domain(const Domain& domain) {

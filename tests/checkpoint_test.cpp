@@ -259,11 +259,11 @@ TEST_CASE("Another problem or other options are refused, and the message says wh
     return message.substr(start.size());
   };
   const Options same{.seed = 4};
-  CHECK(refusal(saved.problem, {.seed = 5}) == "Options::seed is 4 there, and here 5");
+  CHECK(refusal(saved.problem, {.seed = 5}) == "the option seed is 4 there, and here 5");
   CHECK(refusal(saved.problem, {.seed = 4, .cached_passes = 1}) ==
-        "Options::cached_passes is 0 there, and here 1");
+        "the option cached_passes is 0 there, and here 1");
   CHECK(refusal(saved.problem, {.seed = 4, .tile_sites = 8}) ==
-        "Options::tile_sites is 64 there, and here 8");
+        "the option tile_sites is 64 there, and here 8");
   CHECK(refusal(Problem<float>(saved.points, 21), same) ==
         "the number of sites is 20 there, and here 21");
   const Points<float> fewer = saved.points.leftCols(899);
@@ -291,7 +291,7 @@ TEST_CASE("Another problem or other options are refused, and the message says wh
         "the fixed sites are not the same");
   const auto owners = ccvt::tessellate(saved.problem, {.max_iterations = 0}).owners;
   CHECK(refusal(Problem<float>(saved.points, 20).set_initial_owners(owners),
-                {.seed = 4, .multilevel = true}) == "Options::multilevel is 1 there, and here 0");
+                {.seed = 4, .multilevel = true}) == "the option multilevel is 1 there, and here 0");
 }
 
 TEST_CASE("What has ended is neither saved nor goes on") {
@@ -307,6 +307,128 @@ TEST_CASE("What has ended is neither saved nor goes on") {
         "IoError: " + (saved.directory / "no" / "run").string() +
             ": cannot be written: there is no directory '" + (saved.directory / "no").string() +
             "'");
+}
+
+TEST_CASE("A run that is kept goes on from its file, and tells of it") {
+  const Saved saved;
+  const auto whole = ccvt::tessellate(saved.problem, {.seed = 4});
+  std::vector<Event> events;
+  std::vector<int> iterations;
+  Options options{.seed = 4};
+  options.checkpoint = saved.directory / "kept";
+  options.checkpoint_seconds = 0;
+  options.on_checkpoint = [&](const ccvt::CheckpointRecord& record) {
+    CHECK(record.failure.empty());
+    CHECK(record.seconds > 0);
+    events.push_back(record.event);
+    iterations.push_back(record.iteration);
+  };
+  {
+    Solver<float> first(saved.problem, options);
+    CHECK(first.step());
+    CHECK(first.step());
+  }
+  CHECK(events == std::vector<Event>{Event::saved, Event::saved, Event::saved});
+  CHECK(iterations == std::vector<int>{0, 1, 2});
+  events.clear();
+  iterations.clear();
+  options.checkpoint_seconds = 1e9;
+  const auto second = ccvt::tessellate(saved.problem, options);
+  CHECK(differences(whole, second) == "");
+  CHECK(events == std::vector<Event>{Event::continued});
+  CHECK(iterations == std::vector<int>{2});
+  CHECK(std::filesystem::exists(options.checkpoint));
+}
+
+TEST_CASE("However a run that is kept is cut short, it goes on to the same end") {
+  const Saved saved;
+  const auto whole = ccvt::tessellate(saved.problem, {.seed = 4});
+  for (int way = 0; way < 4; ++way) {
+    CAPTURE(way);
+    for (int stop = 1; stop < whole.summary.iterations; ++stop) {
+      CAPTURE(stop);
+      Options options{.seed = 4};
+      options.checkpoint = saved.directory / "kept";
+      std::filesystem::remove(options.checkpoint);
+      Options limited = options;
+      int iterations = 0;
+      if (way == 0) limited.max_iterations = stop;
+      limited.on_iteration = [&](const ccvt::IterationRecord&) {
+        ++iterations;
+        return way != 1 || iterations < stop;
+      };
+      if (way == 2) limited.cancelled = [&] { return iterations >= stop; };
+      Solver<float> first(saved.problem, limited);
+      if (way < 3) {
+        first.run();
+      } else {
+        while (iterations < stop) first.step();
+        first.cancel();
+      }
+      CHECK(first.summary().termination ==
+            (way == 0 ? Termination::iteration_limit : Termination::cancelled));
+      CHECK(first.summary().iterations == stop);
+      Solver<float> second(saved.problem, options);
+      CHECK(second.summary().iterations == stop);
+      second.run();
+      CHECK(differences(whole, result_of(second)) == "");
+    }
+  }
+}
+
+TEST_CASE("A checkpoint that fails later does not end a run, and is told of once") {
+  const Saved saved;
+  const std::filesystem::path folder = saved.directory / "folder";
+  std::filesystem::create_directory(folder);
+  Options options{.seed = 4};
+  options.checkpoint = folder / "kept";
+  options.checkpoint_seconds = 0;
+  options.on_iteration = [&](const ccvt::IterationRecord& record) {
+    if (record.iteration == 2) std::filesystem::remove_all(folder);
+    return true;
+  };
+  const auto result = ccvt::tessellate(saved.problem, options);
+  CHECK(differences(result, ccvt::tessellate(saved.problem, {.seed = 4})) == "");
+  REQUIRE(result.summary.warnings.size() == 1);
+  CHECK(result.summary.warnings[0] ==
+        "after iteration 2 no checkpoint could be written: " + options.checkpoint.string() +
+            ": cannot be written: there is no directory '" + folder.string() + "'");
+  CHECK(message_of([&] { ccvt::tessellate(saved.problem, options); }) ==
+        "IoError: " +
+            result.summary.warnings[0].substr(
+                std::string("after iteration 2 no checkpoint could be written: ").size()));
+}
+
+TEST_CASE("Functions that keep no checkpoint refuse to") {
+  const Saved saved;
+  Options options;
+  options.checkpoint = saved.file;
+  const std::string start = "Options::checkpoint is " + saved.file.string() + ": ";
+  CHECK(message_of([&] { ccvt::lloyd(saved.problem, options); }) == start + "lloyd() keeps none");
+  CHECK(message_of([&] { ccvt::thin(saved.points, 5, {.tessellation = options}); }) ==
+        start + "thin() keeps none");
+  ccvt::SurfaceOptions surface;
+  surface.tessellation = options;
+  CHECK(message_of([&] { surface.validate(); }) == start + "sample_surface() keeps none");
+  options.checkpoint_seconds = -1;
+  CHECK(message_of([&] { options.validate(); }) ==
+        "Options::checkpoint_seconds is -1: it must be 0 (after each iteration) or more seconds");
+}
+
+TEST_CASE("The way to unit points is kept") {
+  const Saved saved;
+  std::vector<double> masses;
+  for (int p = 0; p < 900; ++p) masses.push_back(1 + p % 5);
+  ccvt::MassOptions options;
+  const auto whole = ccvt::tessellate_masses(saved.points, masses, 20, options);
+  options.relaxation.checkpoint = saved.directory / "kept";
+  options.relaxation.max_iterations = 4;
+  CHECK(ccvt::tessellate_masses(saved.points, masses, 20, options).summary.iterations == 4);
+  options.relaxation.max_iterations = 1000;
+  const auto end = ccvt::tessellate_masses(saved.points, masses, 20, options);
+  CHECK(same_bits(end.sites.eigen(), whole.sites.eigen()));
+  CHECK(end.owners == whole.owners);
+  CHECK(end.summary.iterations == whole.summary.iterations);
 }
 
 TEST_SUITE_END();
