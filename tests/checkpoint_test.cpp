@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -17,7 +20,9 @@
 #include "ccvt/solver.h"
 #include "ccvt/surface.h"
 #include "ccvt/thin.h"
+#include "ccvt/version.h"
 #include "ccvt/weighted.h"
+#include "checkpoint/checkpoint_file.h"
 #include "random.h"
 #include "support/files.h"
 #include "support/generate.h"
@@ -292,6 +297,34 @@ TEST_CASE("Another problem or other options are refused, and the message says wh
   const auto owners = ccvt::tessellate(saved.problem, {.max_iterations = 0}).owners;
   CHECK(refusal(Problem<float>(saved.points, 20).set_initial_owners(owners),
                 {.seed = 4, .multilevel = true}) == "the option multilevel is 1 there, and here 0");
+}
+
+TEST_CASE("Another version's file is refused, and one that is whole but holds something else") {
+  const Saved saved;
+  constexpr std::size_t kHeader = 40;  // with the length of the first part at 16
+  std::uint64_t length = 0;
+  std::memcpy(&length, &saved.bytes[16], sizeof length);
+  // The file with its first part changed, and digests that fit.
+  const auto made = [&](const auto& change) {
+    std::string common = saved.bytes.substr(kHeader, length);
+    const std::string tiles = saved.bytes.substr(kHeader + length + sizeof length);
+    change(common);
+    ccvt::CheckpointWriter writer(saved.file, std::as_bytes(std::span(common)), tiles.size());
+    writer.write(std::as_bytes(std::span(tiles)));
+    writer.commit();
+    const std::string message = saved.loaded_message(get(saved.file));
+    const std::string start = saved.file.string() + ": ";
+    return message.substr(0, start.size()) == start ? message.substr(start.size()) : message;
+  };
+  const std::string version = CCVT_VERSION;
+  CHECK(made([&](std::string& common) { common.replace(8, version.size(), "0.0.0"); }) ==
+        "was written by version 0.0.0, and this is " + version + ": only the same can continue it");
+  const std::string other = "is damaged: it does not hold what it should";
+  CHECK(made([](std::string& common) { common.clear(); }) == other);
+  CHECK(made([](std::string& common) { common.pop_back(); }) == other);
+  CHECK(made([](std::string& common) { common += "x"; }) == other);
+  CHECK(made([](std::string& common) { common[0] = 127; }) == other);
+  CHECK(made([](std::string&) {}) == "nothing thrown");
 }
 
 TEST_CASE("What has ended is neither saved nor goes on") {
