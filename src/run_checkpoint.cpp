@@ -123,7 +123,7 @@ void Run<Scalar>::save(const std::filesystem::path& file) {
         state.cells.save(tile, s);
       }
       tile.put(digest(tile.bytes()));
-      std::copy(tile.bytes().begin(), tile.bytes().end(), records.begin() + offsets[k]);
+      std::copy(tile.bytes().begin(), tile.bytes().end(), records.data() + offsets[k]);
     });
     out.write(records);
   });

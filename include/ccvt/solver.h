@@ -39,10 +39,10 @@ class CCVT_EXPORT Solver {
   void cancel();
 
   /// Writes what it takes to continue from here to a file, O(m): 4 bytes a point that has joined
-  /// and up to a twentieth more, beside about 100 a site (in 2D; 150 in 3D), and with many points a
-  /// site 250 more (350). The file is written beside the one of that name, flushed to its disk, and
-  /// renamed; no Publication holds it back. Throws IoError, and InvalidInput when the run has
-  /// ended.
+  /// and up to a twentieth more, beside about 80 a site (in 3D 110), and with many points a site up
+  /// to 280 more (420); these are in memory meanwhile. It is written beside the file of that name,
+  /// flushed to its disk, and renamed; no Publication holds it back. Throws IoError, and
+  /// InvalidInput when the run has ended.
   void save(const std::filesystem::path& file) const;
   /// Goes to where a solver was when it was saved: of the same problem, options, limits but for
   /// (that is, threads, max_iterations, energy_tolerance, time_limit and callbacks may be others),

@@ -12,8 +12,8 @@ ADVICE = {
     "include/ccvt/types.h": "Pass a column-major matrix, one point a column; copy it with `.eval()` "
                             "where its memory is strided.",
     "src/capacity.cpp": "Capacities are whole numbers, one a site, and sum to the number of points.",
-    "src/checkpoint/checkpoint_file.cpp": "What is damaged cannot be continued: remove it, and the run begins "
-                                           "anew.",
+    "src/checkpoint/checkpoint_file.cpp": "What is damaged cannot be continued: remove it, and the run "
+                                          "begins anew.",
     "src/cli/analyze.cpp": "Give the box that the points fill (`--box`), and average or compare only "
                            "point sets that agree in dimensions, number and box.",
     "src/cli/analyze_command.cpp": _USAGE,
@@ -42,7 +42,8 @@ ADVICE = {
     "src/codebook/codebook.cpp": _PARAMETER,
     "src/codebook/train.cpp": _PARAMETER,
     "src/domain.cpp": _PARAMETER,
-    "src/no_checkpoint.h": "Only what runs one solver keeps a checkpoint: leave Options::checkpoint empty.",
+    "src/no_checkpoint.h": "Only what runs one solver keeps a checkpoint: leave Options::checkpoint "
+                           "empty.",
     "src/geometry/linear_map.cpp": "Give a regular matrix. Points that lie in a plane cannot be "
                                    "whitened: take away a dimension.",
     "src/io/byte_stream.cpp": _DAMAGED,
@@ -93,8 +94,8 @@ ADVICE = {
     "src/problem.cpp": _PARAMETER,
     "src/relax/balance.cpp": "A mistake of the library: please report it.",
     "src/relax/mover.cpp": "A mistake of the library: please report it.",
-    "src/run_checkpoint.cpp": "A checkpoint is saved from and loaded into a solver that has not ended. What is "
-                              "damaged cannot be continued: remove it, and the run begins anew.",
+    "src/run_checkpoint.cpp": "A checkpoint is saved from and loaded into a solver that has not ended. "
+                              "What is damaged cannot be continued: remove it, and the run begins anew.",
     "src/sampling/density.cpp": "Densities are finite and not negative, and positive somewhere.",
     "src/sampling/function.cpp": "Densities are finite and not negative, nowhere above the maximum "
                                  "that was given, and positive somewhere.",
