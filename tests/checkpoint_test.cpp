@@ -115,7 +115,11 @@ TEST_CASE_TEMPLATE("A run goes on after each iteration in a new solver", Scalar,
   check_points<Scalar>(Layout::duplicates, 3, 3000, 40, true, {.seed = 3});
   check_points<Scalar>(Layout::random, 1, 900, 12, true, {});
   check_points<Scalar>(Layout::random, 10, 3000, 60, false, {});
-  check_points<Scalar>(Layout::random, 2, 40, 1, false, {});
+  // In the plane that is with 3,400 points and more.
+  for (const bool periodic : {false, true}) {
+    check_points<Scalar>(Layout::random, 2, 100'000, 16, periodic,
+                         {.seed = 1, .descent_points = 0});
+  }
 }
 
 TEST_CASE_TEMPLATE("Of whatever options", Scalar, float, double) {
@@ -138,6 +142,25 @@ TEST_CASE_TEMPLATE("Of whatever options", Scalar, float, double) {
 TEST_CASE_TEMPLATE("With cells that are large enough for patches", Scalar, float, double) {
   check_points<Scalar>(Layout::random, 2, 40'000, 20, false, {.seed = 1, .descent_points = 0});
   check_points<Scalar>(Layout::random, 3, 60'000, 12, true, {.seed = 1, .descent_points = 0});
+}
+
+TEST_CASE("What is loaded is saved again as it was, cell by cell") {
+  const TemporaryDirectory directory;
+  const auto points = make_points<float>(Layout::random, uneven_box(2), 100'000);
+  const Problem<float> problem(points, 16);
+  const Options options{.multilevel = false, .descent_points = 0};
+  Solver<float> first(problem, options);
+  for (int k = 0; k < 8; ++k) REQUIRE(first.step());
+  first.save(directory / "first");
+  Solver<float> second(problem, options);
+  second.load(directory / "first");
+  second.save(directory / "second");
+  const auto cells = [](const std::string& bytes) {  // their length is at 24
+    std::uint64_t length = 0;
+    std::memcpy(&length, &bytes[24], sizeof length);
+    return bytes.substr(bytes.size() - length);
+  };
+  CHECK(cells(get(directory / "first")) == cells(get(directory / "second")));
 }
 
 TEST_CASE_TEMPLATE("In the middle of a descent", Scalar, float, double) {
