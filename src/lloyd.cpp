@@ -10,6 +10,7 @@
 #include "bounds.h"
 #include "ccvt/capacity.h"
 #include "cell_sizes.h"
+#include "no_checkpoint.h"
 #include "normalize.h"
 #include "numbers.h"
 #include "parallel/arena.h"
@@ -312,6 +313,7 @@ detail::LloydResult<Scalar> Lloyd<Scalar>::run() {
 
 template <class Scalar>
 detail::LloydResult<Scalar> detail::lloyd(const Problem<Scalar>& problem, const Options& options) {
+  require_no_checkpoint(options, "lloyd()");
   return Lloyd<Scalar>(problem, options).run();
 }
 

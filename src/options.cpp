@@ -24,6 +24,8 @@ void Options::validate() const {
   require(energy_tolerance >= 0 && energy_tolerance < 1, "energy_tolerance", text(energy_tolerance),
           "it must be in [0, 1)");
   require(time_limit >= 0, "time_limit", text(time_limit), "it must be 0 (none) or more seconds");
+  require(checkpoint_seconds >= 0, "checkpoint_seconds", text(checkpoint_seconds),
+          "it must be 0 (after each iteration) or more seconds");
   at_least("level_points", level_points, 1, "it must be 1 or more");
   at_least("level_factor", level_factor, 2, "it must be 2 or more");
   at_least("descent_points", descent_points, 0, "it must be 0 (never) or more");

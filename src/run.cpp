@@ -1,6 +1,7 @@
 #include "run.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <numeric>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include "bounds.h"
 #include "descent/descent.h"
+#include "no_checkpoint.h"
 #include "number_text.h"
 #include "parallel/loops.h"
 #include "parallel/together.h"
@@ -28,6 +30,9 @@ namespace {
 constexpr int kBalancedDimensions = 8;
 /// Points of levels that a cancelled run has not reached: with more, kTimeToFinish is not tried.
 constexpr Index kMostToFinish = 1 << 24;
+/// What an iteration may take to its end, so that a checkpoint can be left, before a run that is to
+/// stop gives it up.
+constexpr std::chrono::milliseconds kTimeForIteration{10'000};
 constexpr std::size_t kPointsPerGrain = std::size_t{1} << 16;
 
 const char* name_of(Initialization initialization) {
@@ -46,6 +51,7 @@ const char* name_of(Initialization initialization) {
 
 /// What a problem of several ranks cannot have.
 void require_for_ranks(const Options& options, double points_a_site) {
+  require_no_checkpoint(options, "a problem of several ranks");
   if (options.initialization != Initialization::balanced) {
     throw InvalidInput(std::string("options.initialization: is ") +
                        name_of(options.initialization) + ", which is the default beyond " +
@@ -114,12 +120,16 @@ Run<Scalar>::Run(Problem<Scalar> given_problem, Options given_options)
     return;
   }
   summary.levels = static_cast<int>(levels.size());
-  if (warm) {
-    take_owners();
-  } else {
-    enter_level(0);
+  if (!continues()) {
+    if (warm) {
+      take_owners();
+    } else {
+      enter_level(0);
+    }
+    if (is_kept() && dealt.empty()) begin_keeping();
   }
   if (!dealt.empty()) end(Termination::cancelled);
+  if (is_kept()) stop.be_patient(kTimeForIteration);
 }
 
 /// Fast CCVT [Program 2]: one turn of its loop. With several levels [5.2] the tessellation of one
@@ -129,7 +139,9 @@ bool Run<Scalar>::step() {
   if (record.ended()) return false;
   stop.enter();
   if (cancelled_together(false)) return end(Termination::cancelled);
-  if (record.iterations() >= options.max_iterations) return end(Termination::iteration_limit);
+  if (record.iterations() >= options.max_iterations) {
+    return end_for_now(Termination::iteration_limit);
+  }
 
   const double energy_before = record.energy();
   const PassCount done = pass();
@@ -138,7 +150,17 @@ bool Run<Scalar>::step() {
                                  progress(done), options);
   const bool go_on = ranks() ? !cancelled_together(!wished) : wished;
 
-  if (done.stopped || !go_on) return end(Termination::cancelled);
+  if (done.stopped || (!go_on && !is_kept())) return end(Termination::cancelled);
+  if (!go_on_from(energy_before, energy)) return false;
+  if (!is_kept()) return true;
+  if (!go_on || stop.wished()) return end_for_now(Termination::cancelled);
+  keep_if_due();
+  return true;
+}
+
+/// After a pass: to the next level when this one is at its end. False when the run is.
+template <class Scalar>
+bool Run<Scalar>::go_on_from(double energy_before, double energy) {
   if (!(descent ? descent->ended() : relaxer->stable())) {
     const bool improved = energy_before - energy >= options.energy_tolerance * energy_before;
     return improved || !on_finest_level() || options.energy_tolerance == 0 ||
@@ -343,11 +365,16 @@ void Run<Scalar>::deal(const Cells<Scalar>& owned, std::span<const Index> filled
   record.begin(energy, true);
 }
 
+template <class Scalar>
+std::unique_ptr<Relaxer<Scalar>> Run<Scalar>::make_relaxer() {
+  return std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, state.sites.count(),
+                                           largest_coordinate(problem, domain, box));
+}
+
 /// All points of the level are in cells: the sites move to their centroids.
 template <class Scalar>
 void Run<Scalar>::begin_level() {
-  relaxer = std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, state.sites.count(),
-                                              largest_coordinate(problem, domain, box));
+  relaxer = make_relaxer();
   {
     const Stop::Pause pause(stop);
     update_all(metric, state, arena);

@@ -1,14 +1,20 @@
 #pragma once
 
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "ccvt/columns.h"
 #include "ccvt/domain.h"
 #include "ccvt/options.h"
 #include "ccvt/problem.h"
+#include "ccvt/summary.h"
+#include "checkpoint/checkpoint_file.h"
 #include "descent/descent.h"
 #include "geometry/metric.h"
 #include "numbers.h"
@@ -18,6 +24,7 @@
 #include "relax/filling.h"
 #include "relax/levels.h"
 #include "relax/relaxer.h"
+#include "run_identity.h"
 #include "run_record.h"
 
 namespace ccvt {
@@ -33,6 +40,11 @@ struct Run {
   [[nodiscard]] Columns<Scalar> site_columns() const;
   /// Of the points of this rank.
   [[nodiscard]] std::vector<Index> owners() const;
+  /// See Solver.
+  void save(const std::filesystem::path& file);
+  void load(const std::filesystem::path& file);
+  /// Ends a run that may be continued from Options::checkpoint, if there is one. False.
+  bool end_for_now(Termination termination);
 
   void place_sites();
   void divide_points();
@@ -40,6 +52,7 @@ struct Run {
   void enter_level(std::size_t next);
   void join(const JoiningPoints& joining, std::span<const Pair> near, Filling<Scalar>& filling);
   void deal(const Cells<Scalar>& owned, std::span<const Index> filled);
+  [[nodiscard]] std::unique_ptr<Relaxer<Scalar>> make_relaxer();
   void begin_level();
   [[nodiscard]] double energy_of_sites() {
     const Stop::Pause pause(stop);
@@ -48,6 +61,19 @@ struct Run {
   [[nodiscard]] bool on_finest_level() const { return level + 1 == levels.size(); }
   [[nodiscard]] std::optional<Depth> descends() const;
   PassCount pass();
+  bool go_on_from(double energy_before, double energy);
+
+  // Of checkpoints, in run_checkpoint.cpp.
+  [[nodiscard]] bool is_kept() const { return !options.checkpoint.empty(); }
+  RunIdentity identity(const Arena& apart);
+  void load_from(CheckpointReader& in);
+  void load_cells(CheckpointReader& in, const Arena& apart, Cells<Scalar>& cells,
+                  Relaxer<Scalar>& patches) const;
+  bool continues();
+  void begin_keeping();
+  void keep();
+  void keep_if_due();
+  void tell(CheckpointRecord::Event event, double seconds, const std::string& failure = {});
   [[nodiscard]] double progress(const PassCount& done) const;
 
   [[nodiscard]] std::vector<Index> owners_at_home() const;
@@ -77,6 +103,10 @@ struct Run {
   std::vector<double> weights;               ///< of sites, for it
   /// Of a run that was cancelled, when there was no time for more: the owners, by deal_rest().
   std::vector<SiteNumber> dealt;
+
+  std::optional<std::uint64_t> points_digest;  ///< once it is asked for
+  std::chrono::steady_clock::time_point kept_at;
+  bool keeping_fails = false;
 };
 
 extern template struct Run<float>;

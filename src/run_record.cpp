@@ -1,8 +1,10 @@
 #include "run_record.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "normalize.h"
 #include "precision.h"
@@ -54,6 +56,73 @@ bool RunRecord::add(const PassCount& pass, int level, Index points, double energ
   summary_.iterations_log.push_back(record);
   rethrow();
   return !options.on_iteration || options.on_iteration(summary_.iterations_log.back());
+}
+
+namespace {
+
+/// Calls visit(value) for each part of a record.
+template <class Record, class Visit>
+void for_parts(Record& record, const Visit& visit) {
+  visit(record.iteration);
+  visit(record.level);
+  visit(record.levels);
+  visit(record.points);
+  visit(record.full);
+  visit(record.pairs);
+  visit(record.swaps);
+  visit(record.exchanged);
+  visit(record.active_sites);
+  visit(record.energy);
+  visit(record.seconds);
+  visit(record.progress);
+}
+
+/// And for each part of a summary that grows as the run goes on.
+template <class Kept, class Visit>
+void for_growing_parts(Kept& summary, const Visit& visit) {
+  visit(summary.iterations);
+  visit(summary.pairs);
+  visit(summary.swaps);
+  visit(summary.exchanged);
+  visit(summary.initial_energy);
+  visit(summary.energy);
+  visit(summary.seconds_total);
+  visit(summary.seconds_initialization);
+  visit(summary.seconds_relaxation);
+}
+
+template <class Share, class Visit>
+void for_parts_of_share(Share& share, const Visit& visit) {
+  visit(share.seconds);
+  visit(share.work_seconds);
+  visit(share.loops);
+  visit(share.tasks);
+}
+
+}  // namespace
+
+void RunRecord::save(StateWriter& out) {
+  const auto put = [&out](const auto& value) { out.put(value); };
+  for_growing_parts(summary_, put);
+  clock_.charge();
+  for (const Recorder::Share& share : clock_.shares()) for_parts_of_share(share, put);
+  put(std::uint64_t{summary_.iterations_log.size()});
+  for (const IterationRecord& record : summary_.iterations_log) for_parts(record, put);
+}
+
+void RunRecord::load(StateReader& in) {
+  const auto get = [&in]<class T>(T& value) { value = in.get<T>(); };
+  Summary summary = summary_;
+  for_growing_parts(summary, get);
+  std::array<Recorder::Share, kPhases> shares;
+  for (Recorder::Share& share : shares) for_parts_of_share(share, get);
+  summary.iterations_log.clear();
+  for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
+    for_parts(summary.iterations_log.emplace_back(), get);
+  }
+  in.expect_end();
+  summary_ = std::move(summary);
+  clock_.add(shares);
 }
 
 template <class Scalar>

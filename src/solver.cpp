@@ -42,8 +42,18 @@ template <class Scalar>
 void Solver<Scalar>::cancel() {
   if (!implementation_->record.ended()) {
     implementation_->stop.enter();
-    implementation_->end(Termination::cancelled);
+    implementation_->end_for_now(Termination::cancelled);
   }
+}
+
+template <class Scalar>
+void Solver<Scalar>::save(const std::filesystem::path& file) const {
+  implementation_->save(file);
+}
+
+template <class Scalar>
+void Solver<Scalar>::load(const std::filesystem::path& file) {
+  implementation_->load(file);
 }
 
 template <class Scalar>
@@ -76,6 +86,10 @@ template CCVT_EXPORT void Solver<float>::run();
 template CCVT_EXPORT void Solver<double>::run();
 template CCVT_EXPORT void Solver<float>::cancel();
 template CCVT_EXPORT void Solver<double>::cancel();
+template CCVT_EXPORT void Solver<float>::save(const std::filesystem::path&) const;
+template CCVT_EXPORT void Solver<double>::save(const std::filesystem::path&) const;
+template CCVT_EXPORT void Solver<float>::load(const std::filesystem::path&);
+template CCVT_EXPORT void Solver<double>::load(const std::filesystem::path&);
 template CCVT_EXPORT Columns<float> Solver<float>::site_columns() const;
 template CCVT_EXPORT Columns<double> Solver<double>::site_columns() const;
 template CCVT_EXPORT std::vector<Index> Solver<float>::owners() const;

@@ -130,6 +130,22 @@ TEST_CASE("ranks: what is wrong with a problem is thrown on all") {
       "options.descent_points: is 512, and there are 1500 points a site");
 }
 
+TEST_CASE("ranks: several keep no checkpoint") {
+  const auto good = ccvt::sample_uniform<double>(Box::unit(2), 300, 3);
+  const auto solver = [&](ccvt::Ranks& ranks, Options options) {
+    return ccvt::Solver<double>(Problem<double>(ranks, ccvt::view_points(good), 10), options);
+  };
+  check_message(
+      2, [&](ccvt::Ranks& ranks) { solver(ranks, {.threads = 1, .checkpoint = "run.ccvt"}); },
+      "Options::checkpoint is run.ccvt: a problem of several ranks keeps none");
+  check_message(
+      2, [&](ccvt::Ranks& ranks) { solver(ranks, {.threads = 1}).save("run.ccvt"); },
+      "run.ccvt: a problem of several ranks keeps no checkpoint");
+  check_message(
+      2, [&](ccvt::Ranks& ranks) { solver(ranks, {.threads = 1}).load("run.ccvt"); },
+      "run.ccvt: a problem of several ranks keeps no checkpoint");
+}
+
 TEST_CASE("ranks: a part of the points that are drawn, and of a file's") {
   const ccvt::test::TemporaryDirectory directory;
   const Box box = Box::unit(3);

@@ -72,6 +72,19 @@ struct LoopRecord {
   std::span<const float> tasks;  ///< seconds that each took, in their order; valid during the call
 };
 
+/// What has become of a checkpoint, see Options::checkpoint.
+struct CheckpointRecord {
+  enum class Event {
+    continued,  ///< the run has been read from the file
+    saved,
+    failed,  ///< not saved, but for the first time, or once it had been: the run goes on
+  };
+  Event event = Event::saved;
+  int iteration = 0;    ///< the last one that it holds
+  double seconds = 0;   ///< that reading or writing it took
+  std::string failure;  ///< the reason
+};
+
 /// What happened in a run. Energies are sums of squared distances in the units of the points.
 struct CCVT_EXPORT Summary {
   Termination termination = Termination::running;
@@ -106,7 +119,8 @@ struct CCVT_EXPORT Summary {
   std::vector<PhaseRecord> phases;
   std::vector<IterationRecord> iterations_log;
   /// What makes the result worse than it need be, a sentence each; known when the run has ended:
-  /// coordinates so large that their type cannot tell points apart; an end before all had joined.
+  /// coordinates so large that their type cannot tell points apart; an end before all had joined;
+  /// a checkpoint that could not be written, where there is no Options::on_checkpoint.
   std::vector<std::string> warnings;
 
   /// False when normalized_energy is 0 for want of a volume, or as normals are dimensions.

@@ -174,6 +174,18 @@ void add_common(CLI::App& app, CommonArguments& common, io::Extensions extension
   single->disable_flag_override()->excludes(wide->disable_flag_override());
 }
 
+void add_checkpoint(CLI::App& app, CommonArguments& common) {
+  auto* const directory = add_directory(
+      app, "--checkpoint", common.checkpoint,
+      "Keep the run there, and go on from there when it is run again after it was stopped or "
+      "killed: with the same result as if it had not been [none]");
+  add_number<double>(app, "--checkpoint-every", common.checkpoint_every,
+                     "At the least so long from one checkpoint to the next; 0: after each "
+                     "iteration [600]",
+                     "SECONDS", {.least = 0, .most = std::numeric_limits<double>::max()})
+      ->needs(directory);
+}
+
 void add_box(CLI::App& app, std::vector<double>& box, const std::string& description) {
   app.add_option_function<std::string>(
          "--box", [&box](const std::string& text) { parse_box(text, box); },

@@ -69,6 +69,8 @@ void add_flag(CLI::App& app, const std::string& name, bool& target, const std::s
 void add_sites(CLI::App& app, Index& target, const std::string& description, bool required);
 void add_points_per_site(CLI::App& app, Index& target);
 void add_seed_and_threads(CLI::App& app, std::uint64_t& seed, int& threads);
+/// --checkpoint and --checkpoint-every, for commands that run one Solver.
+void add_checkpoint(CLI::App& app, CommonArguments& common);
 void add_box(CLI::App& app, std::vector<double>& box, const std::string& description);
 
 /// What all commands that iterate have in common.

@@ -27,6 +27,8 @@ struct CommonArguments {
   std::optional<int> max_iterations;
   double energy_tolerance = 0;
   double time_limit = 0;
+  std::filesystem::path checkpoint;  ///< a directory; empty: none
+  double checkpoint_every = 600;     ///< seconds
   std::optional<Until> until;
   std::string preset;  ///< empty: the default options
   std::optional<ScalarType> scalar;

@@ -23,6 +23,7 @@ CLI::App* add_stipple(CLI::App& app, StippleArguments& arguments) {
                      "In pixels of the picture [such that dots cover as much as is dark]", "R",
                      {.least = 0, .most = infinity, .open_below = true});
   add_common(*command, arguments, io::kStippleFiles, "float32");
+  add_checkpoint(*command, arguments);
   auto* const output = command->get_option("--output");
   output->description(output->get_description() + "; the last three hold dot centres in pixels");
   command->footer("Example: ccvt stipple photo.png --sites 20000 -o dots.svg");
@@ -68,6 +69,7 @@ CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
   add_parsed(*command, "--type", arguments.layout, parse_voxel_type,
              "Of .raw: uint8, int16, float32 and so on; int16be: big endian", "TYPE");
   add_common(*command, arguments, io::kSampleFiles, "float32");
+  add_checkpoint(*command, arguments);
   add_output(*command, "--preview", arguments.preview,
              "Draw the field along its three axes, with the samples over it", io::kPictureFiles);
   command->footer(

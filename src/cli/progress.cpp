@@ -36,7 +36,9 @@ bool can_redraw() {
 
 Progress::Progress(bool quiet) : live_(!quiet && can_redraw()), last_(Clock::now() - kInterval) {}
 
-Progress::~Progress() {
+Progress::~Progress() { clear(); }
+
+void Progress::clear() {
   if (drawn_ > 0) redraw("");
 }
 

@@ -20,6 +20,8 @@ class Progress {
 
   /// Redraws at most 20 times a second.
   void show(const IterationRecord& record, Index sites);
+  /// Makes room for a line of something else.
+  void clear();
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -5,6 +5,7 @@
 #include "ccvt/problem.h"
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
+#include "cli/kept_run.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
@@ -23,6 +24,7 @@ std::string describe_particles(Index sites, const ParticleOptions& options) {
 
 template <class Scalar>
 int sample(const SampleArguments& arguments) {
+  const KeptRun kept(arguments);
   const bool particles = makes_particles(arguments);
   const ParticleOptions load = particle_options(arguments.particles);
   if (particles) check_particles(arguments.output, arguments.sites, sizeof(Scalar), load);
@@ -44,8 +46,8 @@ int sample(const SampleArguments& arguments) {
   }
   const auto result = [&] {
     Progress progress(arguments.quiet);
-    return tessellate(problem,
-                      make_options(arguments, Options::samples(), arguments.sites, progress));
+    const Options options = make_options(arguments, Options::samples(), arguments.sites, progress);
+    return tessellate(problem, kept.options(options, progress));
   }();
 
   Publication outputs;
@@ -58,6 +60,7 @@ int sample(const SampleArguments& arguments) {
     write_points(arguments.output, result.sites);
   }
   const int status = finish(arguments, outputs, result.summary);
+  kept.end(result.summary);
   if (particles && !arguments.quiet) print(describe_particles(arguments.sites, load) + "\n");
   return status;
 }

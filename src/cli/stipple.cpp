@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "ccvt/io.h"
+#include "cli/kept_run.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
@@ -13,6 +14,7 @@ namespace {
 
 template <class Scalar>
 int stipple_file(const StippleArguments& arguments) {
+  const KeptRun kept(arguments);
   check_memory(arguments.sites, arguments.points_per_site, 2, sizeof(Scalar));
   const Image image = read_image(arguments.image);
 
@@ -21,9 +23,10 @@ int stipple_file(const StippleArguments& arguments) {
   options.invert = arguments.invert;
   options.gamma = arguments.gamma;
   options.dot_radius = arguments.dot_radius;
-  const Stippling<Scalar> stippling = blame(arguments.image, [&] {
+  const Stippling<Scalar> stippling = kept.blame(arguments.image, [&] {
     Progress progress(arguments.quiet);
-    options.tessellation = make_options(arguments, options.tessellation, arguments.sites, progress);
+    options.tessellation = kept.options(
+        make_options(arguments, options.tessellation, arguments.sites, progress), progress);
     return stipple<Scalar>(image, arguments.sites, options);
   });
 
@@ -37,7 +40,9 @@ int stipple_file(const StippleArguments& arguments) {
   } else {
     write_points(arguments.output, stippling.dots);
   }
-  return finish(arguments, outputs, stippling.summary);
+  const int status = finish(arguments, outputs, stippling.summary);
+  kept.end(stippling.summary);
+  return status;
 }
 
 }  // namespace

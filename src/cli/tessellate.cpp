@@ -10,6 +10,7 @@
 #include "ccvt/linear_map.h"
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
+#include "cli/kept_run.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
@@ -37,6 +38,7 @@ std::optional<LinearMap> make_map(const TessellateArguments& arguments,
 
 template <class Scalar>
 int tessellate_file(const TessellateArguments& arguments, const PointsHeader& header) {
+  const KeptRun kept(arguments);
   check_memory(arguments.points.string(), header.count, header.dimension, sizeof(Scalar));
   Domain domain = make_domain(arguments, header.dimension);
   Points<Scalar> initial_sites;
@@ -75,7 +77,8 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
   }
   auto result = [&] {
     Progress progress(arguments.quiet);
-    return tessellate(problem, make_options(arguments, {}, sites, progress));
+    return tessellate(problem,
+                      kept.options(make_options(arguments, {}, sites, progress), progress));
   }();
   if (map) {
     const Points<Scalar> mapped_sites = std::exchange(result.sites, map->inverse(result.sites));
@@ -89,7 +92,9 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
   if (!arguments.owners_out.empty()) write_owners(arguments.owners_out, result.owners);
   write_summary(arguments, result.summary);
   write_points(arguments.output, result.sites);
-  return finish(arguments, outputs, result.summary);
+  const int status = finish(arguments, outputs, result.summary);
+  kept.end(result.summary);
+  return status;
 }
 
 }  // namespace

@@ -67,6 +67,7 @@ CLI::App* add_sample(CLI::App& app, SampleArguments& arguments) {
           },
           ""));
   add_common(*command, arguments, io::kSiteFiles, "float32");
+  add_checkpoint(*command, arguments);
   add_output(*command, "--points-out", arguments.points_out, "Write the points too",
              io::kTableFiles);
   add_output(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too",
@@ -96,6 +97,7 @@ CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
   add_box(*command, arguments.box, "The box that holds the points");
   add_common(*command, arguments, io::kTableFiles, "as the points are stored; text: float64",
              "stable");
+  add_checkpoint(*command, arguments);
   add_output(*command, "--owners-out", arguments.owners_out, "Write the owner of each point too",
              io::kTableFiles);
   command->footer(

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ccvt/weighted.h"
+#include "cli/kept_run.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
@@ -147,12 +148,14 @@ int tessellate_weighted(const TessellateArguments& arguments, const PointsHeader
   options.domain = domain;
   check_memory(arguments.points.string(), header.count, header.dimension, sizeof(Scalar));
   check_memory(arguments.sites, options.points_per_site, header.dimension, sizeof(Scalar));
+  const KeptRun kept(arguments);
   const Points<Scalar> points = read_points<Scalar>(arguments.points, arguments.reading);
   const std::vector<double> masses = read_masses(arguments);
   if (!arguments.capacities.empty()) options.capacities = read_numbers(arguments.capacities);
   const auto result = [&] {
     Progress progress(arguments.quiet);
-    options.relaxation = make_options(arguments, {}, arguments.sites, progress);
+    options.relaxation =
+        kept.options(make_options(arguments, {}, arguments.sites, progress), progress);
     return blame_file_of(
         arguments, [&] { return tessellate_masses(points, masses, arguments.sites, options); });
   }();
@@ -165,6 +168,7 @@ int tessellate_weighted(const TessellateArguments& arguments, const PointsHeader
   write_summary(arguments, result.summary, {}, figures_of(result, options.method));
   write_points(arguments.output, result.sites);
   const int status = publish(outputs);
+  kept.end(result.summary);
   warn(arguments.quiet, result.summary.warnings);
   if (arguments.quiet) return status;
   print(result.summary.brief() + "; " + result.brief_error() + "\n");

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "cli/kept_run.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
@@ -17,6 +18,7 @@ namespace {
 template <class Scalar>
 int sample(const VolumeArguments& arguments, const VolumeHeader& header,
            const std::optional<VolumeHeader>& mask_header) {
+  const KeptRun kept(arguments);
   const std::uint64_t mask_bytes = mask_header ? header.cells() + mask_header->bytes() : 0;
   const std::string needed = check_memory(arguments.sites, arguments.points_per_site, 3,
                                           sizeof(Scalar), header.bytes() + mask_bytes);
@@ -31,9 +33,10 @@ int sample(const VolumeArguments& arguments, const VolumeHeader& header,
 
   VolumeOptions options;
   options.points_per_site = arguments.points_per_site;
-  const VolumeSamples samples = blame(arguments.volume, [&] {
+  const VolumeSamples samples = kept.blame(arguments.volume, [&] {
     Progress progress(arguments.quiet);
-    options.tessellation = make_options(arguments, options.tessellation, arguments.sites, progress);
+    options.tessellation = kept.options(
+        make_options(arguments, options.tessellation, arguments.sites, progress), progress);
     return sample_volume<Scalar>(density, arguments.sites, options);
   });
   Publication outputs;
@@ -41,7 +44,9 @@ int sample(const VolumeArguments& arguments, const VolumeHeader& header,
   const PutBack put_back{samples.put_back, samples.farthest_put_back};
   write_summary(arguments, samples.summary, put_back);
   write_samples(arguments.output, samples);
-  return finish(arguments, outputs, samples.summary, put_back);
+  const int status = finish(arguments, outputs, samples.summary, put_back);
+  kept.end(samples.summary);
+  return status;
 }
 
 }  // namespace

@@ -332,6 +332,35 @@ void Descent<Scalar>::commit(LevelState<Scalar>& state, PassCount& result) {
   result = {};
 }
 
+template <class Scalar>
+void Descent<Scalar>::save(StateWriter& out) const {
+  out.put(ended_);
+  out.put(unsuited_);
+  out.put(first_gain_);
+  out.put(last_gain_);
+  out.put(share_);
+  out.put(small_gains_);
+  out.put_all(position_);
+  out.put_all(gradient_);
+  directions_.save(out);
+  meeting_.save(out);
+}
+
+template <class Scalar>
+void Descent<Scalar>::load(StateReader& in) {
+  ended_ = in.get<bool>();
+  unsuited_ = in.get<bool>();
+  first_gain_ = in.get<double>();
+  last_gain_ = in.get<double>();
+  share_ = in.get<double>();
+  small_gains_ = in.get<int>();
+  position_ = in.get_all<double>(position_.size());
+  gradient_ = in.get_all<double>();
+  if (!gradient_.empty() && gradient_.size() != position_.size()) throw Damaged();
+  directions_.load(in);
+  meeting_.load(in, metric_, arena_);
+}
+
 template class Descent<float>;
 template class Descent<double>;
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "checkpoint/state_bytes.h"
 #include "descent/borders.h"
 #include "descent/lbfgs.h"
 #include "geometry/metric.h"
@@ -40,6 +41,10 @@ class Descent {
   /// does not rise. When the run is cancelled meanwhile, nothing has changed. What counts as
   /// exchanged are the points that changed owners.
   PassCount step(LevelState<Scalar>& state);
+  /// Between two steps: what the next one goes on from, but for the weights.
+  void save(StateWriter& out) const;
+  void load(StateReader& in);
+
   /// Whether little is left to be gained.
   [[nodiscard]] bool ended() const { return ended_; }
   [[nodiscard]] Depth depth() const { return depth_; }

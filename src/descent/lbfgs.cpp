@@ -50,4 +50,24 @@ void Lbfgs::add(Vector step, Vector change) {
   pairs_.push_back({std::move(step), std::move(change), product});
 }
 
+void Lbfgs::save(StateWriter& out) const {
+  out.put(std::uint64_t{pairs_.size()});
+  for (const StepAndChange& pair : pairs_) {
+    out.put_all(pair.step);
+    out.put_all(pair.change);
+    out.put(pair.product);
+  }
+}
+
+void Lbfgs::load(StateReader& in) {
+  const auto count = in.get<std::uint64_t>();
+  if (count > kMemory) throw Damaged();
+  pairs_.clear();
+  for (std::uint64_t k = 0; k < count; ++k) {
+    Vector step = in.get_all<double>(weights_.size() * dimension_);
+    Vector change = in.get_all<double>(weights_.size() * dimension_);
+    pairs_.push_back({std::move(step), std::move(change), in.get<double>()});
+  }
+}
+
 }  // namespace ccvt

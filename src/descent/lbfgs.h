@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "checkpoint/state_bytes.h"
 #include "parallel/loops.h"
 
 namespace ccvt {
@@ -28,6 +29,9 @@ class Lbfgs {
   void add(Vector step, Vector change);
   [[nodiscard]] bool empty() const { return pairs_.empty(); }
   void forget() { pairs_.clear(); }
+
+  void save(StateWriter& out) const;
+  void load(StateReader& in);
 
  private:
   struct StepAndChange {

@@ -48,10 +48,19 @@ void OutputFile::synchronize() {
   unsynchronized_ = 0;
 }
 
-void OutputFile::commit() {
+void OutputFile::close() {
   synchronize();
   if (std::fclose(file_.release()) != 0) unfinished_.fail(errno);
+}
+
+void OutputFile::commit() {
+  close();
   publish(std::move(unfinished_));
+}
+
+void OutputFile::commit_now() {
+  close();
+  unfinished_.publish();
 }
 
 }  // namespace ccvt::io

@@ -23,9 +23,12 @@ class OutputFile {
   /// Completes the file, and renames it, unless a Publication of this thread is to do that. Throws
   /// IoError.
   void commit();
+  /// The same, and no Publication is asked.
+  void commit_now();
 
  private:
   void synchronize();
+  void close();
 
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }

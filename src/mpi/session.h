@@ -42,6 +42,9 @@ class Session {
   /// how many, and what is printed only from the first one.
   template <class Arguments>
   [[nodiscard]] Arguments own(Arguments arguments) const {
+    if (!arguments.checkpoint.empty()) {
+      throw InvalidInput("--checkpoint: is for ccvt only, not for several processes");
+    }
     if (arguments.threads == 0) arguments.threads = own_threads();
     if (!is_first()) arguments.quiet = true;
     return arguments;

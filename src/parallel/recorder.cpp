@@ -20,6 +20,15 @@ Phase Recorder::enter(Phase phase) {
   return before;
 }
 
+void Recorder::add(const std::array<Share, kPhases>& earlier) {
+  for (std::size_t k = 0; k < kPhases; ++k) {
+    shares_[k].seconds += earlier[k].seconds;
+    shares_[k].work_seconds += earlier[k].work_seconds;
+    shares_[k].loops += earlier[k].loops;
+    shares_[k].tasks += earlier[k].tasks;
+  }
+}
+
 Recorder::Loop& Recorder::begin_loop(std::size_t tasks) {
   loop_.phase = phase_;
   loop_.tasks.assign(tasks, 0);

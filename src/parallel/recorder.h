@@ -53,6 +53,8 @@ class Recorder {
   };
 
   [[nodiscard]] const std::array<Share, kPhases>& shares() const { return shares_; }
+  /// What an earlier part of the run has taken.
+  void add(const std::array<Share, kPhases>& earlier);
   /// Charges the current phase with the time up to now.
   void charge() { enter(phase_); }
 

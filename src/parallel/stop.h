@@ -40,9 +40,21 @@ class Stop {
   /// Asks at once.
   bool requested() {
     if (!asking_ || stop_) return stop_;
-    late_ = Clock::now() >= deadline_;
-    if (late_ || (cancelled_ && cancelled_())) stop_ = true;
+    const auto now = Clock::now();
+    if (!wished_) {
+      late_ = now >= deadline_;
+      wished_ = late_ || (cancelled_ && cancelled_());
+      latest_ = now + patience_;
+    }
+    if (wished_ && now >= latest_) stop_ = true;
     return stop_;
+  }
+  /// Gives the caller so much time, from when he is told, to come to where he would rather end.
+  void be_patient(std::chrono::milliseconds time) { patience_ = time; }
+  /// Asks at once; true also while there is time left.
+  bool wished() {
+    requested();
+    return wished_;
   }
   /// Whether it was the time that ended it.
   [[nodiscard]] bool late() const { return late_; }
@@ -103,6 +115,9 @@ class Stop {
   std::atomic<bool> stop_{false};
   // Of the caller's thread, or changed while no other works:
   Clock::time_point deadline_ = Clock::time_point::max();
+  Clock::time_point latest_ = {};
+  std::chrono::milliseconds patience_{0};
+  bool wished_ = false;
   bool late_ = false;
   bool asking_ = false;
   bool limited_ = false;

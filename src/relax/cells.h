@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ccvt/types.h"
+#include "checkpoint/state_bytes.h"
 #include "numbers.h"
 #include "parallel/buffer.h"
 #include "parallel/bytes.h"
@@ -105,6 +106,18 @@ class Cells {
     Scalar* stream = block(site);
     for (std::size_t d = 0; d < dimension_; ++d, stream += size(site)) {
       in.get(std::span(stream, first));
+    }
+  }
+
+  /// The points of a cell in their order, without their coordinates, which load() takes from all
+  /// points.
+  void save(StateWriter& out, SiteNumber site) const { out.put_each(points(site)); }
+  void load(StateReader& in, SiteNumber site, const PointsView<Scalar>& all) {
+    const std::span<PointNumber> own(order(site), points(site).size());
+    in.get_each(own);
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      if (own[k].index() < 0 || own[k].index() >= all.count) throw Damaged();
+      put(site, static_cast<Index>(k), own[k], all[own[k].index()]);
     }
   }
 

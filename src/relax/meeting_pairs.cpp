@@ -107,10 +107,17 @@ bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Are
   position_.resize(sites.position.size());
   reach_.resize(count);
   for_each_site(arena, count, kSitesPerGrain, [&](SiteNumber s) { enter(sites, s); });
+  return list(metric, arena, limit);
+}
+
+/// Lists the pairs of the spheres that have been entered.
+bool MeetingPairs::list(const Metric& metric, const Arena& arena, std::size_t limit) {
+  const std::size_t count = reach_.size();
   pairs_ = {};
   added_.clear();
   moved_.clear();
-  search_.emplace(metric, sites.position, arena);
+  before_ = {};
+  search_.emplace(metric, position_, arena);
 
   usual_reach_ = usual(reach_);
   far_ = collect_by_site<SiteNumber>(arena, count, kSitesPerGrain,
@@ -156,6 +163,12 @@ bool MeetingPairs::listed(const Pair& pair) const {
 /// takes longer than to make the list again: small spheres among many, sought as far as most reach.
 bool MeetingPairs::extend(const Metric& metric, const SiteState& sites,
                           std::span<const SiteNumber> left, const Arena& arena) {
+  for (const SiteNumber site : left) {
+    if (std::binary_search(moved_.begin(), moved_.end(), site)) continue;
+    before_.site.push_back(site);
+    before_.position.insert(before_.position.end(), at(site), at(site) + dimension_);
+    before_.reach.push_back(reach_[site]);
+  }
   arena.for_each(left.size(), kSitesPerGrain, [&](std::size_t k) { enter(sites, left[k]); });
   std::vector<SiteNumber> moved_before;
   moved_before.swap(moved_);
@@ -205,6 +218,52 @@ bool MeetingPairs::extend(const Metric& metric, const SiteState& sites,
   std::set_union(added_before.begin(), added_before.end(), fresh.begin(), fresh.end(),
                  std::back_inserter(added_));
   return true;
+}
+
+void MeetingPairs::save(StateWriter& out) const {
+  out.put(search_.has_value());
+  if (!search_) return;
+  out.put(std::uint64_t{dimension_});
+  out.put_all(position_);
+  out.put_all(reach_);
+  out.put_all(before_.site);
+  out.put_all(before_.position);
+  out.put_all(before_.reach);
+  out.put_all(moved_);
+  out.put_all(added_);
+}
+
+void MeetingPairs::load(StateReader& in, const Metric& metric, const Arena& arena) {
+  forget();
+  if (!in.get<bool>()) return;
+  dimension_ = static_cast<std::size_t>(in.get<std::uint64_t>());
+  std::vector<double> position = in.get_all<double>();
+  std::vector<double> reach = in.get_all<double>();
+  if (dimension_ != metric.coordinate_count() || position.size() != reach.size() * dimension_) {
+    throw Damaged();
+  }
+  Entered before;
+  before.site = in.get_numbers<SiteNumber>(reach.size());
+  before.position = in.get_all<double>(before.site.size() * dimension_);
+  before.reach = in.get_all<double>(before.site.size());
+  std::vector<SiteNumber> moved = in.get_numbers<SiteNumber>(reach.size());
+  std::vector<Pair> added = in.get_all<Pair>();
+  for (const Pair& pair : added) {
+    if (std::max(pair.first, pair.second) >= reach.size()) throw Damaged();
+  }
+  position_ = position;
+  reach_ = reach;
+  for (std::size_t k = 0; k < before.site.size(); ++k) {
+    reach_[before.site[k]] = before.reach[k];
+    std::copy_n(&before.position[k * dimension_], dimension_,
+                &position_[before.site[k] * dimension_]);
+  }
+  list(metric, arena, SIZE_MAX);
+  position_ = std::move(position);
+  reach_ = std::move(reach);
+  before_ = std::move(before);
+  moved_ = std::move(moved);
+  added_ = std::move(added);
 }
 
 }  // namespace ccvt

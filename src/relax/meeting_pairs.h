@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "checkpoint/state_bytes.h"
 #include "geometry/metric.h"
 #include "parallel/loops.h"
 #include "relax/site_state.h"
@@ -31,6 +32,10 @@ class MeetingPairs {
   /// The next refresh() builds the list anew.
   void forget() { search_.reset(); }
 
+  /// Of the list, what it takes to make it again, O(n); load() does, in the time of refresh().
+  void save(StateWriter& out) const;
+  void load(StateReader& in, const Metric& metric, const Arena& arena);
+
   /// Pairs listed when the list was made, and those added since, sorted; first site < second site.
   [[nodiscard]] std::span<const Pair> pairs() const { return pairs_.items; }
   [[nodiscard]] std::span<const Pair> added() const { return added_; }
@@ -40,6 +45,12 @@ class MeetingPairs {
     SiteSearch search;
     double largest_reach;
   };
+  /// Spheres as they were entered when the list was made.
+  struct Entered {
+    std::vector<SiteNumber> site;
+    std::vector<double> position;
+    std::vector<double> reach;
+  };
 
   [[nodiscard]] Group group(const Metric& metric, std::span<const SiteNumber> sites,
                             const Arena& arena) const;
@@ -48,6 +59,7 @@ class MeetingPairs {
   void enter(const SiteState& sites, SiteNumber site);
   [[nodiscard]] bool may_meet(SiteNumber a, SiteNumber b, double squared) const;
   bool build(const Metric& metric, const SiteState& sites, const Arena& arena, std::size_t limit);
+  bool list(const Metric& metric, const Arena& arena, std::size_t limit);
   bool extend(const Metric& metric, const SiteState& sites, std::span<const SiteNumber> left,
               const Arena& arena);
   [[nodiscard]] bool listed(const Pair& pair) const;
@@ -60,6 +72,7 @@ class MeetingPairs {
   std::vector<double> reach_;         ///< its radius and skin
   std::optional<SiteSearch> search_;  ///< among the sites where they were when the list was made
   std::vector<SiteNumber> moved_;     ///< entered since: the search has them where they were
+  Entered before_;                    ///< these, in the order in which they moved
   Buffer<SiteNumber> far_;            ///< spheres that reach farther than usual_reach_
   std::optional<Group> far_group_;
   double usual_reach_ = 0;

@@ -54,6 +54,21 @@ void PairLists::forget() {
   dense_ = false;
 }
 
+void PairLists::save(StateWriter& out) const {
+  out.put(dense_);
+  out.put(dense_passes_);
+  meeting_.save(out);
+}
+
+void PairLists::load(StateReader& in, const Metric& metric, const Tiling& tiling,
+                     const Arena& arena) {
+  dense_ = in.get<bool>();
+  dense_passes_ = in.get<int>();
+  meeting_.load(in, metric, arena);
+  first_ = schedule_pairs(meeting_.pairs(), tiling, arena);
+  added_ = schedule_pairs(meeting_.added(), tiling, arena);
+}
+
 Buffer<Pair> PairLists::pairs() const {
   const auto first = meeting_.pairs();
   const auto added = meeting_.added();

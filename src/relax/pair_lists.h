@@ -18,6 +18,9 @@ class PairLists {
   /// The next refresh() lists all anew: after a pass that was left in the middle.
   void forget();
 
+  void save(StateWriter& out) const;
+  void load(StateReader& in, const Metric& metric, const Tiling& tiling, const Arena& arena);
+
   /// The pairs listed first, and those added since.
   [[nodiscard]] std::array<const Schedule*, 2> schedules() const { return {&first_, &added_}; }
   /// All pairs listed, in no order; none when nearly all meet.

@@ -24,10 +24,6 @@ constexpr Index kReplacedShare = 4;
 /// Bins of a patch, along the last dimension: within a bin points are in no order.
 constexpr double kBinsOfPatch = 8;
 
-Index size_of_patch(Index points) {
-  return static_cast<Index>(kSizeOfRoot * std::cbrt(points)) / kSizeStep * kSizeStep;
-}
-
 /// A grid over a cell, as its points are spread. Consecutive bins are neighbours: every other row
 /// runs backwards.
 template <class Scalar>
@@ -69,10 +65,19 @@ class Grid {
 
 }  // namespace
 
+/// Of a cell of so many points; 0 where it is not worth dividing.
 template <class Scalar>
-bool Patches<Scalar>::divides(Index points) const {
-  const Index size = size_of_patch(points);
-  return size > 0 && points >= size * std::pow(kLeastAlong, static_cast<double>(dimension_));
+Index Patches<Scalar>::patch_size(Index points) const {
+  const auto size = static_cast<Index>(kSizeOfRoot * std::cbrt(points)) / kSizeStep * kSizeStep;
+  const bool pays = points >= size * std::pow(kLeastAlong, static_cast<double>(dimension_));
+  return pays ? size : 0;
+}
+
+/// Of all boxes of a divided cell: how many lower ends there are.
+template <class Scalar>
+std::size_t Patches<Scalar>::ends(Index points) const {
+  const Index size = patch_size(points);
+  return size == 0 ? 0 : (static_cast<std::size_t>((points + size - 1) / size) + 1) * dimension_;
 }
 
 template <class Scalar>
@@ -82,12 +87,12 @@ void Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scrat
   if (++cell.looks < kLooks) return;
   cell.looks = 0;
   if (has(site) && cell.replaced <= points / kReplacedShare) return;
-  if (!divides(points)) return;
-  const Index size = size_of_patch(points);
-  const auto count = static_cast<std::size_t>((points + size - 1) / size);
-  cell.low.resize((count + 1) * dimension_);
+  const Index size = patch_size(points);
+  if (size == 0) return;
+  cell.low.resize(ends(points));
   cell.high.resize(cell.low.size());
   cell.size = size;
+  const std::size_t count = this->count(site);
   sort(cells, site, scratch);
   cell.replaced = 0;
   const Scalar* stream = cells.block(site);
@@ -143,6 +148,31 @@ void Patches<Scalar>::replace(SiteNumber site, Index place, const Scalar* coordi
       cell.high[k] = std::max(cell.high[k], coordinates[d]);
     }
   }
+}
+
+template <class Scalar>
+void Patches<Scalar>::save(StateWriter& out, SiteNumber site, Index points) const {
+  const Cell& cell = cells_[site];
+  out.put(cell.looks);
+  out.put(cell.replaced);
+  out.put(Index{has(site)});
+  out.put_each(std::span<const Scalar>(cell.low));
+  out.put_each(std::span<const Scalar>(cell.high));
+  if (!has(site)) out.put_nothing(2 * ends(points) * sizeof(Scalar));
+}
+
+template <class Scalar>
+void Patches<Scalar>::load(StateReader& in, SiteNumber site, Index points) {
+  Cell& cell = cells_[site];
+  cell.looks = in.get<Index>();
+  cell.replaced = in.get<Index>();
+  if (in.get<Index>() == 0) return in.skip(2 * ends(points) * sizeof(Scalar));
+  if (ends(points) == 0) throw Damaged();
+  cell.size = patch_size(points);
+  cell.low.resize(ends(points));
+  cell.high.resize(ends(points));
+  in.get_each(std::span(cell.low));
+  in.get_each(std::span(cell.high));
 }
 
 template class Patches<float>;

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "checkpoint/state_bytes.h"
 #include "relax/cells.h"
 
 namespace ccvt {
@@ -45,7 +46,7 @@ class Patches {
   [[nodiscard]] std::span<const Scalar> high(SiteNumber site) const { return cells_[site].high; }
 
   /// Whether a cell of so many points is ever divided. What is known of others does not matter.
-  [[nodiscard]] bool divides(Index points) const;
+  [[nodiscard]] bool divides(Index points) const { return ends(points) > 0; }
 
   /// Writes what is known of a cell, for another rank, and reads it there.
   void write(ByteWriter& out, SiteNumber site) const {
@@ -65,6 +66,13 @@ class Patches {
     in.get(std::span(&cell.replaced, 1));
   }
 
+  /// What is known of a cell of so many points, in as many bytes for all of that size.
+  void save(StateWriter& out, SiteNumber site, Index points) const;
+  void load(StateReader& in, SiteNumber site, Index points);
+  [[nodiscard]] std::size_t bytes(Index points) const {
+    return 3 * sizeof(Index) + 2 * ends(points) * sizeof(Scalar);
+  }
+
   /// Says that another point has come to a place of a cell.
   void replace(SiteNumber site, Index place, const Scalar* coordinates);
 
@@ -76,6 +84,8 @@ class Patches {
     Index looks = 0;
     Index replaced = 0;
   };
+  [[nodiscard]] Index patch_size(Index points) const;
+  [[nodiscard]] std::size_t ends(Index points) const;
   void sort(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch) const;
 
   std::size_t dimension_;

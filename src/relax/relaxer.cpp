@@ -197,6 +197,29 @@ void Relaxer<Scalar>::forget_pairs() {
 }
 
 template <class Scalar>
+void Relaxer<Scalar>::save(StateWriter& out) const {
+  out.put(cached_passes_);
+  out.put_all(cache_);
+  out.put_all(touched_);
+  lists_.save(out);
+}
+
+template <class Scalar>
+void Relaxer<Scalar>::load(StateReader& in, const Tiling& tiling) {
+  cached_passes_ = in.get<int>();
+  cache_ = in.get_all<Pair>();
+  for (const Pair& pair : cache_) {
+    if (std::max(pair.first, pair.second) >= touched_.size()) throw Damaged();
+  }
+  touched_ = in.get_all<std::uint8_t>(touched_.size());
+  touched_tile_.assign(tiling.count(), 0);
+  for (const SiteNumber site : sites_below(touched_.size())) {
+    touched_tile_[tiling.tile_of(site)] |= touched_[site];
+  }
+  lists_.load(in, metric_, tiling, arena_);
+}
+
+template <class Scalar>
 void update_all(const Metric& metric, LevelState<Scalar>& state, const Arena& arena) {
   const auto charge = arena.phase(Phase::update);
   for_each_site(arena, state.tiling, [&](SiteNumber site) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ccvt/options.h"
+#include "checkpoint/state_bytes.h"
 #include "geometry/metric.h"
 #include "parallel/loops.h"
 #include "relax/level_state.h"
@@ -40,6 +41,17 @@ class Relaxer {
   /// One pass [4.2], and the centroid update after it. When `stop` ends the pass, the update is
   /// still made, and `stop` switched off. `state` is the same, or in the same state, each time.
   PassCount step(LevelState<Scalar>& state);
+
+  /// Between two passes: what is known of all pairs, and of the cell of a site, apart.
+  void save(StateWriter& out) const;
+  void load(StateReader& in, const Tiling& tiling);
+  void save_cell(StateWriter& out, SiteNumber site, Index points) const {
+    patches_.save(out, site, points);
+  }
+  [[nodiscard]] std::size_t cell_bytes(Index points) const { return patches_.bytes(points); }
+  void load_cell(StateReader& in, SiteNumber site, Index points) {
+    patches_.load(in, site, points);
+  }
 
   [[nodiscard]] bool stable() const { return stable_; }
 

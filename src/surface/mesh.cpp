@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "ccvt/surface.h"
+#include "no_checkpoint.h"
 #include "number_text.h"
 
 namespace ccvt {
@@ -78,6 +79,7 @@ void SurfaceOptions::validate() const {
     throw InvalidInput(concat("normal_weight: is ", normal_weight, "; must be from 0 to 100"));
   }
   tessellation.validate();
+  require_no_checkpoint(tessellation, "sample_surface()");
 }
 
 }  // namespace ccvt

@@ -12,6 +12,7 @@
 #include "ccvt/solver.h"
 #include "geometry/chosen_points.h"
 #include "geometry/metric.h"
+#include "no_checkpoint.h"
 #include "normalize.h"
 #include "number_text.h"
 #include "numbers.h"
@@ -250,6 +251,7 @@ void ThinOptions::validate() const {
     throw InvalidInput(concat("normal_weight: is ", normal_weight, "; must be from 0 to 100"));
   }
   tessellation.validate();
+  require_no_checkpoint(tessellation, "thin()");
 }
 
 template <class Scalar>

@@ -15,6 +15,8 @@ ADVICE = {
     "include/ccvt/types.h": "Pass a column-major matrix, one point a column; copy it with `.eval()` "
                             "where its memory is strided.",
     "src/capacity.cpp": "Capacities are whole numbers, one a site, and sum to the number of points.",
+    "src/checkpoint/checkpoint_file.cpp": "What is damaged cannot be continued: remove it, and the run "
+                                          "begins anew.",
     "src/cli/analyze.cpp": "Give the box that the points fill (`--box`), and average or compare only "
                            "point sets that agree in dimensions, number and box.",
     "src/cli/analyze_command.cpp": _USAGE,
@@ -46,10 +48,13 @@ ADVICE = {
     "src/mpi/mpi_ranks.cpp": "Take more ranks: each then sends less at a time.",
     "src/mpi/results.h": _RANKS,
     "src/mpi/session.cpp": _RANKS,
+    "src/mpi/session.h": _RANKS,
     "src/mpi/shared_file.cpp": "All ranks need a file system that all of them see, with room.",
     "src/mpi/tessellate.cpp": _RANKS,
     "src/run.cpp": "Several ranks start balanced, and take levels of few points a site: lower "
                    "dimensions, more sites, or `Options::descent_points` of 0.",
+    "src/no_checkpoint.h": "Only what runs one solver keeps a checkpoint: leave Options::checkpoint "
+                           "empty.",
     "src/geometry/linear_map.cpp": "Give a regular matrix. Points that lie in a plane cannot be "
                                    "whitened: take away a dimension.",
     "src/io/byte_stream.cpp": _DAMAGED,
@@ -103,6 +108,8 @@ ADVICE = {
     "src/problem.cpp": _PARAMETER,
     "src/relax/balance.cpp": "A mistake of the library: please report it.",
     "src/relax/mover.cpp": "A mistake of the library: please report it.",
+    "src/run_checkpoint.cpp": "A checkpoint is saved from and loaded into a solver that has not ended. "
+                              "What is damaged cannot be continued: remove it, and the run begins anew.",
     "src/sampling/density.cpp": "Densities are finite and not negative, and positive somewhere.",
     "src/sampling/function.cpp": "Densities are finite and not negative, nowhere above the maximum "
                                  "that was given, and positive somewhere.",
@@ -136,6 +143,7 @@ CANNOT_BE_PROVOKED = {
     ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 16 GB together"): _HUGE,
     ("src/mpi/mpi_ranks.cpp", "ranks: a message has more than 16 GB"): _HUGE,
     ("src/mpi/mpi_ranks.cpp", "ranks: a message has more than 2 GB"): _HUGE,
+    ("src/mpi/session.h", "--checkpoint: is for ccvt only, not for several processes"): _MPI,
     ("src/mpi/tessellate.cpp", ": is for ccvt only, not for several processes"): _MPI,
     ("src/mpi/results.h", ": what several processes write together goes into .npy"): _MPI,
     ("src/mpi/shared_file.cpp", ": cannot "): _MPI,

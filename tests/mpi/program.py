@@ -118,6 +118,8 @@ def faults():
          "--whiten")
     ends(together(2, "sample", "--dim", "2", "--sites", "9", "-o", "bad-sites.npy", "--owners-out",
                   "bad-owners.csv"), 2, ".npy")
+    ends(together(2, "sample", "--dim", "2", "--sites", "9", "--checkpoint", "kept", *outputs), 2,
+         "--checkpoint")
     # In the last rank's part only.
     broken = bytearray(pathlib.Path("points.npy").read_bytes())
     broken[-4:] = b"\x00\x00\xc0\x7f"

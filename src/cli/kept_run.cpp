@@ -1,0 +1,112 @@
+#include "cli/kept_run.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <fstream>
+#include <iostream>
+#include <system_error>
+
+#include "cli/run.h"
+
+namespace ccvt::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kName = "ccvt.checkpoint";
+constexpr std::array<char, 8> kBegins{'c', 'c', 'v', 't', 'c', 'k', 'p', 't'};
+
+[[noreturn]] void refuse(const fs::path& directory, const std::string& reason) {
+  throw InvalidInput("--checkpoint: " + directory.string() + ": " + reason);
+}
+
+bool is_checkpoint(const fs::path& file) {
+  std::array<char, kBegins.size()> begin{};
+  std::ifstream(file, std::ios::binary).read(begin.data(), begin.size());
+  return begin == kBegins;
+}
+
+}  // namespace
+
+KeptRun::KeptRun(const CommonArguments& arguments)
+    : directory_(arguments.checkpoint),
+      seconds_(arguments.checkpoint_every),
+      quiet_(arguments.quiet) {
+  if (directory_.empty()) return;
+  std::error_code error;
+  fs::create_directory(directory_, error);
+  if (error) refuse(directory_, "cannot be made: " + error.message());
+  hold();
+  file_ = directory_ / kName;
+}
+
+KeptRun::~KeptRun() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+/// The lock goes when the process does, however that ends. Some file systems have none.
+void KeptRun::hold() {
+  descriptor_ = ::open(directory_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor_ < 0 || ::access(directory_.c_str(), W_OK) != 0) {
+    const int error = errno;
+    if (descriptor_ >= 0) ::close(descriptor_);
+    refuse(directory_, std::generic_category().message(error));
+  }
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return remove_left_over();
+  if (errno != EWOULDBLOCK) return;
+  ::close(descriptor_);
+  refuse(directory_, "another process keeps its run there");
+}
+
+void KeptRun::remove_left_over() const {
+  std::error_code error;
+  for (fs::directory_iterator entry(directory_, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const fs::path& file = entry->path();
+    const bool unfinished =
+        file.filename().string().rfind(".ccvt-", 0) == 0 && file.extension() == ".part";
+    std::error_code ignored;
+    if (unfinished && is_checkpoint(file)) fs::remove(file, ignored);
+  }
+}
+
+Options KeptRun::options(Options options, Progress& progress) const {
+  options.checkpoint = file_;
+  options.checkpoint_seconds = seconds_;
+  options.on_checkpoint = [this, &progress](const CheckpointRecord& record) {
+    tell(record, progress);
+  };
+  return options;
+}
+
+void KeptRun::tell(const CheckpointRecord& record, Progress& progress) const {
+  if (quiet_ || record.event == CheckpointRecord::Event::saved) return;
+  progress.clear();
+  if (record.event == CheckpointRecord::Event::continued) {
+    std::cerr << one_line("ccvt: goes on from " + directory_.string() + ", after iteration " +
+                          std::to_string(record.iteration));
+  } else {
+    std::cerr << one_line("ccvt: warning: " + record.failure +
+                          ": the run goes on, and what was kept of it before stays");
+  }
+}
+
+void KeptRun::end(const Summary& summary) const {
+  if (file_.empty()) return;
+  const Termination how = summary.termination;
+  std::error_code ignored;
+  if (how == Termination::stable || how == Termination::blue_noise ||
+      how == Termination::energy_tolerance) {
+    fs::remove(file_, ignored);
+  } else if (!quiet_ && fs::exists(file_, ignored)) {
+    std::cerr << one_line("ccvt: the same command, or one with other limits, goes on from " +
+                          directory_.string());
+  }
+}
+
+}  // namespace ccvt::cli
