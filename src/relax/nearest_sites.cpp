@@ -86,6 +86,11 @@ std::size_t NearestSites<Scalar>::cell_of(const Scalar* position) const {
 }
 
 template <class Scalar>
+std::size_t NearestSites<Scalar>::cell_of(const Scalar* x) const {
+  return dimension_ == 2 ? cell_of<2>(x) : cell_of<3>(x);
+}
+
+template <class Scalar>
 auto NearestSites<Scalar>::centre_of(std::size_t bin) const -> Vector {
   Vector centre{};
   for (std::size_t d = 0; d < dimension_; ++d) {

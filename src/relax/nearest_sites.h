@@ -48,9 +48,7 @@ class NearestSites {
 
   /// The order in which find() leaves points of a grid: by this, and then by their numbers.
   [[nodiscard]] std::size_t cell_count() const { return bins_->bin_count() << dimension_; }
-  [[nodiscard]] std::size_t cell_of(const Scalar* x) const {
-    return dimension_ == 2 ? cell_of<2>(x) : cell_of<3>(x);
-  }
+  [[nodiscard]] std::size_t cell_of(const Scalar* x) const;
 
   /// What find() finds, and memory that it needs: both last from one call to the next.
   template <std::size_t Dimension>

@@ -141,8 +141,6 @@ _HUGE = "needs more than 2^31 of them in memory or in a file"
 _MPI = "tests/mpi/program.py provokes it, where there is MPI"
 CANNOT_BE_PROVOKED = {
     ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 16 GB together"): _HUGE,
-    ("src/mpi/mpi_ranks.cpp", "ranks: a message has more than 16 GB"): _HUGE,
-    ("src/mpi/mpi_ranks.cpp", "ranks: a message has more than 2 GB"): _HUGE,
     ("src/mpi/session.h", "--checkpoint: is for ccvt only, not for several processes"): _MPI,
     ("src/mpi/tessellate.cpp", ": is for ccvt only, not for several processes"): _MPI,
     ("src/mpi/results.h", ": what several processes write together goes into .npy"): _MPI,
