@@ -11,10 +11,7 @@
 
 #include "bounds.h"
 #include "descent/descent.h"
-#include "no_checkpoint.h"
-#include "number_text.h"
 #include "parallel/loops.h"
-#include "parallel/together.h"
 #include "relax/deal.h"
 #include "relax/initial_sites.h"
 #include "relax/initialize.h"
@@ -27,7 +24,6 @@
 namespace ccvt {
 namespace {
 
-constexpr int kBalancedDimensions = 8;
 /// Points of levels that a cancelled run has not reached: with more, kTimeToFinish is not tried.
 constexpr Index kMostToFinish = 1 << 24;
 /// What an iteration may take to its end, so that a checkpoint can be left, before a run that is to
@@ -47,23 +43,6 @@ const char* name_of(Initialization initialization) {
       return "random";
   }
   return "unknown";
-}
-
-/// What a problem of several ranks cannot have.
-void require_for_ranks(const Options& options, double points_a_site) {
-  require_no_checkpoint(options, "a problem of several ranks");
-  if (options.initialization != Initialization::balanced) {
-    throw InvalidInput(std::string("options.initialization: is ") +
-                       name_of(options.initialization) + ", which is the default beyond " +
-                       std::to_string(kBalancedDimensions) +
-                       " dimensions, too: several ranks need balanced");
-  }
-  if (options.descent_points > 0 && options.pairs == PairSelection::meeting &&
-      points_a_site >= options.descent_points) {
-    throw InvalidInput("options.descent_points: is " + std::to_string(options.descent_points) +
-                       ", and there are " + text(points_a_site, 4) +
-                       " points a site: several ranks need it to be 0, or more than these");
-  }
 }
 
 /// `one_level`: when levels have nothing to give, as owners are there or no site moves.
@@ -101,11 +80,7 @@ Run<Scalar>::Run(Problem<Scalar> given_problem, Options given_options)
   summary.seed = options.seed;
   summary.threads_given = options.threads;
   summary.threads_used = arena.threads();
-  agree(ranks(), [&] {
-    if (ranks() == nullptr) return;
-    const double points = problem.point_count();
-    require_for_ranks(options, points / problem.site_count());
-  });
+  require_for_ranks();
   summary.initialization_used = warm ? "owners" : name_of(options.initialization);
 
   {
@@ -384,54 +359,6 @@ void Run<Scalar>::begin_level() {
                                                 *depth, weights);
   }
   record.begin(energy_of_sites(), on_finest_level());
-}
-
-/// Whether one of the ranks is to end: they do so together, after an iteration.
-template <class Scalar>
-bool Run<Scalar>::cancelled_together(bool own) {
-  if (ranks() == nullptr) return false;
-  own = own || stop_of_ranks.requested();
-  late = any(ranks(), stop_of_ranks.late());
-  return any(ranks(), own);
-}
-
-/// Each rank tells the ranks of the points in its cells whose they are, about so many points at a
-/// time.
-template <class Scalar>
-std::vector<Index> Run<Scalar>::owners_at_home() const {
-  constexpr Index kPointsAtOnce = 1 << 18;
-  struct Owned {
-    PointNumber point;
-    SiteNumber owner;
-  };
-  const std::vector<Index> first = of_all(ranks(), problem.first_own_point());
-  std::vector<Index> owners(static_cast<std::size_t>(problem.own_points().count), -1);
-  const NumberRange<SiteNumber> own = state.tiling.own_sites();
-  SiteNumber next = *own.begin();
-  while (any(ranks(), next != *own.end())) {
-    std::vector<std::vector<Owned>> owned(first.size());
-    for (Index points = 0; points < kPointsAtOnce && next != *own.end(); ++next) {
-      points += state.cells.size(next);
-      for (const PointNumber p : state.cells.points(next)) {
-        // The last rank that begins there or before: others there have no points.
-        const auto after = std::upper_bound(first.begin(), first.end(), p.index());
-        owned[static_cast<std::size_t>(after - first.begin() - 1)].push_back({p, site_of[next]});
-      }
-    }
-    std::vector<Ranks::Bytes> messages;
-    for (const std::vector<Owned>& theirs : owned) {
-      const auto bytes = std::as_bytes(std::span(theirs));
-      messages.emplace_back(bytes.begin(), bytes.end());
-    }
-    for (const Ranks::Bytes& message : ranks()->exchange(std::move(messages))) {
-      std::vector<Owned> come(message.size() / sizeof(Owned));
-      ByteReader(message).get(std::span(come));
-      for (const auto& [point, owner] : come) {
-        owners[PointNumber(point.index() - problem.first_own_point())] = owner.index();
-      }
-    }
-  }
-  return owners;
 }
 
 template <class Scalar>

@@ -29,6 +29,9 @@
 
 namespace ccvt {
 
+/// Beyond so many dimensions the automatic start is the coherent one.
+constexpr int kBalancedDimensions = 8;
+
 /// What a Solver does, from the first sites to its end.
 template <class Scalar>
 struct Run {
@@ -76,9 +79,11 @@ struct Run {
   void tell(CheckpointRecord::Event event, double seconds, const std::string& failure = {});
   [[nodiscard]] double progress(const PassCount& done) const;
 
-  [[nodiscard]] std::vector<Index> owners_at_home() const;
+  // Of several ranks, in run_ranks.cpp.
   [[nodiscard]] Ranks* ranks() const { return problem.ranks(); }
+  void require_for_ranks() const;
   bool cancelled_together(bool own);
+  [[nodiscard]] std::vector<Index> owners_at_home() const;
 
   Problem<Scalar> problem;
   bool warm;  ///< the problem has owners

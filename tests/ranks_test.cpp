@@ -51,6 +51,8 @@ void check_message(int count, const std::function<void(ccvt::Ranks&)>& work,
 
 }  // namespace
 
+TEST_SUITE_BEGIN("ranks");
+
 TEST_CASE("ranks: threads that are ranks get the bits of one process") {
   for (const int dimension : {2, 3}) {
     for (const int count : {2, 3, 5}) {
@@ -191,3 +193,5 @@ TEST_CASE("ranks: a part of the points that are drawn, and of a file's") {
         columns.string() +
             ": is in Fortran order; a part of its rows is read of files in C order only");
 }
+
+TEST_SUITE_END();

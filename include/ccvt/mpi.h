@@ -41,6 +41,7 @@ class MpiRanks final : public Ranks {
   [[nodiscard]] const Traffic& traffic() const { return traffic_; }
 
  private:
+  /// A message that may be on its way.
   struct Sent {
     Bytes message;
     MPI_Request request;

@@ -51,7 +51,7 @@ ADVICE = {
     "src/mpi/session.h": _RANKS,
     "src/mpi/shared_file.cpp": "All ranks need a file system that all of them see, with room.",
     "src/mpi/tessellate.cpp": _RANKS,
-    "src/run.cpp": "Several ranks start balanced, and take levels of few points a site: lower "
+    "src/run_ranks.cpp": "Several ranks start balanced, and take levels of few points a site: lower "
                    "dimensions, more sites, or `Options::descent_points` of 0.",
     "src/no_checkpoint.h": "Only what runs one solver keeps a checkpoint: leave Options::checkpoint "
                            "empty.",
