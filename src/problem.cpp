@@ -115,6 +115,7 @@ PointsView<Scalar> numbered(const PointsView<Scalar>& points, Index first, Index
   const auto before = static_cast<std::uintptr_t>(first) *
                       static_cast<std::uintptr_t>(points.stride) * sizeof(Scalar);
   const auto address = reinterpret_cast<std::uintptr_t>(points.data) - before;
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): no array reaches from there to the points
   return {reinterpret_cast<const Scalar*>(address), points.dimension, count, points.stride};
 }
 

@@ -154,12 +154,14 @@ TEST_CASE("ranks: a part of the points that are drawn, and of a file's") {
   const ccvt::Points<double> all = ccvt::sample_uniform<double>(box, 9001, 3);
   const auto path = directory.path() / "points.npy";
   ccvt::write_points(path, all);
-  for (const auto& [begin, end] : {std::pair<Index, Index>{0, 9001},
-                                   {0, 0},
-                                   {17, 18},
-                                   {4095, 8193},
-                                   {9000, 9001},
-                                   {9001, 9001}}) {
+  for (const auto& part_of_all : {std::pair<Index, Index>{0, 9001},
+                                  {0, 0},
+                                  {17, 18},
+                                  {4095, 8193},
+                                  {9000, 9001},
+                                  {9001, 9001}}) {
+    const Index begin = part_of_all.first;
+    const Index end = part_of_all.second;
     CAPTURE(begin);
     CHECK((ccvt::sample_uniform_part<double>(box, 9001, begin, end, 3) ==
            all.middleCols(begin, end - begin)));

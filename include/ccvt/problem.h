@@ -104,13 +104,14 @@ class CCVT_EXPORT Problem {
   [[nodiscard]] const Box& box_of_ranks() const { return part_->around; }
 
  private:
-  /// What is known of the points of a rank.
+  /// @cond of the points of a rank
   struct Part {
     Ranks* ranks;
     Index first;
     PointsView<Scalar> points;
     Box around;  ///< the points of all ranks
   };
+  /// @endcond
   PointsView<Scalar> points_;
   std::shared_ptr<const Part> part_;
   int threads_;

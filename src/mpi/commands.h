@@ -7,7 +7,7 @@
 /// all ranks.
 namespace ccvt::mpi {
 
-int run_sample(const Session& session, const cli::SampleArguments& arguments);
-int run_tessellate(const Session& session, const cli::TessellateArguments& arguments);
+int run_sample(const Session& session, const cli::SampleArguments& given);
+int run_tessellate(const Session& session, const cli::TessellateArguments& given);
 
 }  // namespace ccvt::mpi

@@ -15,9 +15,7 @@ void Session::agree(const std::string& message, int status) const {
     own.push_back(static_cast<std::byte>(status));
     for (const char c : message) own.push_back(static_cast<std::byte>(c));
   }
-  const std::vector<Ranks::Bytes> all = ranks_.gather(own);
-  for (std::size_t r = 0; r < all.size(); ++r) {
-    const Ranks::Bytes& bytes = all[r];
+  for (const Ranks::Bytes& bytes : ranks_.gather(own)) {
     if (bytes.empty()) continue;
     std::string theirs;
     for (const std::byte b : std::span(bytes).subspan(1)) theirs += static_cast<char>(b);
@@ -25,7 +23,7 @@ void Session::agree(const std::string& message, int status) const {
   }
 }
 
-int Session::own_threads() const {
+int Session::own_threads() {
   MPI_Comm machine = MPI_COMM_NULL;
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
   int ranks_here = 1;

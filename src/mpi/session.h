@@ -58,7 +58,7 @@ class Session {
   [[nodiscard]] cli::RankFigures figures() const;
 
  private:
-  [[nodiscard]] int own_threads() const;
+  [[nodiscard]] static int own_threads();
   void agree(const std::string& message, int status) const;
 
   MpiRanks& ranks_;

@@ -25,8 +25,9 @@ std::string text_of(int error) {
 
 }  // namespace
 
-SharedFile::SharedFile(const Session& session, std::filesystem::path target, std::string descr,
-                       std::uint64_t rows, std::uint64_t columns, std::size_t row_bytes)
+SharedFile::SharedFile(const Session& session, std::filesystem::path target,
+                       const std::string& descr, std::uint64_t rows, std::uint64_t columns,
+                       std::size_t row_bytes)
     : session_(session), target_(std::move(target)), row_bytes_(row_bytes) {
   std::vector<std::uint64_t> shape = {rows};
   if (columns > 0) shape.push_back(columns);
@@ -57,7 +58,8 @@ void SharedFile::write(std::uint64_t first_row, std::span<const std::byte> rows)
   };
   require(MPI_File_open(MPI_COMM_WORLD, path_.c_str(), MPI_MODE_WRONLY, MPI_INFO_NULL, &file),
           "be opened by all ranks");
-  auto at = static_cast<MPI_Offset>(header_bytes_ + first_row * row_bytes_);
+  const std::uint64_t first_byte = header_bytes_ + first_row * row_bytes_;
+  auto at = static_cast<MPI_Offset>(first_byte);
   // Each rank writes as often as the one with the most.
   std::uint64_t pieces = (rows.size() + kPiece - 1) / kPiece;
   MPI_Allreduce(MPI_IN_PLACE, &pieces, 1, MPI_UINT64_T, MPI_MAX, MPI_COMM_WORLD);

@@ -18,7 +18,7 @@ class SharedFile {
  public:
   /// Rows of `columns` numbers of the dtype `descr` (0: one number without a second extent), each
   /// row of `row_bytes`. All ranks call this together, and what follows.
-  SharedFile(const Session& session, std::filesystem::path target, std::string descr,
+  SharedFile(const Session& session, std::filesystem::path target, const std::string& descr,
              std::uint64_t rows, std::uint64_t columns, std::size_t row_bytes);
 
   void write(std::uint64_t first_row, std::span<const std::byte> rows);

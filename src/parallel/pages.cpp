@@ -37,10 +37,10 @@ void prefer_large_pages([[maybe_unused]] void* memory,
 #ifdef __linux__
   if (bytes < 2 * kLargePage) return;
   // A wish: what comes of it changes nothing but the time. Of whole large pages only.
-  const auto begin = reinterpret_cast<std::uintptr_t>(memory);
-  const std::uintptr_t first = (begin + kLargePage - 1) / kLargePage * kLargePage;
-  const std::uintptr_t end = (begin + bytes) / kLargePage * kLargePage;
-  if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
+  const std::size_t off = reinterpret_cast<std::uintptr_t>(memory) % kLargePage;
+  const std::size_t skipped = (kLargePage - off) % kLargePage;
+  const std::size_t whole = (bytes - skipped) / kLargePage * kLargePage;
+  madvise(static_cast<std::byte*>(memory) + skipped, whole, MADV_HUGEPAGE);
 #endif
 }
 

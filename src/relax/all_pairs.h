@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "schedule/schedule.h"
@@ -11,7 +12,7 @@ namespace ccvt {
 /// [4.3, Program 5, full stage]. Read like a Schedule, but made batch by batch.
 class AllPairs {
  public:
-  explicit AllPairs(const Tiling& tiling) : tiling_(tiling) {}
+  explicit AllPairs(Tiling tiling) : tiling_(std::move(tiling)) {}
 
   [[nodiscard]] std::size_t batch_count() const { return tiling_.count() + 1; }
 

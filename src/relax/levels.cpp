@@ -95,9 +95,11 @@ Buffer<PointNumber> JoiningPoints::in_blocks(std::size_t first, std::size_t last
 }
 
 Buffer<PointNumber> JoiningPoints::trimmed(const Buffer<PointNumber>& points) const {
-  const auto begin = std::lower_bound(points.begin(), points.end(), PointNumber(own_begin_));
-  const auto end = own_end_ >= end_ ? points.end()
-                                    : std::lower_bound(begin, points.end(), PointNumber(own_end_));
+  const PointNumber* const begin =
+      std::lower_bound(points.begin(), points.end(), PointNumber(own_begin_));
+  const PointNumber* const end = own_end_ >= end_
+                                     ? points.end()
+                                     : std::lower_bound(begin, points.end(), PointNumber(own_end_));
   Buffer<PointNumber> own(static_cast<std::size_t>(end - begin));
   std::copy(begin, end, own.begin());
   return own;
