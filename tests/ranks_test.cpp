@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <mutex>
 #include <set>
@@ -15,6 +14,8 @@
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
 #include "support/files.h"
+#include "support/message.h"
+#include "support/npy.h"
 #include "support/thread_ranks.h"
 
 using ccvt::Box;
@@ -22,6 +23,7 @@ using ccvt::Domain;
 using ccvt::Index;
 using ccvt::Options;
 using ccvt::Problem;
+using ccvt::test::message_of;
 
 namespace {
 
@@ -30,12 +32,7 @@ std::set<std::string> messages_of(int count, const std::function<void(ccvt::Rank
   std::set<std::string> messages;
   std::mutex mutex;
   ThreadRanks(count).run([&](ccvt::Ranks& ranks) {
-    std::string message = "nothing was thrown";
-    try {
-      work(ranks);
-    } catch (const ccvt::InvalidInput& error) {
-      message = error.what();
-    }
+    const std::string message = message_of([&] { work(ranks); });
     const std::lock_guard lock(mutex);
     messages.insert(message);
   });
@@ -169,29 +166,16 @@ TEST_CASE("ranks: a part of the points that are drawn, and of a file's") {
                                  .end_row = static_cast<std::uint64_t>(end)};
     CHECK((ccvt::read_points<double>(path, part) == all.middleCols(begin, end - begin)));
   }
-  const auto message = [](const auto& work) {
-    try {
-      work();
-    } catch (const ccvt::InvalidInput& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  CHECK(message([&] { ccvt::sample_uniform_part<double>(box, 9, 4, 10); }) ==
+  CHECK(message_of([&] { ccvt::sample_uniform_part<double>(box, 9, 4, 10); }) ==
         "first: the points 4 to 10 are asked for, of 9: it must hold that 0 <= first <= end <= "
         "count");
   const auto table = directory.path() / "points.csv";
   ccvt::write_points(table, all);
-  CHECK(message([&] { ccvt::read_points<double>(table, {.first_row = 3}); }) ==
+  CHECK(message_of([&] { ccvt::read_points<double>(table, {.first_row = 3}); }) ==
         table.string() + ": a part of the rows is read of .npy files only");
   const auto columns = directory.path() / "columns.npy";
-  {
-    std::ofstream file(columns, std::ios::binary);
-    const std::string header = "{'descr': '<f8', 'fortran_order': True, 'shape': (2, 1), }";
-    const std::string padded = header + std::string(117 - header.size(), ' ') + "\n";
-    file << std::string("\x93NUMPY\x01\x00\x76\x00", 10) << padded << std::string(16, '\0');
-  }
-  CHECK(message([&] { ccvt::read_points<double>(columns, {.first_row = 1}); }) ==
+  ccvt::test::put(columns, ccvt::test::npy_file("<f8", "(2, 1)", std::string(16, '\0'), true));
+  CHECK(message_of([&] { ccvt::read_points<double>(columns, {.first_row = 1}); }) ==
         columns.string() +
             ": is in Fortran order; a part of its rows is read of files in C order only");
 }

@@ -10,6 +10,7 @@
 #include "ccvt/mpi.h"
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
+#include "support/message.h"
 
 using ccvt::Box;
 using ccvt::Domain;
@@ -17,6 +18,7 @@ using ccvt::Index;
 using ccvt::Options;
 using ccvt::PointsView;
 using ccvt::Problem;
+using ccvt::test::message_of;
 
 namespace {
 
@@ -82,17 +84,6 @@ void compare(const Case<Scalar>& given) {
   CHECK(result.summary.iterations == expected.summary.iterations);
   CHECK(result.summary.swaps == expected.summary.swaps);
   CHECK(result.summary.pairs == expected.summary.pairs);
-}
-
-/// All ranks must have thrown the same.
-template <class Work>
-std::string message_of(const Work& work) {
-  try {
-    work();
-  } catch (const ccvt::InvalidInput& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
 }
 
 }  // namespace
