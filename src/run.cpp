@@ -113,7 +113,7 @@ template <class Scalar>
 bool Run<Scalar>::step() {
   if (record.ended()) return false;
   stop.enter();
-  if (cancelled_together(false)) return end(Termination::cancelled);
+  if (cancelled_together(false)) return end_for_now(Termination::cancelled);
   if (record.iterations() >= options.max_iterations) {
     return end_for_now(Termination::iteration_limit);
   }

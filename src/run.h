@@ -15,6 +15,7 @@
 #include "ccvt/problem.h"
 #include "ccvt/summary.h"
 #include "checkpoint/checkpoint_file.h"
+#include "checkpoint/tile_parts.h"
 #include "descent/descent.h"
 #include "geometry/metric.h"
 #include "numbers.h"
@@ -69,8 +70,17 @@ struct Run {
   // Of checkpoints, in run_checkpoint.cpp.
   [[nodiscard]] bool is_kept() const { return !options.checkpoint.empty(); }
   RunIdentity identity(const Arena& apart);
-  void load_from(CheckpointReader& in);
-  void load_cells(CheckpointReader& in, const Arena& apart, Cells<Scalar>& cells,
+  [[nodiscard]] ByteWriter save_common(const RunIdentity& own);
+  [[nodiscard]] std::vector<std::byte> save_tiles(const TilePart& part, const Arena& apart) const;
+  struct Head {
+    std::vector<std::byte> common;
+    std::uint64_t tiles;  ///< bytes
+  };
+  [[nodiscard]] Head shared_head(const std::optional<CheckpointReader>& in) const;
+  void load_from(const std::filesystem::path& file, std::optional<CheckpointReader>& in,
+                 const Head& head);
+  void load_tiles(const std::filesystem::path& file, const TilePart& part,
+                  std::span<const std::byte> bytes, const Arena& apart, Cells<Scalar>& cells,
                   Relaxer<Scalar>& patches) const;
   bool continues();
   void begin_keeping();
@@ -84,6 +94,7 @@ struct Run {
   void require_for_ranks() const;
   bool cancelled_together(bool own);
   [[nodiscard]] std::vector<Index> owners_at_home() const;
+  void fetch_coordinates(const Arena& apart, Cells<Scalar>& cells) const;
 
   Problem<Scalar> problem;
   bool warm;  ///< the problem has owners

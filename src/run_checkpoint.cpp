@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <string>
 #include <system_error>
@@ -16,7 +17,9 @@
 
 #include "checkpoint/checkpoint_file.h"
 #include "checkpoint/digest.h"
+#include "checkpoint/tile_parts.h"
 #include "parallel/loops.h"
+#include "parallel/together.h"
 #include "run.h"
 #include "run_identity.h"
 
@@ -25,27 +28,36 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Bytes of records that are in memory at the same time, or one record.
-constexpr std::size_t kBytesAtOnce = std::size_t{1} << 24;
-
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void require_one_process(const std::filesystem::path& file, const Ranks* ranks) {
-  if (ranks == nullptr) return;
-  throw InvalidInput(file.string() + ": a problem of several ranks keeps no checkpoint");
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& message) {
+  throw InvalidInput(file.string() + ": " + message);
 }
 
-void save_sites(const SiteState& sites, StateWriter& out) {
-  out.put_all(sites.position);
-  out.put_all(sites.radius);
-  out.put_all(sites.energy);
-  out.put_all(sites.compact);
+/// Calls `read`, where bytes of `file` are read.
+template <class Read>
+void blame(const std::filesystem::path& file, const Read& read) {
+  try {
+    read();
+  } catch (const Damaged&) {
+    fail(file, "is damaged: it does not hold what it should");
+  }
+}
+
+/// The file is the first rank's.
+bool is_first(const Ranks* ranks) { return ranks == nullptr || ranks->rank() == 0; }
+
+void save_sites(const SiteState& sites, ByteWriter& out) {
+  out.put(sites.position);
+  out.put(sites.radius);
+  out.put(sites.energy);
+  out.put(sites.compact);
 }
 
 /// `sites`: the same, as they were once, which do not change which are fixed.
-SiteState load_sites(const SiteState& sites, StateReader& in) {
+SiteState load_sites(const SiteState& sites, ByteReader& in) {
   SiteState loaded = sites;
   loaded.position = in.get_all<double>(sites.position.size());
   loaded.radius = in.get_all<double>(sites.count());
@@ -69,46 +81,31 @@ std::vector<std::size_t> record_sizes(const Tiling& tiling, const Cells<Scalar>&
   return sizes;
 }
 
-/// Calls visit(first tile, end) for runs of tiles whose records are in memory together.
-template <class Visit>
-void for_parts(const std::vector<std::size_t>& sizes, const Visit& visit) {
-  for (std::size_t first = 0, end = 0; first < sizes.size(); first = end) {
-    std::size_t bytes = 0;
-    while (end < sizes.size() && (end == first || bytes + sizes[end] <= kBytesAtOnce)) {
-      bytes += sizes[end++];
-    }
-    visit(first, end);
-  }
-}
-
-/// Where each record of a part begins in its bytes.
-std::vector<std::size_t> offsets_of(const std::vector<std::size_t>& sizes, std::size_t first,
-                                    std::size_t end) {
-  std::vector<std::size_t> offsets{0};
-  for (std::size_t t = first; t < end; ++t) offsets.push_back(offsets.back() + sizes[t]);
-  return offsets;
+std::uint64_t total_of(const std::vector<std::size_t>& sizes) {
+  return std::accumulate(sizes.begin(), sizes.end(), std::uint64_t{0});
 }
 
 }  // namespace
 
 template <class Scalar>
 RunIdentity Run<Scalar>::identity(const Arena& apart) {
-  if (!points_digest) points_digest = digest_of_points(problem.points(), apart);
+  if (!points_digest) {
+    const std::uint64_t own =
+        digest_of_points(problem.own_points(), problem.first_own_point(), apart);
+    const std::vector<std::uint64_t> all = of_all(ranks(), own);
+    points_digest = std::accumulate(all.begin(), all.end(), std::uint64_t{0});
+  }
   return {problem, options, *points_digest};
 }
 
+/// What there is of the run and of all sites.
 template <class Scalar>
-void Run<Scalar>::save(const std::filesystem::path& file) {
-  require_one_process(file, ranks());
-  if (record.ended()) {
-    throw InvalidInput(file.string() + ": a run that has ended leaves no checkpoint");
-  }
-  const Arena apart(options.threads);  // not the run's, which may be told to stop
-  StateWriter common;
-  identity(apart).save(common);
+ByteWriter Run<Scalar>::save_common(const RunIdentity& own) {
+  ByteWriter common;
+  own.save(common);
   common.put(std::uint64_t{level});
   save_sites(state.sites, common);
-  common.put_all(weights);
+  common.put(weights);
   relaxer->save(common);
   common.put(descent != nullptr);
   if (descent) {
@@ -116,67 +113,108 @@ void Run<Scalar>::save(const std::filesystem::path& file) {
     descent->save(common);
   }
   record.save(common);
-  const std::vector<std::size_t> sizes = record_sizes(state.tiling, state.cells, *relaxer);
-  CheckpointWriter out(file, common.bytes(),
-                       std::accumulate(sizes.begin(), sizes.end(), std::uint64_t{0}));
-  for_parts(sizes, [&](std::size_t first, std::size_t end) {
-    const std::vector<std::size_t> offsets = offsets_of(sizes, first, end);
-    std::vector<std::byte> records(offsets.back());
-    apart.for_each(end - first, 1, [&](std::size_t k) {
-      StateWriter tile(sizes[first + k]);
-      for (const SiteNumber s : state.tiling.sites_of(Tile(first + k))) {
-        relaxer->save_cell(tile, s, state.cells.size(s));
-        state.cells.save(tile, s);
-      }
-      tile.put(digest(tile.bytes()));
-      std::copy(tile.bytes().begin(), tile.bytes().end(), records.data() + offsets[k]);
-    });
-    out.write(records);
+  return common;
+}
+
+/// The records of tiles of this rank.
+template <class Scalar>
+std::vector<std::byte> Run<Scalar>::save_tiles(const TilePart& part, const Arena& apart) const {
+  std::vector<std::byte> records(part.bytes());
+  apart.for_each(part.end - part.first, 1, [&](std::size_t k) {
+    ByteWriter tile(part.offsets[k + 1] - part.offsets[k]);
+    for (const SiteNumber s : state.tiling.sites_of(Tile(part.first + k))) {
+      relaxer->save_cell(tile, s, state.cells.size(s));
+      state.cells.save(tile, s);
+    }
+    tile.put(digest(tile.bytes));
+    std::copy(tile.bytes.begin(), tile.bytes.end(), records.data() + part.offsets[k]);
   });
-  out.commit();
+  return records;
+}
+
+template <class Scalar>
+void Run<Scalar>::save(const std::filesystem::path& file) {
+  if (record.ended()) fail(file, "a run that has ended leaves no checkpoint");
+  const Arena apart(options.threads);  // not the run's, which may be told to stop
+  const RunIdentity own = identity(apart);
+  const std::vector<std::size_t> sizes = record_sizes(state.tiling, state.cells, *relaxer);
+  std::optional<CheckpointWriter> out;
+  agree(ranks(), [&] {
+    if (is_first(ranks())) out.emplace(file, save_common(own).bytes, total_of(sizes));
+  });
+  agree(ranks(), [&] {
+    parts_to_first(
+        ranks(), parts_of(state.tiling, sizes),
+        [&](const TilePart& part) { return save_tiles(part, apart); },
+        [&](const std::vector<std::byte>& records) { out->write(records); });
+  });
+  agree(ranks(), [&] {
+    if (out) out->commit();
+  });
 }
 
 template <class Scalar>
 void Run<Scalar>::load(const std::filesystem::path& file) {
-  require_one_process(file, ranks());
-  if (record.ended()) {
-    throw InvalidInput(file.string() + ": a run that has ended does not go on from a checkpoint");
-  }
-  CheckpointReader in(file);
-  try {
-    const Stop::Pause pause(stop);
-    load_from(in);
-  } catch (const Damaged&) {
-    in.fail("is damaged: it does not hold what it should");
-  }
+  if (record.ended()) fail(file, "a run that has ended does not go on from a checkpoint");
+  std::optional<CheckpointReader> in;
+  agree(ranks(), [&] {
+    if (is_first(ranks())) in.emplace(file);
+  });
+  const Head head = shared_head(in);
+  const Stop::Pause pause(stop);
+  blame(file, [&] { load_from(file, in, head); });
+}
+
+/// What all ranks must know of the file that the first one reads.
+template <class Scalar>
+auto Run<Scalar>::shared_head(const std::optional<CheckpointReader>& in) const -> Head {
+  std::vector<std::byte> common;
+  if (in) common.assign(in->common().begin(), in->common().end());
+  return {joined(ranks(), std::move(common)), of_all(ranks(), in ? in->tiles() : 0)[0]};
 }
 
 /// Nothing has changed when it throws.
 template <class Scalar>
-void Run<Scalar>::load_from(CheckpointReader& in) {
+void Run<Scalar>::load_from(const std::filesystem::path& file, std::optional<CheckpointReader>& in,
+                            const Head& head) {
   const Arena apart(options.threads);
-  StateReader common(in.common());
-  const RunIdentity kept(common);
+  ByteReader reader(head.common);
+  const RunIdentity kept(reader);
   const std::string objection = identity(apart).objection_to(kept);
-  if (!objection.empty()) in.fail(objection);
-  const auto loaded_level = common.get<std::uint64_t>();
+  if (!objection.empty()) fail(file, objection);
+  const auto loaded_level = reader.get<std::uint64_t>();
   if (loaded_level >= levels.size()) throw Damaged();
   const std::vector<Index>& sizes = levels[static_cast<std::size_t>(loaded_level)].capacities;
-  LevelState<Scalar> loaded{state.tiling, load_sites(state.sites, common),
-                            Cells<Scalar>(problem.dimension(), sizes)};
-  std::vector<double> loaded_weights = common.get_all<double>();
+  LevelState<Scalar> loaded{state.tiling, load_sites(state.sites, reader),
+                            Cells<Scalar>(problem.dimension(), sizes, state.tiling.own_sites())};
+  std::vector<double> loaded_weights = reader.get_all<double>();
   std::unique_ptr<Relaxer<Scalar>> loaded_relaxer = make_relaxer();
-  loaded_relaxer->load(common, state.tiling);
+  loaded_relaxer->load(reader, state.tiling);
   std::unique_ptr<Descent<Scalar>> loaded_descent;
-  if (common.get<bool>()) {
-    const auto depth = static_cast<Depth>(common.get<int>());
+  if (reader.get<bool>()) {
+    const auto depth = static_cast<Depth>(reader.get<int>());
     loaded_descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, problem.points(),
                                                        loaded, depth, weights);
-    loaded_descent->load(common);
+    loaded_descent->load(reader);
     if (loaded_weights.size() != sizes.size()) throw Damaged();
   }
-  load_cells(in, apart, loaded.cells, *loaded_relaxer);
-  record.load(common);
+  const std::vector<std::size_t> records =
+      record_sizes(state.tiling, loaded.cells, *loaded_relaxer);
+  if (head.tiles != total_of(records)) throw Damaged();
+  agree(ranks(), [&] {
+    parts_from_first(
+        ranks(), parts_of(state.tiling, records),
+        [&](const TilePart& part) {
+          std::vector<std::byte> bytes(part.bytes());
+          in->read(bytes);
+          return bytes;
+        },
+        [&](const TilePart& part, std::span<const std::byte> bytes) {
+          blame(file, [&] { load_tiles(file, part, bytes, apart, loaded.cells, *loaded_relaxer); });
+        });
+  });
+  fetch_coordinates(apart, loaded.cells);
+  record.load(reader);
   level = static_cast<std::size_t>(loaded_level);
   state = std::move(loaded);
   weights = std::move(loaded_weights);
@@ -184,33 +222,28 @@ void Run<Scalar>::load_from(CheckpointReader& in) {
   descent = std::move(loaded_descent);
 }
 
+/// The points' numbers, that is, and what is known of the cells.
 template <class Scalar>
-void Run<Scalar>::load_cells(CheckpointReader& in, const Arena& apart, Cells<Scalar>& cells,
-                             Relaxer<Scalar>& patches) const {
-  const std::vector<std::size_t> sizes = record_sizes(state.tiling, cells, patches);
-  if (in.tiles() != std::accumulate(sizes.begin(), sizes.end(), std::uint64_t{0})) throw Damaged();
-  for_parts(sizes, [&](std::size_t first, std::size_t end) {
-    const std::vector<std::size_t> offsets = offsets_of(sizes, first, end);
-    std::vector<std::byte> records(offsets.back());
-    in.read(records);
-    std::atomic<bool> as_written = true;
-    apart.for_each(end - first, 1, [&](std::size_t k) {
-      const std::span whole = std::span(records).subspan(offsets[k], sizes[first + k]);
-      const auto tile = whole.first(whole.size() - sizeof(std::uint64_t));
-      if (StateReader(whole.last(sizeof(std::uint64_t))).template get<std::uint64_t>() !=
-          digest(tile)) {
-        as_written = false;
-        return;
-      }
-      StateReader reader(tile);
-      for (const SiteNumber s : state.tiling.sites_of(Tile(first + k))) {
-        patches.load_cell(reader, s, cells.size(s));
-        cells.load(reader, s, problem.points());
-      }
-      reader.expect_end();
-    });
-    if (!as_written) in.fail("is damaged: what it has of cells is not as written");
+void Run<Scalar>::load_tiles(const std::filesystem::path& file, const TilePart& part,
+                             std::span<const std::byte> bytes, const Arena& apart,
+                             Cells<Scalar>& cells, Relaxer<Scalar>& patches) const {
+  std::atomic<bool> as_written = true;
+  apart.for_each(part.end - part.first, 1, [&](std::size_t k) {
+    const std::size_t size = part.offsets[k + 1] - part.offsets[k];
+    const auto tile = bytes.subspan(part.offsets[k], size - sizeof(std::uint64_t));
+    const auto end = bytes.subspan(part.offsets[k] + tile.size(), sizeof(std::uint64_t));
+    if (ByteReader(end).template get<std::uint64_t>() != digest(tile)) {
+      as_written = false;
+      return;
+    }
+    ByteReader reader(tile);
+    for (const SiteNumber s : state.tiling.sites_of(Tile(part.first + k))) {
+      patches.load_cell(reader, s, cells.size(s));
+      cells.load(reader, s, problem.point_count());
+    }
+    reader.expect_end();
   });
+  if (!as_written) fail(file, "is damaged: what it has of cells is not as written");
 }
 
 template <class Scalar>
@@ -226,11 +259,12 @@ void Run<Scalar>::tell(CheckpointRecord::Event event, double seconds, const std:
 /// Reads the run, if it is there.
 template <class Scalar>
 bool Run<Scalar>::continues() {
+  if (!is_kept()) return false;
   std::error_code unknown;
-  if (!is_kept() || std::filesystem::status(options.checkpoint, unknown).type() ==
-                        std::filesystem::file_type::not_found) {
-    return false;
-  }
+  const bool there =
+      is_first(ranks()) && std::filesystem::status(options.checkpoint, unknown).type() !=
+                               std::filesystem::file_type::not_found;
+  if (!any(ranks(), there)) return false;
   const Clock::time_point start = Clock::now();
   load(options.checkpoint);
   kept_at = Clock::now();
@@ -267,7 +301,7 @@ void Run<Scalar>::keep() {
 
 template <class Scalar>
 void Run<Scalar>::keep_if_due() {
-  if (seconds_since(kept_at) >= options.checkpoint_seconds) keep();
+  if (any(ranks(), seconds_since(kept_at) >= options.checkpoint_seconds)) keep();
 }
 
 template <class Scalar>
@@ -283,8 +317,22 @@ template void Run<float>::save(const std::filesystem::path&);
 template void Run<double>::save(const std::filesystem::path&);
 template void Run<float>::load(const std::filesystem::path&);
 template void Run<double>::load(const std::filesystem::path&);
-template void Run<float>::load_from(CheckpointReader&);
-template void Run<double>::load_from(CheckpointReader&);
+template ByteWriter Run<float>::save_common(const RunIdentity&);
+template ByteWriter Run<double>::save_common(const RunIdentity&);
+template std::vector<std::byte> Run<float>::save_tiles(const TilePart&, const Arena&) const;
+template std::vector<std::byte> Run<double>::save_tiles(const TilePart&, const Arena&) const;
+template Run<float>::Head Run<float>::shared_head(const std::optional<CheckpointReader>&) const;
+template Run<double>::Head Run<double>::shared_head(const std::optional<CheckpointReader>&) const;
+template void Run<float>::load_from(const std::filesystem::path&, std::optional<CheckpointReader>&,
+                                    const Head&);
+template void Run<double>::load_from(const std::filesystem::path&, std::optional<CheckpointReader>&,
+                                     const Head&);
+template void Run<float>::load_tiles(const std::filesystem::path&, const TilePart&,
+                                     std::span<const std::byte>, const Arena&, Cells<float>&,
+                                     Relaxer<float>&) const;
+template void Run<double>::load_tiles(const std::filesystem::path&, const TilePart&,
+                                      std::span<const std::byte>, const Arena&, Cells<double>&,
+                                      Relaxer<double>&) const;
 template bool Run<float>::continues();
 template bool Run<double>::continues();
 template void Run<float>::begin_keeping();
@@ -297,9 +345,5 @@ template bool Run<float>::end_for_now(Termination);
 template bool Run<double>::end_for_now(Termination);
 template void Run<float>::tell(CheckpointRecord::Event, double, const std::string&);
 template void Run<double>::tell(CheckpointRecord::Event, double, const std::string&);
-template void Run<float>::load_cells(CheckpointReader&, const Arena&, Cells<float>&,
-                                     Relaxer<float>&) const;
-template void Run<double>::load_cells(CheckpointReader&, const Arena&, Cells<double>&,
-                                      Relaxer<double>&) const;
 
 }  // namespace ccvt

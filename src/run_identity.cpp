@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::size_t kPointsPerGrain = std::size_t{1} << 14;
 
-void put_text(StateWriter& out, const std::string& text) {
-  out.put_all(std::vector<char>(text.begin(), text.end()));
+void put_text(ByteWriter& out, const std::string& text) {
+  out.put(std::vector<char>(text.begin(), text.end()));
 }
 
-std::string get_text(StateReader& in) {
+std::string get_text(ByteReader& in) {
   const std::vector<char> letters = in.get_all<char>();
   return {letters.begin(), letters.end()};
 }
@@ -37,14 +37,15 @@ std::uint64_t digest_of_columns(const Columns<Scalar>& columns) {
 }  // namespace
 
 template <class Scalar>
-std::uint64_t digest_of_points(const PointsView<Scalar>& points, const Arena& arena) {
+std::uint64_t digest_of_points(const PointsView<Scalar>& points, Index first, const Arena& arena) {
   const auto dimension = static_cast<std::size_t>(points.dimension);
   return reduce(
       arena, static_cast<std::size_t>(points.count), kPointsPerGrain, std::uint64_t{0},
       [&](std::size_t begin, std::size_t end) {
         std::uint64_t sum = 0;
         for (std::size_t p = begin; p < end; ++p) {
-          sum += digest_of(std::span(points[static_cast<Index>(p)], dimension), p);
+          const auto number = static_cast<std::uint64_t>(first) + p;
+          sum += digest_of(std::span(points[static_cast<Index>(p)], dimension), number);
         }
         return sum;
       },
@@ -90,17 +91,17 @@ void RunIdentity::add_options(const Options& options) {
 }
 
 void RunIdentity::add_domain(const Domain& domain) {
-  StateWriter box;
+  ByteWriter box;
   const int dimension = domain.has_box() ? domain.box().dimension() : 0;
   for (int d = 0; d < dimension; ++d) {
     box.put(domain.box().lower[d]);
     box.put(domain.box().upper[d]);
     box.put(domain.is_periodic(d));
   }
-  add_digest("the bounds of the domain", digest(box.bytes()));
+  add_digest("the bounds of the domain", digest(box.bytes));
 }
 
-RunIdentity::RunIdentity(StateReader& in) : version_(get_text(in)) {
+RunIdentity::RunIdentity(ByteReader& in) : version_(get_text(in)) {
   for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
     Part& part = parts_.emplace_back();
     part.name = get_text(in);
@@ -109,7 +110,7 @@ RunIdentity::RunIdentity(StateReader& in) : version_(get_text(in)) {
   }
 }
 
-void RunIdentity::save(StateWriter& out) const {
+void RunIdentity::save(ByteWriter& out) const {
   put_text(out, version_);
   out.put(std::uint64_t{parts_.size()});
   for (const Part& part : parts_) {
@@ -137,8 +138,8 @@ std::string RunIdentity::objection_to(const RunIdentity& kept) const {
   return {};
 }
 
-template std::uint64_t digest_of_points(const PointsView<float>&, const Arena&);
-template std::uint64_t digest_of_points(const PointsView<double>&, const Arena&);
+template std::uint64_t digest_of_points(const PointsView<float>&, Index, const Arena&);
+template std::uint64_t digest_of_points(const PointsView<double>&, Index, const Arena&);
 template RunIdentity::RunIdentity(const Problem<float>&, const Options&, std::uint64_t);
 template RunIdentity::RunIdentity(const Problem<double>&, const Options&, std::uint64_t);
 

@@ -6,14 +6,15 @@
 
 #include "ccvt/options.h"
 #include "ccvt/problem.h"
-#include "checkpoint/state_bytes.h"
 #include "parallel/arena.h"
+#include "parallel/bytes.h"
 
 namespace ccvt {
 
-/// Of the points, their numbers and their bits: a sum over points, so that it can be made of parts.
+/// Of points, their numbers, from `first` on, and their bits: a sum over points, so that it can be
+/// made of parts.
 template <class Scalar>
-std::uint64_t digest_of_points(const PointsView<Scalar>& points, const Arena& arena);
+std::uint64_t digest_of_points(const PointsView<Scalar>& points, Index first, const Arena& arena);
 
 /// What the bits of a run follow from, to tell whether two runs are one: a few words on each part.
 class RunIdentity {
@@ -21,8 +22,8 @@ class RunIdentity {
   /// `options`: as they are used. `points`: their digest.
   template <class Scalar>
   RunIdentity(const Problem<Scalar>& problem, const Options& options, std::uint64_t points);
-  explicit RunIdentity(StateReader& in);
-  void save(StateWriter& out) const;
+  explicit RunIdentity(ByteReader& in);
+  void save(ByteWriter& out) const;
 
   /// Empty, or what is wrong with continuing `kept` as this run.
   [[nodiscard]] std::string objection_to(const RunIdentity& kept) const;

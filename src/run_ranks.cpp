@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "no_checkpoint.h"
 #include "number_text.h"
 #include "parallel/bytes.h"
 #include "parallel/together.h"
@@ -13,12 +12,52 @@
 
 namespace ccvt {
 
+namespace {
+
+/// Which ranks have the points.
+class Homes {
+ public:
+  Homes(Ranks& ranks, Index first_own_point) : first_(of_all(&ranks, first_own_point)) {}
+  [[nodiscard]] std::size_t ranks() const { return first_.size(); }
+  [[nodiscard]] std::size_t operator()(PointNumber point) const {
+    // The last rank that begins there or before: others there have no points.
+    const auto after = std::upper_bound(first_.begin(), first_.end(), point.index());
+    return static_cast<std::size_t>(after - first_.begin() - 1);
+  }
+
+  /// Calls visit(sites) on all ranks for each rank's own sites, a run of them at a time or none,
+  /// until no rank has more: so few that a rank which all of them ask can answer.
+  template <class Scalar, class Visit>
+  void for_parts(const Tiling& tiling, const Cells<Scalar>& cells, const Visit& visit) const {
+    constexpr Index kPointsAtOnce = 1 << 21;  // of all ranks
+    const NumberRange<SiteNumber> own = tiling.own_sites();
+    SiteNumber next = *own.begin();
+    while (any(tiling.ranks(), next != *own.end())) {
+      const SiteNumber first = next;
+      Index left = kPointsAtOnce / static_cast<Index>(ranks());
+      for (; left > 0 && next != *own.end(); ++next) left -= cells.size(next);
+      visit(NumberRange(first, next));
+    }
+  }
+
+ private:
+  std::vector<Index> first_;  ///< of each rank
+};
+
+/// Sends a message to each rank; what has come from each.
+std::vector<Ranks::Bytes> exchanged(Ranks& ranks, std::vector<ByteWriter> messages) {
+  std::vector<Ranks::Bytes> bytes;
+  for (ByteWriter& message : messages) bytes.push_back(std::move(message.bytes));
+  return ranks.exchange(std::move(bytes));
+}
+
+}  // namespace
+
 /// Throws InvalidInput on all ranks for what several cannot do.
 template <class Scalar>
 void Run<Scalar>::require_for_ranks() const {
   if (ranks() == nullptr) return;
   agree(ranks(), [this] {
-    require_no_checkpoint(options, "a problem of several ranks");
     if (options.initialization != Initialization::balanced) {
       const bool coherent = options.initialization == Initialization::coherent;
       throw InvalidInput(std::string("options.initialization: is ") +
@@ -46,43 +85,62 @@ bool Run<Scalar>::cancelled_together(bool own) {
   return any(ranks(), own);
 }
 
-/// Each rank tells the ranks of the points in its cells whose they are, about so many points at a
-/// time.
+/// Each rank tells the ranks of the points in its cells whose they are.
 template <class Scalar>
 std::vector<Index> Run<Scalar>::owners_at_home() const {
-  constexpr Index kPointsAtOnce = 1 << 18;
   struct Owned {
     PointNumber point;
     SiteNumber owner;
   };
-  const std::vector<Index> first = of_all(ranks(), problem.first_own_point());
   std::vector<Index> owners(static_cast<std::size_t>(problem.own_points().count), -1);
-  const NumberRange<SiteNumber> own = state.tiling.own_sites();
-  SiteNumber next = *own.begin();
-  while (any(ranks(), next != *own.end())) {
-    std::vector<std::vector<Owned>> owned(first.size());
-    for (Index points = 0; points < kPointsAtOnce && next != *own.end(); ++next) {
-      points += state.cells.size(next);
-      for (const PointNumber p : state.cells.points(next)) {
-        // The last rank that begins there or before: others there have no points.
-        const auto after = std::upper_bound(first.begin(), first.end(), p.index());
-        owned[static_cast<std::size_t>(after - first.begin() - 1)].push_back({p, site_of[next]});
-      }
+  const Homes home(*ranks(), problem.first_own_point());
+  home.for_parts(state.tiling, state.cells, [&](NumberRange<SiteNumber> sites) {
+    std::vector<ByteWriter> owned(home.ranks());
+    for (const SiteNumber s : sites) {
+      for (const PointNumber p : state.cells.points(s)) owned[home(p)].put(Owned{p, site_of[s]});
     }
-    std::vector<Ranks::Bytes> messages;
-    for (const std::vector<Owned>& theirs : owned) {
-      const auto bytes = std::as_bytes(std::span(theirs));
-      messages.emplace_back(bytes.begin(), bytes.end());
-    }
-    for (const Ranks::Bytes& message : ranks()->exchange(std::move(messages))) {
-      std::vector<Owned> come(message.size() / sizeof(Owned));
-      ByteReader(message).get(std::span(come));
-      for (const auto& [point, owner] : come) {
+    for (const Ranks::Bytes& message : exchanged(*ranks(), std::move(owned))) {
+      for (ByteReader come(message); !come.done();) {
+        const auto [point, owner] = come.get<Owned>();
         owners[PointNumber(point.index() - problem.first_own_point())] = owner.index();
       }
     }
-  }
+  });
   return owners;
+}
+
+/// Cells whose points are known get these points' coordinates.
+template <class Scalar>
+void Run<Scalar>::fetch_coordinates(const Arena& apart, Cells<Scalar>& cells) const {
+  if (ranks() == nullptr) {
+    return for_each_site(apart, state.tiling, [&](SiteNumber s) {
+      cells.fill(s, [&](PointNumber p) { return problem.points()[p.index()]; });
+    });
+  }
+  const Homes home(*ranks(), problem.first_own_point());
+  home.for_parts(state.tiling, cells, [&](NumberRange<SiteNumber> sites) {
+    std::vector<ByteWriter> wanted(home.ranks());
+    for (const SiteNumber s : sites) {
+      for (const PointNumber p : cells.points(s)) wanted[home(p)].put(p);
+    }
+    std::vector<ByteWriter> found;
+    for (const Ranks::Bytes& message : exchanged(*ranks(), std::move(wanted))) {
+      ByteWriter& theirs = found.emplace_back();
+      for (ByteReader points(message); !points.done();) {
+        const Scalar* const x = problem.points()[points.get<PointNumber>().index()];
+        theirs.put(std::span(x, cells.dimension()));
+      }
+    }
+    const std::vector<Ranks::Bytes> come = exchanged(*ranks(), std::move(found));
+    std::vector<ByteReader> readers(come.begin(), come.end());
+    std::vector<Scalar> x(cells.dimension());
+    for (const SiteNumber s : sites) {
+      cells.fill(s, [&](PointNumber p) {  // in the order in which they were asked for
+        readers[home(p)].get(std::span(x));
+        return x.data();
+      });
+    }
+  });
 }
 
 template void Run<float>::require_for_ranks() const;
@@ -91,5 +149,7 @@ template bool Run<float>::cancelled_together(bool);
 template bool Run<double>::cancelled_together(bool);
 template std::vector<Index> Run<float>::owners_at_home() const;
 template std::vector<Index> Run<double>::owners_at_home() const;
+template void Run<float>::fetch_coordinates(const Arena&, Cells<float>&) const;
+template void Run<double>::fetch_coordinates(const Arena&, Cells<double>&) const;
 
 }  // namespace ccvt

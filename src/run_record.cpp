@@ -60,7 +60,7 @@ bool RunRecord::add(const PassCount& pass, int level, Index points, double energ
 
 namespace {
 
-/// Calls visit(value) for each part of a record.
+/// Calls visit(value) for each part of a record that the clock has no say in.
 template <class Record, class Visit>
 void for_parts(Record& record, const Visit& visit) {
   visit(record.iteration);
@@ -73,11 +73,10 @@ void for_parts(Record& record, const Visit& visit) {
   visit(record.exchanged);
   visit(record.active_sites);
   visit(record.energy);
-  visit(record.seconds);
   visit(record.progress);
 }
 
-/// And for each part of a summary that grows as the run goes on.
+/// And for each such part of a summary that grows as the run goes on.
 template <class Kept, class Visit>
 void for_growing_parts(Kept& summary, const Visit& visit) {
   visit(summary.iterations);
@@ -86,40 +85,44 @@ void for_growing_parts(Kept& summary, const Visit& visit) {
   visit(summary.exchanged);
   visit(summary.initial_energy);
   visit(summary.energy);
+}
+
+/// The rest of a summary and its records, and of what the clock has charged.
+template <class Kept, class Shares, class Visit>
+void for_times(Kept& summary, Shares& shares, const Visit& visit) {
   visit(summary.seconds_total);
   visit(summary.seconds_initialization);
   visit(summary.seconds_relaxation);
-}
-
-template <class Share, class Visit>
-void for_parts_of_share(Share& share, const Visit& visit) {
-  visit(share.seconds);
-  visit(share.work_seconds);
-  visit(share.loops);
-  visit(share.tasks);
+  for (auto& share : shares) {
+    visit(share.seconds);
+    visit(share.work_seconds);
+    visit(share.loops);
+    visit(share.tasks);
+  }
+  for (auto& record : summary.iterations_log) visit(record.seconds);
 }
 
 }  // namespace
 
-void RunRecord::save(StateWriter& out) {
+void RunRecord::save(ByteWriter& out) {
   const auto put = [&out](const auto& value) { out.put(value); };
   for_growing_parts(summary_, put);
-  clock_.charge();
-  for (const Recorder::Share& share : clock_.shares()) for_parts_of_share(share, put);
-  put(std::uint64_t{summary_.iterations_log.size()});
+  out.put(std::uint64_t{summary_.iterations_log.size()});
   for (const IterationRecord& record : summary_.iterations_log) for_parts(record, put);
+  clock_.charge();
+  for_times(summary_, clock_.shares(), put);
 }
 
-void RunRecord::load(StateReader& in) {
+void RunRecord::load(ByteReader& in) {
   const auto get = [&in]<class T>(T& value) { value = in.get<T>(); };
   Summary summary = summary_;
   for_growing_parts(summary, get);
-  std::array<Recorder::Share, kPhases> shares;
-  for (Recorder::Share& share : shares) for_parts_of_share(share, get);
   summary.iterations_log.clear();
   for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
     for_parts(summary.iterations_log.emplace_back(), get);
   }
+  std::array<Recorder::Share, kPhases> shares;
+  for_times(summary, shares, get);
   in.expect_end();
   summary_ = std::move(summary);
   clock_.add(shares);

@@ -7,7 +7,7 @@
 #include "ccvt/options.h"
 #include "ccvt/problem.h"
 #include "ccvt/summary.h"
-#include "checkpoint/state_bytes.h"
+#include "parallel/bytes.h"
 #include "parallel/recorder.h"
 #include "relax/relaxer.h"
 #include "stopwatch.h"
@@ -56,10 +56,11 @@ class RunRecord {
   /// A pass has been made. What Options::on_iteration says of it.
   bool add(const PassCount& pass, int level, Index points, double energy, double progress,
            const Options& options);
-  /// Of a run that has not ended, what has been recorded so far.
-  void save(StateWriter& out);
+  /// Of a run that has not ended, what has been recorded so far; what hangs on the clock comes
+  /// last.
+  void save(ByteWriter& out);
   /// The last of what `in` holds. Throws Damaged, and is then as it was.
-  void load(StateReader& in);
+  void load(ByteReader& in);
   template <class Scalar>
   void end(Termination termination, const Problem<Scalar>& problem, const Box& box);
 

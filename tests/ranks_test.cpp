@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <mutex>
 #include <set>
 #include <string>
 #include <vector>
@@ -24,20 +23,9 @@ using ccvt::Index;
 using ccvt::Options;
 using ccvt::Problem;
 using ccvt::test::message_of;
+using ccvt::test::messages_of;
 
 namespace {
-
-/// What all ranks throw, which must be the same.
-std::set<std::string> messages_of(int count, const std::function<void(ccvt::Ranks&)>& work) {
-  std::set<std::string> messages;
-  std::mutex mutex;
-  ThreadRanks(count).run([&](ccvt::Ranks& ranks) {
-    const std::string message = message_of([&] { work(ranks); });
-    const std::lock_guard lock(mutex);
-    messages.insert(message);
-  });
-  return messages;
-}
 
 void check_message(int count, const std::function<void(ccvt::Ranks&)>& work,
                    const std::string& expected) {
@@ -127,22 +115,6 @@ TEST_CASE("ranks: what is wrong with a problem is thrown on all") {
   check_message(
       2, [&](ccvt::Ranks& ranks) { ccvt::tessellate(problem(ranks, 4), {.threads = 1}); },
       "options.descent_points: is 512, and there are 1500 points a site");
-}
-
-TEST_CASE("ranks: several keep no checkpoint") {
-  const auto good = ccvt::sample_uniform<double>(Box::unit(2), 300, 3);
-  const auto solver = [&](ccvt::Ranks& ranks, Options options) {
-    return ccvt::Solver<double>(Problem<double>(ranks, ccvt::view_points(good), 10), options);
-  };
-  check_message(
-      2, [&](ccvt::Ranks& ranks) { solver(ranks, {.threads = 1, .checkpoint = "run.ccvt"}); },
-      "Options::checkpoint is run.ccvt: a problem of several ranks keeps none");
-  check_message(
-      2, [&](ccvt::Ranks& ranks) { solver(ranks, {.threads = 1}).save("run.ccvt"); },
-      "run.ccvt: a problem of several ranks keeps no checkpoint");
-  check_message(
-      2, [&](ccvt::Ranks& ranks) { solver(ranks, {.threads = 1}).load("run.ccvt"); },
-      "run.ccvt: a problem of several ranks keeps no checkpoint");
 }
 
 TEST_CASE("ranks: a part of the points that are drawn, and of a file's") {

@@ -333,21 +333,21 @@ void Descent<Scalar>::commit(LevelState<Scalar>& state, PassCount& result) {
 }
 
 template <class Scalar>
-void Descent<Scalar>::save(StateWriter& out) const {
+void Descent<Scalar>::save(ByteWriter& out) const {
   out.put(ended_);
   out.put(unsuited_);
   out.put(first_gain_);
   out.put(last_gain_);
   out.put(share_);
   out.put(small_gains_);
-  out.put_all(position_);
-  out.put_all(gradient_);
+  out.put(position_);
+  out.put(gradient_);
   directions_.save(out);
   meeting_.save(out);
 }
 
 template <class Scalar>
-void Descent<Scalar>::load(StateReader& in) {
+void Descent<Scalar>::load(ByteReader& in) {
   ended_ = in.get<bool>();
   unsuited_ = in.get<bool>();
   first_gain_ = in.get<double>();

@@ -2,11 +2,11 @@
 
 #include <vector>
 
-#include "checkpoint/state_bytes.h"
 #include "descent/borders.h"
 #include "descent/lbfgs.h"
 #include "geometry/metric.h"
 #include "parallel/arena.h"
+#include "parallel/bytes.h"
 #include "relax/level_state.h"
 #include "relax/meeting_pairs.h"
 #include "relax/relaxer.h"
@@ -42,8 +42,8 @@ class Descent {
   /// exchanged are the points that changed owners.
   PassCount step(LevelState<Scalar>& state);
   /// Between two steps: what the next one goes on from, but for the weights.
-  void save(StateWriter& out) const;
-  void load(StateReader& in);
+  void save(ByteWriter& out) const;
+  void load(ByteReader& in);
 
   /// Whether little is left to be gained.
   [[nodiscard]] bool ended() const { return ended_; }

@@ -50,16 +50,16 @@ void Lbfgs::add(Vector step, Vector change) {
   pairs_.push_back({std::move(step), std::move(change), product});
 }
 
-void Lbfgs::save(StateWriter& out) const {
+void Lbfgs::save(ByteWriter& out) const {
   out.put(std::uint64_t{pairs_.size()});
   for (const StepAndChange& pair : pairs_) {
-    out.put_all(pair.step);
-    out.put_all(pair.change);
+    out.put(pair.step);
+    out.put(pair.change);
     out.put(pair.product);
   }
 }
 
-void Lbfgs::load(StateReader& in) {
+void Lbfgs::load(ByteReader& in) {
   const auto count = in.get<std::uint64_t>();
   if (count > kMemory) throw Damaged();
   pairs_.clear();

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "checkpoint/state_bytes.h"
+#include "parallel/bytes.h"
 #include "parallel/loops.h"
 
 namespace ccvt {
@@ -30,8 +30,8 @@ class Lbfgs {
   [[nodiscard]] bool empty() const { return pairs_.empty(); }
   void forget() { pairs_.clear(); }
 
-  void save(StateWriter& out) const;
-  void load(StateReader& in);
+  void save(ByteWriter& out) const;
+  void load(ByteReader& in);
 
  private:
   struct StepAndChange {

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <exception>
+#include <new>
 #include <numeric>
-#include <optional>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "ccvt/io.h"
 #include "ccvt/ranks.h"
 #include "ccvt/types.h"
 #include "parallel/bytes.h"
@@ -48,21 +52,53 @@ inline std::int64_t total(Ranks* ranks, std::int64_t own) {
 
 inline bool any(Ranks* ranks, bool own) { return total(ranks, own ? 1 : 0) > 0; }
 
-/// Calls `work` on all ranks; an InvalidInput that it throws on one is thrown on all: that of the
-/// lowest rank, where several do.
+/// Throws on all ranks what has failed on one: on the lowest one, where several have; nothing where
+/// none has. `own` of this rank may be null.
+inline void throw_first(Ranks& ranks, const std::exception_ptr& own) {
+  enum class Kind : std::uint8_t { input, io, memory, other };
+  ByteWriter message;
+  const auto put = [&message](Kind kind, const std::string& text) {
+    message.put(kind);
+    message.put(std::span<const char>(text));
+  };
+  try {
+    if (own) std::rethrow_exception(own);
+  } catch (const InvalidInput& error) {
+    put(Kind::input, error.what());
+  } catch (const IoError& error) {
+    put(Kind::io, error.what());
+  } catch (const std::bad_alloc&) {
+    put(Kind::memory, {});
+  } catch (const std::exception& error) {
+    put(Kind::other, error.what());
+  }
+  for (const Ranks::Bytes& bytes : ranks.gather(message.bytes)) {
+    if (bytes.empty()) continue;
+    const std::string text(reinterpret_cast<const char*>(bytes.data() + 1), bytes.size() - 1);
+    switch (ByteReader(bytes).get<Kind>()) {
+      case Kind::input:
+        throw InvalidInput(text);
+      case Kind::io:
+        throw IoError(text);
+      case Kind::memory:
+        throw std::bad_alloc();
+      case Kind::other:
+        throw std::runtime_error(text);
+    }
+  }
+}
+
+/// Calls `work` on all ranks, each for itself; an exception that it throws on one is thrown on all.
 template <class Work>
 void agree(Ranks* ranks, const Work& work) {
   if (ranks == nullptr) return work();
-  std::string own;
+  std::exception_ptr own;
   try {
     work();
-  } catch (const InvalidInput& error) {
-    own = error.what();
+  } catch (const std::exception&) {
+    own = std::current_exception();
   }
-  for (const Ranks::Bytes& bytes : ranks->gather(std::as_bytes(std::span(own)))) {
-    if (bytes.empty()) continue;
-    throw InvalidInput({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  }
+  throw_first(*ranks, own);
 }
 
 }  // namespace ccvt

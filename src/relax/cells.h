@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "ccvt/types.h"
-#include "checkpoint/state_bytes.h"
 #include "numbers.h"
 #include "parallel/buffer.h"
 #include "parallel/bytes.h"
@@ -109,15 +108,21 @@ class Cells {
     }
   }
 
-  /// The points of a cell in their order, without their coordinates, which load() takes from all
-  /// points.
-  void save(StateWriter& out, SiteNumber site) const { out.put_each(points(site)); }
-  void load(StateReader& in, SiteNumber site, const PointsView<Scalar>& all) {
+  /// The points of a cell in their order, without their coordinates, which fill() takes from all
+  /// points. `end`: how many points there are.
+  void save(ByteWriter& out, SiteNumber site) const { out.put(points(site)); }
+  void load(ByteReader& in, SiteNumber site, Index end) {
     const std::span<PointNumber> own(order(site), points(site).size());
-    in.get_each(own);
-    for (std::size_t k = 0; k < own.size(); ++k) {
-      if (own[k].index() < 0 || own[k].index() >= all.count) throw Damaged();
-      put(site, static_cast<Index>(k), own[k], all[own[k].index()]);
+    in.get(own);
+    const auto is_one = [end](PointNumber p) { return p.index() >= 0 && p.index() < end; };
+    if (!std::all_of(own.begin(), own.end(), is_one)) throw Damaged();
+  }
+  /// `coordinates(point)`: those of a point, contiguous.
+  template <class Coordinates>
+  void fill(SiteNumber site, const Coordinates& coordinates) {
+    for (Index k = 0; k < size(site); ++k) {
+      const PointNumber point = points(site)[static_cast<std::size_t>(k)];
+      put(site, k, point, coordinates(point));
     }
   }
 

@@ -74,30 +74,25 @@ struct RelaxedLender {
     return idle ? 0 : task.size();
   }
 
-  struct Known {
-    double radius;
-    std::uint32_t version;
-    std::uint8_t compact;
-    std::uint8_t changed;
-    std::uint8_t has_cell;
-  };
   void put(ByteWriter& message, SiteNumber site, int rank) {
     const bool divided = patches.divides(state.cells.size(site));
     const bool lends = state.tiling.is_own(state.tiling.tile_of(site));
     const bool sends = lends ? loans.give(site, rank) : loans.changed(site);
-    message.put(Known{state.sites.radius[site], loans.version(site), state.sites.compact[site],
-                      changed[site], sends || divided ? std::uint8_t{1} : std::uint8_t{0}});
+    message.put(state.sites.radius[site]);
+    message.put(loans.version(site));
+    message.put(state.sites.compact[site]);
+    message.put(changed[site]);
+    message.put(sends || divided);
     if (sends || divided) state.cells.write(message, site, state.cells.size(site));
-    if (divided) patches.write(message, site);
+    patches.save(message, site, state.cells.size(site));
   }
   void take(ByteReader& message, SiteNumber site, int rank) {
-    const auto known = message.get<Known>();
-    state.sites.radius[site] = known.radius;
-    state.sites.compact[site] = known.compact;
-    changed[site] = known.changed;
-    loans.take(site, known.version);
-    if (known.has_cell != 0) state.cells.read(message, site, state.cells.size(site));
-    if (patches.divides(state.cells.size(site))) patches.read(message, site);
+    state.sites.radius[site] = message.get<double>();
+    loans.take(site, message.get<std::uint32_t>());
+    state.sites.compact[site] = message.get<std::uint8_t>();
+    changed[site] = message.get<std::uint8_t>();
+    if (message.get<bool>()) state.cells.read(message, site, state.cells.size(site));
+    patches.load(message, site, state.cells.size(site));
     if (state.tiling.is_own(state.tiling.tile_of(site))) loans.give(site, rank);
   }
 };

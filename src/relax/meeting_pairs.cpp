@@ -220,20 +220,20 @@ bool MeetingPairs::extend(const Metric& metric, const SiteState& sites,
   return true;
 }
 
-void MeetingPairs::save(StateWriter& out) const {
+void MeetingPairs::save(ByteWriter& out) const {
   out.put(search_.has_value());
   if (!search_) return;
   out.put(std::uint64_t{dimension_});
-  out.put_all(position_);
-  out.put_all(reach_);
-  out.put_all(before_.site);
-  out.put_all(before_.position);
-  out.put_all(before_.reach);
-  out.put_all(moved_);
-  out.put_all(added_);
+  out.put(position_);
+  out.put(reach_);
+  out.put(before_.site);
+  out.put(before_.position);
+  out.put(before_.reach);
+  out.put(moved_);
+  out.put(added_);
 }
 
-void MeetingPairs::load(StateReader& in, const Metric& metric, const Arena& arena) {
+void MeetingPairs::load(ByteReader& in, const Metric& metric, const Arena& arena) {
   forget();
   if (!in.get<bool>()) return;
   dimension_ = static_cast<std::size_t>(in.get<std::uint64_t>());

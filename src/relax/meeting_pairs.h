@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "checkpoint/state_bytes.h"
 #include "geometry/metric.h"
+#include "parallel/bytes.h"
 #include "parallel/loops.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
@@ -33,8 +33,8 @@ class MeetingPairs {
   void forget() { search_.reset(); }
 
   /// Of the list, what it takes to make it again, O(n); load() does, in the time of refresh().
-  void save(StateWriter& out) const;
-  void load(StateReader& in, const Metric& metric, const Arena& arena);
+  void save(ByteWriter& out) const;
+  void load(ByteReader& in, const Metric& metric, const Arena& arena);
 
   /// Pairs listed when the list was made, and those added since, sorted; first site < second site.
   [[nodiscard]] std::span<const Pair> pairs() const { return pairs_.items; }

@@ -54,13 +54,13 @@ void PairLists::forget() {
   dense_ = false;
 }
 
-void PairLists::save(StateWriter& out) const {
+void PairLists::save(ByteWriter& out) const {
   out.put(dense_);
   out.put(dense_passes_);
   meeting_.save(out);
 }
 
-void PairLists::load(StateReader& in, const Metric& metric, const Tiling& tiling,
+void PairLists::load(ByteReader& in, const Metric& metric, const Tiling& tiling,
                      const Arena& arena) {
   dense_ = in.get<bool>();
   dense_passes_ = in.get<int>();

@@ -18,8 +18,8 @@ class PairLists {
   /// The next refresh() lists all anew: after a pass that was left in the middle.
   void forget();
 
-  void save(StateWriter& out) const;
-  void load(StateReader& in, const Metric& metric, const Tiling& tiling, const Arena& arena);
+  void save(ByteWriter& out) const;
+  void load(ByteReader& in, const Metric& metric, const Tiling& tiling, const Arena& arena);
 
   /// The pairs listed first, and those added since.
   [[nodiscard]] std::array<const Schedule*, 2> schedules() const { return {&first_, &added_}; }

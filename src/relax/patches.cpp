@@ -151,28 +151,33 @@ void Patches<Scalar>::replace(SiteNumber site, Index place, const Scalar* coordi
 }
 
 template <class Scalar>
-void Patches<Scalar>::save(StateWriter& out, SiteNumber site, Index points) const {
+void Patches<Scalar>::save(ByteWriter& out, SiteNumber site, Index points) const {
+  if (!divides(points)) return;
   const Cell& cell = cells_[site];
   out.put(cell.looks);
   out.put(cell.replaced);
   out.put(Index{has(site)});
-  out.put_each(std::span<const Scalar>(cell.low));
-  out.put_each(std::span<const Scalar>(cell.high));
+  out.put(std::span<const Scalar>(cell.low));
+  out.put(std::span<const Scalar>(cell.high));
   if (!has(site)) out.put_nothing(2 * ends(points) * sizeof(Scalar));
 }
 
 template <class Scalar>
-void Patches<Scalar>::load(StateReader& in, SiteNumber site, Index points) {
+void Patches<Scalar>::load(ByteReader& in, SiteNumber site, Index points) {
+  if (!divides(points)) return;
   Cell& cell = cells_[site];
   cell.looks = in.get<Index>();
   cell.replaced = in.get<Index>();
-  if (in.get<Index>() == 0) return in.skip(2 * ends(points) * sizeof(Scalar));
-  if (ends(points) == 0) throw Damaged();
+  if (in.get<Index>() == 0) {
+    cell.low.clear();
+    cell.high.clear();
+    return in.skip(2 * ends(points) * sizeof(Scalar));
+  }
   cell.size = patch_size(points);
   cell.low.resize(ends(points));
   cell.high.resize(ends(points));
-  in.get_each(std::span(cell.low));
-  in.get_each(std::span(cell.high));
+  in.get(std::span(cell.low));
+  in.get(std::span(cell.high));
 }
 
 template class Patches<float>;

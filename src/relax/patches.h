@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "checkpoint/state_bytes.h"
+#include "parallel/bytes.h"
 #include "relax/cells.h"
 
 namespace ccvt {
@@ -48,29 +48,12 @@ class Patches {
   /// Whether a cell of so many points is ever divided. What is known of others does not matter.
   [[nodiscard]] bool divides(Index points) const { return ends(points) > 0; }
 
-  /// Writes what is known of a cell, for another rank, and reads it there.
-  void write(ByteWriter& out, SiteNumber site) const {
-    const Cell& cell = cells_[site];
-    out.put(cell.low);
-    out.put(cell.high);
-    out.put(cell.size);
-    out.put(cell.looks);
-    out.put(cell.replaced);
-  }
-  void read(ByteReader& in, SiteNumber site) {
-    Cell& cell = cells_[site];
-    in.get(cell.low);
-    in.get(cell.high);
-    in.get(std::span(&cell.size, 1));
-    in.get(std::span(&cell.looks, 1));
-    in.get(std::span(&cell.replaced, 1));
-  }
-
-  /// What is known of a cell of so many points, in as many bytes for all of that size.
-  void save(StateWriter& out, SiteNumber site, Index points) const;
-  void load(StateReader& in, SiteNumber site, Index points);
+  /// What is known of a cell of so many points, for another rank or a file: in as many bytes for
+  /// all of that size, and in none for those that are never divided.
+  void save(ByteWriter& out, SiteNumber site, Index points) const;
+  void load(ByteReader& in, SiteNumber site, Index points);
   [[nodiscard]] std::size_t bytes(Index points) const {
-    return 3 * sizeof(Index) + 2 * ends(points) * sizeof(Scalar);
+    return divides(points) ? 3 * sizeof(Index) + 2 * ends(points) * sizeof(Scalar) : 0;
   }
 
   /// Says that another point has come to a place of a cell.

@@ -197,15 +197,15 @@ void Relaxer<Scalar>::forget_pairs() {
 }
 
 template <class Scalar>
-void Relaxer<Scalar>::save(StateWriter& out) const {
+void Relaxer<Scalar>::save(ByteWriter& out) const {
   out.put(cached_passes_);
-  out.put_all(cache_);
-  out.put_all(touched_);
+  out.put(cache_);
+  out.put(touched_);
   lists_.save(out);
 }
 
 template <class Scalar>
-void Relaxer<Scalar>::load(StateReader& in, const Tiling& tiling) {
+void Relaxer<Scalar>::load(ByteReader& in, const Tiling& tiling) {
   cached_passes_ = in.get<int>();
   cache_ = in.get_all<Pair>();
   for (const Pair& pair : cache_) {

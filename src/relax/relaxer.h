@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "ccvt/options.h"
-#include "checkpoint/state_bytes.h"
 #include "geometry/metric.h"
+#include "parallel/bytes.h"
 #include "parallel/loops.h"
 #include "relax/level_state.h"
 #include "relax/loans.h"
@@ -43,15 +43,13 @@ class Relaxer {
   PassCount step(LevelState<Scalar>& state);
 
   /// Between two passes: what is known of all pairs, and of the cell of a site, apart.
-  void save(StateWriter& out) const;
-  void load(StateReader& in, const Tiling& tiling);
-  void save_cell(StateWriter& out, SiteNumber site, Index points) const {
+  void save(ByteWriter& out) const;
+  void load(ByteReader& in, const Tiling& tiling);
+  void save_cell(ByteWriter& out, SiteNumber site, Index points) const {
     patches_.save(out, site, points);
   }
   [[nodiscard]] std::size_t cell_bytes(Index points) const { return patches_.bytes(points); }
-  void load_cell(StateReader& in, SiteNumber site, Index points) {
-    patches_.load(in, site, points);
-  }
+  void load_cell(ByteReader& in, SiteNumber site, Index points) { patches_.load(in, site, points); }
 
   [[nodiscard]] bool stable() const { return stable_; }
 

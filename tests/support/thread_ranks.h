@@ -6,12 +6,15 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <set>
 #include <span>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "ccvt/ranks.h"
+#include "support/message.h"
 
 /// Ranks that are threads of this process, for tests.
 class ThreadRanks {
@@ -76,3 +79,19 @@ class ThreadRanks {
   /// Of each rank, by the one that sent them and their kind.
   std::vector<std::map<std::pair<int, int>, std::deque<Bytes>>> boxes_;
 };
+
+namespace ccvt::test {
+
+/// What all ranks throw: one text, where it is the same.
+inline std::set<std::string> messages_of(int count, const std::function<void(ccvt::Ranks&)>& work) {
+  std::set<std::string> messages;
+  std::mutex mutex;
+  ThreadRanks(count).run([&](ccvt::Ranks& ranks) {
+    const std::string message = message_of([&] { work(ranks); });
+    const std::lock_guard lock(mutex);
+    messages.insert(message);
+  });
+  return messages;
+}
+
+}  // namespace ccvt::test
