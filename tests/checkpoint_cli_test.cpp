@@ -148,9 +148,11 @@ TEST_CASE("What a killed process has left of a checkpoint is removed, and nothin
   fs::create_directory(directory / "run");
   put(directory / "run" / ".ccvt-0123456789abcdef.part", "ccvtckpt and more");
   put(directory / "run" / ".ccvt-1123456789abcdef.part", "something else");
+  put(directory / "run" / ".ccvt-2123456789abcdef.part", "");  // before anything was written
   REQUIRE(run(directory, kLine + "--checkpoint run").status == 0);
   CHECK(!fs::exists(directory / "run" / ".ccvt-0123456789abcdef.part"));
   CHECK(fs::exists(directory / "run" / ".ccvt-1123456789abcdef.part"));
+  CHECK(!fs::exists(directory / "run" / ".ccvt-2123456789abcdef.part"));
 }
 
 TEST_CASE("A first checkpoint that cannot be written ends the run, a later one does not") {

@@ -4,6 +4,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <fstream>
@@ -25,24 +26,27 @@ constexpr std::array<char, 8> kBegins{'c', 'c', 'v', 't', 'c', 'k', 'p', 't'};
   throw InvalidInput("--checkpoint: " + directory.string() + ": " + reason);
 }
 
-bool is_checkpoint(const fs::path& file) {
+/// Whether it is a checkpoint as far as it has been written, perhaps not at all.
+bool begins_as_checkpoint(const fs::path& file) {
   std::array<char, kBegins.size()> begin{};
-  std::ifstream(file, std::ios::binary).read(begin.data(), begin.size());
-  return begin == kBegins;
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(begin.data(), begin.size());
+  return std::equal(begin.begin(), begin.begin() + stream.gcount(), kBegins.begin());
 }
 
 }  // namespace
 
-KeptRun::KeptRun(const CommonArguments& arguments)
+KeptRun::KeptRun(const CommonArguments& arguments, bool holds)
     : directory_(arguments.checkpoint),
       seconds_(arguments.checkpoint_every),
       quiet_(arguments.quiet) {
   if (directory_.empty()) return;
+  file_ = directory_ / kName;
+  if (!holds) return;
   std::error_code error;
   fs::create_directory(directory_, error);
   if (error) refuse(directory_, "cannot be made: " + error.message());
   hold();
-  file_ = directory_ / kName;
 }
 
 KeptRun::~KeptRun() {
@@ -71,7 +75,7 @@ void KeptRun::remove_left_over() const {
     const bool unfinished =
         file.filename().string().rfind(".ccvt-", 0) == 0 && file.extension() == ".part";
     std::error_code ignored;
-    if (unfinished && is_checkpoint(file)) fs::remove(file, ignored);
+    if (unfinished && begins_as_checkpoint(file)) fs::remove(file, ignored);
   }
 }
 
@@ -97,7 +101,7 @@ void KeptRun::tell(const CheckpointRecord& record, Progress& progress) const {
 }
 
 void KeptRun::end(const Summary& summary) const {
-  if (file_.empty()) return;
+  if (!keeps()) return;
   const Termination how = summary.termination;
   std::error_code ignored;
   if (how == Termination::stable || how == Termination::blue_noise ||

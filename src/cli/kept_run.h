@@ -17,11 +17,14 @@ class KeptRun {
  public:
   /// Makes the directory, and removes what a process that was killed has left of a checkpoint that
   /// it was writing. Throws InvalidInput where that cannot be, or another process has the
-  /// directory.
-  explicit KeptRun(const CommonArguments& arguments);
+  /// directory. Of several processes that make one run, one `holds` the directory, and the others
+  /// leave it alone.
+  explicit KeptRun(const CommonArguments& arguments, bool holds = true);
   KeptRun(const KeptRun&) = delete;
   KeptRun& operator=(const KeptRun&) = delete;
   ~KeptRun();
+
+  [[nodiscard]] bool keeps() const { return !file_.empty(); }
 
   /// The options, and with them how the run is kept. Both `progress` and this must outlive them.
   [[nodiscard]] Options options(Options options, Progress& progress) const;

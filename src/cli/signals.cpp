@@ -25,6 +25,8 @@ std::atomic<bool> somebody_reads = false;      // standard error is a terminal
 std::atomic<std::int64_t> interrupted_at = 0;  // nanoseconds; 0: not interrupted
 std::atomic<bool> held_back = false;
 std::atomic<int> held_signal = 0;
+std::atomic<bool> ends_asked = false;
+std::atomic<int> asked_signal = 0;
 /// A name that a handler can read at any moment.
 struct Name {
   std::array<char, 4096> text = {};
@@ -79,6 +81,11 @@ extern "C" void on_lost_page(int signal, siginfo_t* info, void* /*context*/) {
 extern "C" void on_termination(int signal) {
   if (held_back) {
     held_signal = signal;
+    return;
+  }
+  int none = 0;
+  if (ends_asked && asked_signal.compare_exchange_strong(none, signal)) {
+    interrupted_at = now();
     return;
   }
   leave(signal);
@@ -155,6 +162,12 @@ EndsHeldBack::~EndsHeldBack() {
   held_back = false;
   if (held_signal != 0) leave(held_signal);
 }
+
+EndsAsked::EndsAsked() { ends_asked = true; }
+
+EndsAsked::~EndsAsked() { ends_asked = false; }
+
+int EndsAsked::signal() { return asked_signal; }
 
 SignalsBlocked::SignalsBlocked() {
   sigset_t all;

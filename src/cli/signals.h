@@ -36,6 +36,19 @@ class EndsHeldBack {
   ~EndsHeldBack();
 };
 
+/// While one lives, the first signal that would end the program, SIGTERM and its like, is as the
+/// first Ctrl-C: for those to whom a launcher passes Ctrl-C on as SIGTERM.
+class EndsAsked {
+ public:
+  EndsAsked();
+  EndsAsked(const EndsAsked&) = delete;
+  EndsAsked& operator=(const EndsAsked&) = delete;
+  ~EndsAsked();
+
+  /// The signal that has come; 0: none.
+  [[nodiscard]] static int signal();
+};
+
 /// While one lives, no signal comes to its thread. For a moment, before there are other threads.
 class SignalsBlocked {
  public:

@@ -5,6 +5,7 @@
 #include <new>
 #include <string>
 
+#include "ccvt/io.h"
 #include "ccvt/metrics.h"
 #include "cli/command_line.h"
 #include "cli/commands.h"
@@ -70,6 +71,8 @@ int run_all(const Session& session, int argc, char** argv) {
     return report(failure.message, failure.status);
   } catch (const ccvt::InvalidInput& error) {
     return report(error.what(), 2);
+  } catch (const ccvt::IoError& error) {
+    return report(error.what(), 1);
   } catch (const std::bad_alloc&) {
     return end_all("rank " + std::to_string(session.ranks().rank()) + " is out of memory", 1);
   } catch (const std::exception& error) {

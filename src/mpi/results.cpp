@@ -6,16 +6,17 @@
 
 namespace ccvt::mpi {
 
-int finish(const Session& session, const cli::CommonArguments& arguments, const Summary& summary,
-           const std::function<void()>& write) {
+int finish(const Session& session, const cli::CommonArguments& arguments, const Kept& kept,
+           const Summary& summary, const std::function<void()>& write) {
   const cli::RankFigures figures = session.figures();
   int status = 0;
   session.together([&] {
     if (!session.is_first()) return;
     Publication outputs;
-    write();
     cli::write_summary(arguments, summary, {}, {}, figures);
+    write();
     status = cli::finish(arguments, outputs, summary);
+    kept.end(summary);
     if (arguments.quiet) return;
     const auto megabytes = [](auto bytes) { return text(static_cast<double>(bytes) / 1e6, 3); };
     cli::print(std::to_string(figures.ranks) + " ranks sent " + megabytes(figures.sent_bytes) +

@@ -8,6 +8,7 @@
 
 #include "ccvt/io.h"
 #include "ccvt/summary.h"
+#include "kept.h"
 #include "session.h"
 #include "shared_file.h"
 
@@ -31,6 +32,7 @@ class OwnersFile {
   void write(std::int64_t first, const std::vector<Index>& owners) {
     if (file_) file_->write(static_cast<std::uint64_t>(first), std::as_bytes(std::span(owners)));
   }
+  /// As SharedFile::publish().
   void publish() {
     if (file_) file_->publish();
   }
@@ -39,9 +41,10 @@ class OwnersFile {
   std::optional<SharedFile> file_;
 };
 
-/// The end of a command: the first rank writes sites and summary, and prints. `write` writes what
-/// goes beside the summary. The status of all.
-int finish(const Session& session, const cli::CommonArguments& arguments, const Summary& summary,
-           const std::function<void()>& write);
+/// The end of a command: the first rank writes sites and summary, publishes all outputs together,
+/// and prints. `write`, which it calls, writes what goes beside the summary, -o last, and publishes
+/// what all ranks have written. The status of all.
+int finish(const Session& session, const cli::CommonArguments& arguments, const Kept& kept,
+           const Summary& summary, const std::function<void()>& write);
 
 }  // namespace ccvt::mpi

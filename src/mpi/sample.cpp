@@ -17,6 +17,7 @@ using cli::SampleArguments;
 
 template <class Scalar>
 int sample(const Session& session, const SampleArguments& arguments) {
+  const Kept kept(session, arguments);
   const bool particles = makes_particles(arguments);
   const ParticleOptions load = particle_options(arguments.particles);
   const std::int64_t all = std::int64_t{arguments.sites} * arguments.points_per_site;
@@ -43,11 +44,9 @@ int sample(const Session& session, const SampleArguments& arguments) {
   if (fixed.size() > 0) {
     cli::blame(arguments.fixed_sites, [&] { problem.set_fixed_sites(fixed); });
   }
-  const auto result = [&] {
-    cli::Progress progress(arguments.quiet);
-    return tessellate(problem,
-                      cli::make_options(arguments, Options::samples(), arguments.sites, progress));
-  }();
+  const auto result = kept.solve(Options::samples(), arguments.sites, [&](const Options& options) {
+    return tessellate(problem, options);
+  });
 
   OwnersFile owners(session, arguments.owners_out, all);
   owners.write(share.begin, result.owners);
@@ -61,16 +60,15 @@ int sample(const Session& session, const SampleArguments& arguments) {
         static_cast<std::uint64_t>(share.begin),
         std::as_bytes(std::span(points.data(), static_cast<std::size_t>(points.size()))));
   }
-  const int status = finish(session, arguments, result.summary, [&] {
+  return finish(session, arguments, kept, result.summary, [&] {
+    if (points_file) points_file->publish();
+    owners.publish();
     if (particles) {
       write_particles(arguments.output, result.sites, load);
     } else {
       write_points(arguments.output, result.sites);
     }
   });
-  owners.publish();
-  if (points_file) points_file->publish();
-  return status;
 }
 
 }  // namespace

@@ -1,27 +1,12 @@
 #include "session.h"
 
 #include <algorithm>
-#include <cstddef>
-#include <span>
+#include <cstdint>
 #include <thread>
 
 #include "cli/memory.h"
 
 namespace ccvt::mpi {
-
-void Session::agree(const std::string& message, int status) const {
-  Ranks::Bytes own;
-  if (status != 0) {
-    own.push_back(static_cast<std::byte>(status));
-    for (const char c : message) own.push_back(static_cast<std::byte>(c));
-  }
-  for (const Ranks::Bytes& bytes : ranks_.gather(own)) {
-    if (bytes.empty()) continue;
-    std::string theirs;
-    for (const std::byte b : std::span(bytes).subspan(1)) theirs += static_cast<char>(b);
-    throw Failure{theirs, static_cast<int>(bytes[0])};
-  }
-}
 
 int Session::own_threads() {
   MPI_Comm machine = MPI_COMM_NULL;

@@ -10,6 +10,7 @@
 #include "ccvt/types.h"
 #include "cli/arguments.h"
 #include "cli/run.h"
+#include "parallel/together.h"
 
 namespace ccvt::mpi {
 
@@ -42,9 +43,6 @@ class Session {
   /// how many, and what is printed only from the first one.
   template <class Arguments>
   [[nodiscard]] Arguments own(Arguments arguments) const {
-    if (!arguments.checkpoint.empty()) {
-      throw InvalidInput("--checkpoint: is for ccvt only, not for several processes");
-    }
     if (arguments.threads == 0) arguments.threads = own_threads();
     if (!is_first()) arguments.quiet = true;
     return arguments;
@@ -59,28 +57,21 @@ class Session {
 
  private:
   [[nodiscard]] static int own_threads();
-  void agree(const std::string& message, int status) const;
 
   MpiRanks& ranks_;
 };
 
 template <class Work>
 void Session::together(const Work& work) const {
-  std::string message;
-  int status = 0;
   try {
-    work();
+    agree(&ranks_, work);
   } catch (const InvalidInput& error) {
-    message = error.what();
-    status = 2;
+    throw Failure{error.what(), 2};
   } catch (const std::bad_alloc&) {
-    message = "out of memory";
-    status = 1;
+    throw Failure{"out of memory", 1};
   } catch (const std::exception& error) {
-    message = error.what();
-    status = 1;
+    throw Failure{error.what(), 1};
   }
-  agree(message, status);
 }
 
 }  // namespace ccvt::mpi

@@ -1,27 +1,59 @@
 #include "shared_file.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "ccvt/io.h"
 #include "io/npy.h"
+#include "io/publication.h"
 
 namespace ccvt::mpi {
 namespace {
 
-/// Bytes that are written at once: MPI counts them in int.
-constexpr std::size_t kPiece = std::size_t{1} << 28;
+/// A file that is there, open to be written in parts.
+class OpenFile {
+ public:
+  OpenFile(const std::string& path, const std::filesystem::path& target)
+      : target_(target), descriptor_(::open(path.c_str(), O_WRONLY | O_CLOEXEC)) {
+    if (descriptor_ < 0) fail("opened by all ranks");
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() { ::close(descriptor_); }
 
-std::string text_of(int error) {
-  std::string text(MPI_MAX_ERROR_STRING, ' ');
-  int length = 0;
-  MPI_Error_string(error, text.data(), &length);
-  text.resize(static_cast<std::size_t>(length));
-  return text;
-}
+  /// Until it is on the disk, a part at a time: nobody can stop a process that waits for it.
+  void write(std::uint64_t at, std::span<const std::byte> bytes) {
+    constexpr std::size_t kMostUnsynchronized = std::size_t{1} << 24;
+    while (!bytes.empty()) {
+      std::span<const std::byte> part = bytes.first(std::min(bytes.size(), kMostUnsynchronized));
+      bytes = bytes.subspan(part.size());
+      while (!part.empty()) {
+        const ssize_t written =
+            ::pwrite(descriptor_, part.data(), part.size(), static_cast<off_t>(at));
+        if (written < 0) fail("written");
+        part = part.subspan(static_cast<std::size_t>(written));
+        at += static_cast<std::uint64_t>(written);
+      }
+      // Some file systems have nothing to synchronize with.
+      if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOSYS) fail("written");
+    }
+  }
+
+ private:
+  [[noreturn]] void fail(const char* what) const {
+    const std::string reason = std::generic_category().message(errno);
+    throw IoError(target_.string() + ": cannot be " + what + ": " + reason);
+  }
+
+  const std::filesystem::path& target_;
+  int descriptor_;
+};
 
 }  // namespace
 
@@ -49,39 +81,14 @@ SharedFile::SharedFile(const Session& session, std::filesystem::path target,
 }
 
 void SharedFile::write(std::uint64_t first_row, std::span<const std::byte> rows) {
-  MPI_File file = MPI_FILE_NULL;
-  const auto require = [&](int error, const char* what) {
-    session_.together([&] {
-      if (error == MPI_SUCCESS) return;
-      throw IoError(target_.string() + ": cannot " + what + ": " + text_of(error));
-    });
-  };
-  require(MPI_File_open(MPI_COMM_WORLD, path_.c_str(), MPI_MODE_WRONLY, MPI_INFO_NULL, &file),
-          "be opened by all ranks");
-  const std::uint64_t first_byte = header_bytes_ + first_row * row_bytes_;
-  auto at = static_cast<MPI_Offset>(first_byte);
-  // Each rank writes as often as the one with the most.
-  std::uint64_t pieces = (rows.size() + kPiece - 1) / kPiece;
-  MPI_Allreduce(MPI_IN_PLACE, &pieces, 1, MPI_UINT64_T, MPI_MAX, MPI_COMM_WORLD);
-  int error = MPI_SUCCESS;
-  for (std::uint64_t k = 0; k < pieces; ++k) {
-    const auto piece = rows.first(std::min(rows.size(), kPiece));
-    MPI_Status status;
-    const int now = MPI_File_write_at_all(file, at, piece.data(), static_cast<int>(piece.size()),
-                                          MPI_BYTE, &status);
-    error = error == MPI_SUCCESS ? now : error;
-    at += static_cast<MPI_Offset>(piece.size());
-    rows = rows.subspan(piece.size());
-  }
-  if (error == MPI_SUCCESS) error = MPI_File_sync(file);
-  const int closed = MPI_File_close(&file);
-  require(error == MPI_SUCCESS ? closed : error, "be written");
+  session_.together([&] {
+    if (rows.empty()) return;
+    OpenFile(path_, target_).write(header_bytes_ + first_row * row_bytes_, rows);
+  });
 }
 
 void SharedFile::publish() {
-  session_.together([&] {
-    if (unfinished_) unfinished_->publish();
-  });
+  if (unfinished_) io::publish(std::move(*unfinished_));
 }
 
 }  // namespace ccvt::mpi

@@ -27,6 +27,7 @@ void require_supported(const TessellateArguments& arguments) {
 template <class Scalar>
 int tessellate_file(const Session& session, const TessellateArguments& arguments,
                     const PointsHeader& header) {
+  const Kept kept(session, arguments);
   const Session::Share share = session.share(static_cast<std::int64_t>(header.count));
   Points<Scalar> points;
   Points<Scalar> initial_sites;
@@ -65,16 +66,14 @@ int tessellate_file(const Session& session, const TessellateArguments& arguments
   if (fixed_sites.size() > 0) {
     cli::blame(arguments.fixed_sites, [&] { problem.set_fixed_sites(fixed_sites); });
   }
-  const auto result = [&] {
-    cli::Progress progress(arguments.quiet);
-    return tessellate(problem, cli::make_options(arguments, {}, sites, progress));
-  }();
+  const auto result =
+      kept.solve({}, sites, [&](const Options& options) { return tessellate(problem, options); });
   OwnersFile owners(session, arguments.owners_out, static_cast<std::int64_t>(header.count));
   owners.write(share.begin, result.owners);
-  const int status = finish(session, arguments, result.summary,
-                            [&] { write_points(arguments.output, result.sites); });
-  owners.publish();
-  return status;
+  return finish(session, arguments, kept, result.summary, [&] {
+    owners.publish();
+    write_points(arguments.output, result.sites);
+  });
 }
 
 }  // namespace

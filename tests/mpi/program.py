@@ -7,9 +7,11 @@ BIN is the directory of both programs. With --soak, random problems instead.
 """
 
 import argparse
+import fcntl
 import os
 import pathlib
 import random
+import resource
 import signal
 import subprocess
 import sys
@@ -118,8 +120,6 @@ def faults():
          "--whiten")
     ends(together(2, "sample", "--dim", "2", "--sites", "9", "-o", "bad-sites.npy", "--owners-out",
                   "bad-owners.csv"), 2, ".npy")
-    ends(together(2, "sample", "--dim", "2", "--sites", "9", "--checkpoint", "kept", *outputs), 2,
-         "--checkpoint")
     # In the last rank's part only.
     broken = bytearray(pathlib.Path("points.npy").read_bytes())
     broken[-4:] = b"\x00\x00\xc0\x7f"
@@ -128,6 +128,100 @@ def faults():
          "row 4999, column 1: nan is not finite")
     pathlib.Path("short.npy").write_bytes(broken[:-9])
     ends(together(3, "tessellate", "short.npy", "--sites", "40", *outputs), 2, "short.npy")
+
+
+def sample_of(sites):
+    return ["sample", "--dim", "3", "--sites", str(sites), "--threads", "1"]
+
+
+EVERY = ["--checkpoint", "kept", "--checkpoint-every", "0"]
+KEPT = [*sample_of(4000), *EVERY]
+
+
+def goes_on(command, outputs, what, kept=KEPT):
+    """What is kept leads to the result of one process that keeps nothing."""
+    run = subprocess.run([*command, *kept, *files("kept-", *outputs)], capture_output=True, text=True)
+    check(run.returncode == 0 and "goes on from kept" in run.stderr, f"{what}: {run.stderr}")
+    for _, name in outputs:
+        same = pathlib.Path("kept-" + name).read_bytes() == pathlib.Path("alone-" + name).read_bytes()
+        check(same, f"{what}, going on: {name}")
+    check(list(pathlib.Path("kept").iterdir()) == [], f"{what}: something is left of what was kept")
+
+
+def start_kept(ranks, *arguments):
+    """A run that has been kept once; the numbers of its processes, by rank."""
+    run = subprocess.Popen([given.mpirun, "-n", str(ranks), TOGETHER, *arguments],
+                           stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    while run.poll() is None and not pathlib.Path("kept/ccvt.checkpoint").exists():
+        time.sleep(0.02)
+    found = {}
+    for number in processes():
+        for name in (b"OMPI_COMM_WORLD_RANK=", b"PMI_RANK="):
+            for entry in pathlib.Path(f"/proc/{number}/environ").read_bytes().split(b"\0"):
+                if entry.startswith(name):
+                    found[int(entry[len(name):])] = number
+    check(sorted(found) == list(range(ranks)), f"{ranks} ranks run: {found}")
+    return run, found
+
+
+def checkpoints():
+    """What ranks keep, other numbers of them and one process go on from, and the other way."""
+    outputs = ALL[:2]
+    alone(*sample_of(4000), *files("alone-", *outputs))
+    first = files("kept-", *outputs)
+    for ranks, after in ((3, [given.mpirun, "-n", "2", TOGETHER]), (2, [ALONE])):
+        run = together(ranks, *KEPT, *first, "--max-iterations", "20")
+        check(run.returncode == 0, f"{ranks} ranks are kept: {run.stderr}")
+        goes_on(after, outputs, f"kept by {ranks} ranks, then {after}")
+    alone(*KEPT, *first, "--max-iterations", "20")
+    bad = ["-o", "bad-sites.npy", "--owners-out", "bad-owners.npy"]
+    ends(together(3, *KEPT, *bad, "--seed", "3"), 2, "the option seed is 0 there, and here 3")
+    directory = os.open("kept", os.O_RDONLY)
+    fcntl.flock(directory, fcntl.LOCK_EX)
+    ends(together(2, *KEPT, *bad), 2, "another process keeps its run there")
+    os.close(directory)
+    goes_on([given.mpirun, "-n", "3", TOGETHER], outputs, "kept by one process, then 3 ranks")
+    ends(together(2, *sample_of(4000), "--checkpoint", "none/kept", *bad), 2, "none/kept: cannot be made")
+
+    # The disk of one rank becomes full.
+    for full in (0, 2):
+        run, ranks = start_kept(3, *KEPT, *bad)
+        resource.prlimit(ranks[full], resource.RLIMIT_FSIZE, (1000, resource.RLIM_INFINITY))
+        errors = run.communicate(timeout=300)[1]
+        ends(subprocess.CompletedProcess(run.args, run.returncode, stderr=errors), 1,
+             "cannot be written: File too large")
+        warned = errors.count("the run goes on, and what was kept of it before stays")
+        check(warned == (full == 0), f"rank {full} is full: {warned} warnings: {errors}")
+        goes_on([given.mpirun, "-n", "2", TOGETHER], outputs, f"the disk of rank {full} was full")
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        end_by(number, bad, outputs)
+
+
+def end_by(number, bad, outputs):
+    """mpirun waits for a second and tells the ranks, which are kept once more if there is time. The
+    run is long enough for that."""
+    for sites in (4000, 16000, 64000):
+        kept = [*sample_of(sites), *EVERY]
+        alone(*sample_of(sites), *files("alone-", *outputs))
+        run, _ = start_kept(2, *kept, *bad)
+        run.send_signal(number)
+        errors = run.communicate(timeout=60)[1]
+        left = [path for path in pathlib.Path().iterdir() if "bad-" in path.name]
+        if len(left) == 2 and list(pathlib.Path("kept").iterdir()) == []:
+            for path in left:
+                path.unlink()  # it was at its end
+            continue
+        check(run.returncode != 0, f"{number.name} to mpirun: it ended well")
+        check(left == [], f"{number.name} to mpirun left {left}")
+        check(errors.count("ccvt-mpi: error: ") < 2, f"{number.name} to mpirun: {errors}")
+        return goes_on([ALONE], outputs, f"{number.name} to mpirun", kept)
+    check(False, f"{number.name} to mpirun is too late")
+
+
+def processes():
+    found = subprocess.run(["pgrep", "-f", f"^{TOGETHER} sample"], capture_output=True, text=True)
+    return [int(number) for number in found.stdout.split()]
 
 
 def kills():
@@ -139,9 +233,7 @@ def kills():
         run = subprocess.Popen(long_run, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         ranks = []
         for _ in range(600):
-            found = subprocess.run(["pgrep", "-f", f"^{TOGETHER} sample"], capture_output=True,
-                                   text=True).stdout.split()
-            ranks = [int(number) for number in found]
+            ranks = processes()
             if len(ranks) == 3:
                 break
             time.sleep(0.05)
@@ -187,6 +279,7 @@ if given.soak > 0:
 else:
     bits()
     faults()
+    checkpoints()
     kills()
 print("passed" if failures == 0 else f"{failures} failed")
 sys.exit(failures > 0)
