@@ -136,15 +136,16 @@ struct CCVT_EXPORT Options {
 
   /// A file that the run is kept in, so that it outlives its process; empty: none. If it is there,
   /// a Solver continues from it, to the bits of a run that was never interrupted, with any number
-  /// of threads; one of other points, settings or options than these, limits but for, or of another
-  /// version, or a damaged one is refused: InvalidInput says why. The run is saved there, as
-  /// Solver::save() does, at once (IoError), then between two iterations every
+  /// of threads and ranks; one of other points, settings or options than these, limits but for, or
+  /// of another version, or a damaged one is refused: InvalidInput says why. The run is saved
+  /// there, as Solver::save() does, at once (IoError), then between two iterations every
   /// `checkpoint_seconds`, where a failure does not end it, and when it is cut short: by a limit,
   /// or cancelled. For that it may first complete the iteration, if it takes no longer than ten
   /// seconds; else the file stays as it last was. It stays at the end, too: whoever has the result
-  /// removes it. For what runs one Solver: tessellate(), stipple(), sample_volume(), and
-  /// tessellate_masses(), which keeps the way to the unit points' end and repeats what follows; the
-  /// others throw InvalidInput.
+  /// removes it. Of several ranks the first has the file, and a failure is one of all; they are not
+  /// given ten seconds, but end after the iteration. For what runs one Solver: tessellate(),
+  /// stipple(), sample_volume(), and tessellate_masses(), which keeps the way to the unit points'
+  /// end and repeats what follows; the others throw InvalidInput.
   std::filesystem::path checkpoint = {};
   /// Seconds from one checkpoint to the next, at the least. Not negative; 0: after each iteration.
   double checkpoint_seconds = 600;

@@ -42,13 +42,16 @@ class CCVT_EXPORT Solver {
   /// and up to a twentieth more, beside about 80 a site (in 3D 110), and with many points a site up
   /// to 280 more (420); these are in memory meanwhile. It is written beside the file of that name,
   /// flushed to its disk, and renamed; no Publication holds it back. Throws IoError, and
-  /// InvalidInput when the run has ended.
+  /// InvalidInput when the run has ended. Of several ranks, which all call this, the first writes
+  /// the file, which any other number of ranks, or a solver without, can load: what others have
+  /// comes to it in parts of 16 MB, or of a tile that has more.
   void save(const std::filesystem::path& file) const;
   /// Goes to where a solver was when it was saved: of the same problem, options, limits but for
   /// (that is, threads, max_iterations, energy_tolerance, time_limit and callbacks may be others),
   /// and version of the library. From there on both do the same, to the bit. The time of one read
   /// of the file, and of a look at all points. Throws InvalidInput, which says what differs, or is
-  /// damaged, or that this run has ended; the solver is then as it was.
+  /// damaged, or that this run has ended; the solver is then as it was. Of several ranks, which all
+  /// call this and throw the same, the first reads the file.
   void load(const std::filesystem::path& file);
 
   /// #dimensions by n: where the sites are now, rounded to Scalar. In a periodic domain inside the

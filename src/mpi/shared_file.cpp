@@ -21,7 +21,8 @@ class OpenFile {
  public:
   OpenFile(const std::string& path, const std::filesystem::path& target)
       : target_(target), descriptor_(::open(path.c_str(), O_WRONLY | O_CLOEXEC)) {
-    if (descriptor_ < 0) fail("opened by all ranks");
+    if (descriptor_ >= 0) return;
+    throw IoError(target_.string() + ": cannot be opened by all ranks: " + last_error());
   }
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
@@ -36,19 +37,19 @@ class OpenFile {
       while (!part.empty()) {
         const ssize_t written =
             ::pwrite(descriptor_, part.data(), part.size(), static_cast<off_t>(at));
-        if (written < 0) fail("written");
+        if (written < 0) throw not_written();
         part = part.subspan(static_cast<std::size_t>(written));
         at += static_cast<std::uint64_t>(written);
       }
       // Some file systems have nothing to synchronize with.
-      if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOSYS) fail("written");
+      if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOSYS) throw not_written();
     }
   }
 
  private:
-  [[noreturn]] void fail(const char* what) const {
-    const std::string reason = std::generic_category().message(errno);
-    throw IoError(target_.string() + ": cannot be " + what + ": " + reason);
+  static std::string last_error() { return std::generic_category().message(errno); }
+  [[nodiscard]] IoError not_written() const {
+    return IoError(target_.string() + ": cannot be written: " + last_error());
   }
 
   const std::filesystem::path& target_;

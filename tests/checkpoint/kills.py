@@ -172,6 +172,7 @@ def check(runs, ways, kills, chance):
     kept = runs.folder / "run"
     while done < kills:
         if not runs.killed(ways(1 + done), duration * chance.random(), chance):
+            duration *= .9  # others may have slowed down the first one
             continue  # ran to its end: the next one begins anew
         done += 1
         for name, content in runs.outputs("killed").items():

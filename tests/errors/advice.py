@@ -45,10 +45,11 @@ ADVICE = {
     "src/codebook/codebook.cpp": _PARAMETER,
     "src/codebook/train.cpp": _PARAMETER,
     "src/domain.cpp": _PARAMETER,
+    "src/mpi/kept.h": "Whoever started the ranks ended them, and what has been reached is kept: run the same "
+                      "command again.",
     "src/mpi/mpi_ranks.cpp": "Take more ranks: each then sends less at a time.",
     "src/mpi/results.h": _RANKS,
-    "src/mpi/session.cpp": _RANKS,
-    "src/mpi/session.h": _RANKS,
+    "src/mpi/session.h": "Take more ranks on more machines: each then holds less.",
     "src/mpi/shared_file.cpp": "All ranks need a file system that all of them see, with room.",
     "src/mpi/tessellate.cpp": _RANKS,
     "src/run_ranks.cpp": "Several ranks start balanced, and take levels of few points a site: lower "
@@ -141,10 +142,12 @@ _HUGE = "needs more than 2^31 of them in memory or in a file"
 _MPI = "tests/mpi/program.py provokes it, where there is MPI"
 CANNOT_BE_PROVOKED = {
     ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 16 GB together"): _HUGE,
-    ("src/mpi/session.h", "--checkpoint: is for ccvt only, not for several processes"): _MPI,
+    ("src/mpi/kept.h", "ended by a signal; the same command, or one with other limits, goes on from "): _MPI,
+    ("src/mpi/session.h", "out of memory"): "needs a machine without any left",
     ("src/mpi/tessellate.cpp", ": is for ccvt only, not for several processes"): _MPI,
     ("src/mpi/results.h", ": what several processes write together goes into .npy"): _MPI,
-    ("src/mpi/shared_file.cpp", ": cannot "): _MPI,
+    ("src/mpi/shared_file.cpp", ": cannot be opened by all ranks: "): "needs machines that do not see the same "
+                                                                  "files",
     ("src/cli/analyze.cpp", ": cannot be read"): _KERNEL,
     ("src/io/input_file.cpp", ": cannot be read: "): _KERNEL,
     ("src/io/input_file.cpp", "its size is unknown: "): _KERNEL,
