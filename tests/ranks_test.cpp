@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <mutex>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "support/files.h"
 #include "support/message.h"
 #include "support/npy.h"
+#include "support/rank_messages.h"
 #include "support/thread_ranks.h"
 
 using ccvt::Box;
@@ -24,24 +24,13 @@ using ccvt::Index;
 using ccvt::Options;
 using ccvt::Problem;
 using ccvt::test::message_of;
+using ccvt::test::messages_on_ranks;
 
 namespace {
 
-/// What all ranks throw, which must be the same.
-std::set<std::string> messages_of(int count, const std::function<void(ccvt::Ranks&)>& work) {
-  std::set<std::string> messages;
-  std::mutex mutex;
-  ThreadRanks(count).run([&](ccvt::Ranks& ranks) {
-    const std::string message = message_of([&] { work(ranks); });
-    const std::lock_guard lock(mutex);
-    messages.insert(message);
-  });
-  return messages;
-}
-
 void check_message(int count, const std::function<void(ccvt::Ranks&)>& work,
                    const std::string& expected) {
-  const std::set<std::string> messages = messages_of(count, work);
+  const std::set<std::string> messages = messages_on_ranks(count, work);
   REQUIRE(messages.size() == 1);
   CHECK(messages.begin()->find(expected) != std::string::npos);
 }

@@ -7,15 +7,15 @@
 namespace ccvt::mpi {
 
 int finish(const Session& session, const cli::CommonArguments& arguments, const Summary& summary,
-           const std::function<void()>& write) {
+           const std::function<void()>& write, const std::optional<PutBack>& put_back) {
   const cli::RankFigures figures = session.figures();
   int status = 0;
   session.together([&] {
     if (!session.is_first()) return;
     Publication outputs;
     write();
-    cli::write_summary(arguments, summary, {}, {}, figures);
-    status = cli::finish(arguments, outputs, summary);
+    cli::write_summary(arguments, summary, put_back, {}, figures);
+    status = cli::finish(arguments, outputs, summary, put_back);
     if (arguments.quiet) return;
     const auto megabytes = [](auto bytes) { return text(static_cast<double>(bytes) / 1e6, 3); };
     cli::print(std::to_string(figures.ranks) + " ranks sent " + megabytes(figures.sent_bytes) +

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "ccvt/io.h"
+#include "ccvt/region.h"
 #include "ccvt/summary.h"
 #include "session.h"
 #include "shared_file.h"
@@ -42,6 +43,6 @@ class OwnersFile {
 /// The end of a command: the first rank writes sites and summary, and prints. `write` writes what
 /// goes beside the summary. The status of all.
 int finish(const Session& session, const cli::CommonArguments& arguments, const Summary& summary,
-           const std::function<void()>& write);
+           const std::function<void()>& write, const std::optional<PutBack>& put_back = {});
 
 }  // namespace ccvt::mpi
