@@ -91,6 +91,9 @@ def bits():
     compare(["tessellate"], ALL[:2], given_capacities)
     compare(["tessellate"], ALL[:2], ["cloud.npy", "--sites", "150", "--periodic", "--box",
                                       *"0 0 0 1 1 1".split(), "--fixed-sites", "ten.npy"])
+    compare(["tessellate"], ALL[:2], ["cloud.npy", "--sites", "150", "--periodic", "--box",
+                                      *"0 0 0 1 1 1".split(), "--units", "1,3,.5", "--fixed-sites",
+                                      "ten.npy"])
 
 
 SAMPLES = [("-o", "samples.csv")]
