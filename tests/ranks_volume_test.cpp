@@ -288,4 +288,22 @@ TEST_CASE("ranks: what is wrong with a density is thrown on all, in the words of
   CHECK(cut.begin()->starts_with("layers: "));
 }
 
+TEST_CASE("ranks: parts and masks that do not fit a volume are refused") {
+  Volume whole;
+  whole.grid = Grid::spaced({8, 8, 8}, Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(0, 0, 0));
+  whole.data.assign(512, std::byte{1});
+  const std::vector<std::uint8_t> mask(511, 1);
+  Volume other = whole;
+  other.slope = 2;
+  const auto refused = [&](const Volume& part, const std::vector<std::uint8_t>& own) {
+    return messages_on_ranks(2, [&](Ranks& ranks) {
+      (void)ccvt::density_layers(ranks, whole, ranks.rank() == 1 ? part : whole, {}, own);
+    });
+  };
+  CHECK(refused(other, {}) ==
+        std::set<std::string>{"part: its numbers are not of the volume's type and scale"});
+  CHECK(refused(whole, mask) ==
+        std::set<std::string>{"mask: has 511 entries for 512 cells; needs one for each"});
+}
+
 TEST_SUITE_END();

@@ -51,6 +51,11 @@ std::string words_of(const std::vector<std::int64_t>& labels) {
 
 }  // namespace
 
+void check_labels(const VolumeArguments& arguments) {
+  if (arguments.labels.empty() || !arguments.mask.empty()) return;
+  throw InvalidInput("--label: needs --mask, the volume of labels; see ccvt volume --help");
+}
+
 VolumeHeader inspect_input(const std::filesystem::path& file, const VolumeLayout& layout) {
   VolumeHeader header = inspect_volume(file, layout);
   if (is_from_stream(file) && header.data_file != file) {

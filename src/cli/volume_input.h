@@ -10,6 +10,9 @@
 
 namespace ccvt::cli {
 
+/// Throws InvalidInput where there are labels, but no --mask.
+void check_labels(const VolumeArguments& arguments);
+
 /// The header of FILE or --mask. Throws InvalidInput, as inspect_volume() does, and where standard
 /// input has the header, but not the data.
 VolumeHeader inspect_input(const std::filesystem::path& file, const VolumeLayout& layout);

@@ -21,6 +21,12 @@ using cli::VolumeArguments;
 struct Headers {
   VolumeHeader volume;
   std::optional<VolumeHeader> mask;
+
+  /// How many cells so many layers have.
+  [[nodiscard]] std::uint64_t cells_of(std::int64_t layers) const {
+    const std::int64_t all = layers_of_rank(volume.grid.shape, 0, 1).end;
+    return volume.cells() / static_cast<std::uint64_t>(all) * static_cast<std::uint64_t>(layers);
+  }
 };
 
 /// What a rank has of them.
@@ -33,9 +39,7 @@ struct Part {
 Headers check(const Session& session, const VolumeArguments& arguments) {
   Headers headers;
   session.together([&] {
-    if (!arguments.labels.empty() && arguments.mask.empty()) {
-      throw InvalidInput("--label: needs --mask, the volume of labels; see ccvt volume --help");
-    }
+    cli::check_labels(arguments);
     if (!arguments.preview.empty()) {
       throw InvalidInput(
           "--preview: is for ccvt only, as no process has all of the volume; leave it out");
@@ -65,10 +69,7 @@ void check_memory(const Session& session, const VolumeArguments& arguments, cons
   if (all > INT32_MAX) {
     cli::check_memory(arguments.sites, arguments.points_per_site, 3, 0);
   }
-  const auto& shape = headers.volume.grid.shape;
-  const std::int64_t count = layers_of_rank(shape, 0, 1).end;  // all layers
-  const std::uint64_t cells = headers.volume.cells() / static_cast<std::uint64_t>(count) *
-                              static_cast<std::uint64_t>(layers.end - layers.begin);
+  const std::uint64_t cells = headers.cells_of(layers.end - layers.begin);
   const std::uint64_t of_mask = headers.mask ? 1 + bytes_of(headers.mask->type) : 0;
   cli::check_memory("--sites", static_cast<std::uint64_t>(session.share(all).size()), 3,
                     scalar_bytes, cells * (bytes_of(headers.volume.type) + of_mask));
@@ -77,8 +78,7 @@ void check_memory(const Session& session, const VolumeArguments& arguments, cons
 Part read(const Session& session, const VolumeArguments& arguments, const Headers& headers,
           std::size_t scalar_bytes) {
   const MpiRanks& ranks = session.ranks();
-  const auto& shape = headers.volume.grid.shape;
-  Part part{layers_of_rank(shape, ranks.rank(), ranks.count()), {}, {}};
+  Part part{layers_of_rank(headers.volume.grid.shape, ranks.rank(), ranks.count()), {}, {}};
   cli::ValueRange values;
   session.together([&] {
     check_memory(session, arguments, headers, part.layers, scalar_bytes);
@@ -89,11 +89,8 @@ Part read(const Session& session, const VolumeArguments& arguments, const Header
   const bool counts = any(&session.ranks(), cli::counts(part.mask));
   session.together([&] {
     if (headers.mask && !counts) cli::refuse_mask(arguments);
-    const std::uint64_t layer =
-        part.volume.cells() /
-        std::max<std::uint64_t>(1, static_cast<std::uint64_t>(part.layers.end - part.layers.begin));
     values = cli::check_each_value(arguments, part.volume, part.mask,
-                                   static_cast<std::uint64_t>(part.layers.begin) * layer);
+                                   headers.cells_of(part.layers.begin));
   });
   for (const cli::ValueRange& theirs : of_all(&session.ranks(), values)) {
     values.least = std::min(values.least, theirs.least);

@@ -125,6 +125,7 @@ def volume_faults():
     outputs = ["--sites", "20", "-o", "bad-samples.csv"]
     raw = "--shape 24,20,40 --type int16".split()
     ends(together(3, "volume", "v.nrrd", *outputs, "--preview", "bad-p.png"), 2, "--preview")
+    ends(together(3, "volume", "v.nrrd", *outputs, "--label", "3"), 2, "--label: needs --mask")
     ends(together(3, "volume", "absent.nrrd", *outputs), 2, "absent.nrrd")
     ends(together(3, "volume", "v.raw", *raw, "--mask", "labels.raw", "--label", "9", *outputs), 2,
          "labels.raw: no cell has the label 9")
