@@ -77,7 +77,7 @@ class CellMeasures {
   void put(double dimension, VolumeSamples& samples) const {
     for (std::size_t s = 0; s < sums_.size() / kSums; ++s) {
       const std::int64_t* const sums = sums_.data() + kSums * s;
-      const double points = static_cast<double>(sums[0]);
+      const auto points = static_cast<double>(sums[0]);
       const double squares =
           static_cast<double>(sums[1]) / kHigh + static_cast<double>(sums[2]) / kHigh / kLow;
       samples.capacities.push_back(static_cast<Index>(sums[0]));
