@@ -65,14 +65,6 @@ void Run<Scalar>::require_for_ranks() const {
                          std::to_string(kBalancedDimensions) +
                          " dimensions, too: several ranks need balanced");
     }
-    const double points = problem.point_count();
-    const double points_a_site = points / problem.site_count();
-    if (options.descent_points > 0 && options.pairs == PairSelection::meeting &&
-        points_a_site >= options.descent_points) {
-      throw InvalidInput("options.descent_points: is " + std::to_string(options.descent_points) +
-                         ", and there are " + text(points_a_site, 4) +
-                         " points a site: several ranks need it to be 0, or more than these");
-    }
   });
 }
 

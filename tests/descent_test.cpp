@@ -162,7 +162,8 @@ template <class Scalar>
 void check_counts(int dimension, bool periodic, double share, double off) {
   const Diagram<Scalar> given(dimension, periodic, 40, 9001);
   const Arena arena(2);
-  Borders<Scalar> borders(given.metric, arena);
+  const ccvt::Tiling tiling(given.weight.size(), 16);
+  Borders<Scalar> borders(given.metric, arena, tiling);
   borders.find(given.cells, given.position, given.radius, given.weight, given.near, share);
   Random random(3, 3);
   PowerDiagram diagram{std::vector<double>(given.position.size()), given.weight};

@@ -112,9 +112,6 @@ TEST_CASE("ranks: what is wrong with a problem is thrown on all") {
                          {.threads = 1, .initialization = ccvt::Initialization::coherent});
       },
       "options.initialization: is coherent, which is the default beyond 8 dimensions, too");
-  check_message(
-      2, [&](ccvt::Ranks& ranks) { ccvt::tessellate(problem(ranks, 4), {.threads = 1}); },
-      "options.descent_points: is 512, and there are 1500 points a site");
 }
 
 TEST_CASE("ranks: a part of the points that are drawn, and of a file's") {

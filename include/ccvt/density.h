@@ -11,6 +11,7 @@
 #include "ccvt/domain.h"
 #include "ccvt/export.h"
 #include "ccvt/grid_values.h"
+#include "ccvt/ranks.h"
 #include "ccvt/sampling.h"
 #include "ccvt/types.h"
 
@@ -53,6 +54,25 @@ struct DensityGrid {
   std::optional<Affine> to_world = {};
 };
 
+/// Layers of a grid, from `begin` to `end` - 1, perhaps none. A layer is what has the same index
+/// along the last dimension that has more than one cell: values that follow each other in memory.
+struct LayerRange {
+  std::int64_t begin = 0;
+  std::int64_t end = 0;
+};
+
+/// What one of several ranks has of a density.
+struct DensityLayers {
+  /// All of it, but that values, and mask, are those of these layers only.
+  DensityGrid grid;
+  /// As layers_of_rank() says.
+  LayerRange layers;
+};
+
+/// The layers that a rank must have of a grid so that all can draw points from it: as many as the
+/// others, to within 16 in three dimensions, and one to either side. `shape` as of a DensityGrid.
+CCVT_EXPORT LayerRange layers_of_rank(std::span<const std::int64_t> shape, int rank, int ranks);
+
 /// A density at a point of a box: finite and not negative.
 using DensityFunction = std::function<double(std::span<const double>)>;
 
@@ -76,6 +96,19 @@ CCVT_EXPORT void fill_density(const DensityGrid& grid, std::uint64_t seed, Densi
 CCVT_EXPORT void fill_density(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,
                               int threads, std::span<double> coordinates,
                               const std::function<bool()>& cancelled);
+/// The same for a rank's points, by all ranks together.
+CCVT_EXPORT void check_density(Ranks& ranks, const DensityLayers& density, Index count,
+                               std::size_t scalar_bytes);
+CCVT_EXPORT void fill_density(Ranks& ranks, const DensityLayers& density, Index count,
+                              std::uint64_t seed, DensitySampling sampling, int threads,
+                              std::span<float> coordinates);
+CCVT_EXPORT void fill_density(Ranks& ranks, const DensityLayers& density, Index count,
+                              std::uint64_t seed, DensitySampling sampling, int threads,
+                              std::span<double> coordinates);
+/// Of so many points, the first one of a rank.
+inline Index first_of_rank(Index count, int rank, int ranks) {
+  return static_cast<Index>(std::int64_t{count} * rank / ranks);
+}
 CCVT_EXPORT void fill_function(const DensityFunction& density, double maximum, const Box& box,
                                std::uint64_t seed, DensitySampling sampling, int threads,
                                std::span<float> coordinates,
@@ -123,6 +156,26 @@ Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sample_density(
   detail::fill_density(grid, seed, sampling, threads,
                        std::span<Scalar>(points.data(), static_cast<std::size_t>(points.size())),
                        cancelled);
+  return points;
+}
+
+/// Of the points that sample_density() gives, to the bit, those of a rank: of rank r of R the ones
+/// from count * r / R, rounded down, up to those of the next. All ranks call this together, each
+/// with its layers of the same density. A rank draws the points in its layers, about a million at a
+/// time, and sends each to the rank that it is of; it holds no other layers and no other points.
+/// For white points each rank counts all draws, with 4 bytes for 16 of them. Throws InvalidInput,
+/// on all ranks, as sample_density() does, and when the layers are not those of layers_of_rank().
+template <class Scalar = double>
+Points<Scalar> sample_density(Ranks& ranks, const DensityLayers& density, Index count,
+                              std::uint64_t seed = 0,
+                              DensitySampling sampling = DensitySampling::stratified,
+                              int threads = 0) {
+  detail::check_density(ranks, density, count, sizeof(Scalar));
+  const Index first = detail::first_of_rank(count, ranks.rank(), ranks.count());
+  const Index end = detail::first_of_rank(count, ranks.rank() + 1, ranks.count());
+  Points<Scalar> points(density.grid.box.dimension(), end - first);
+  detail::fill_density(ranks, density, count, seed, sampling, threads,
+                       std::span<Scalar>(points.data(), static_cast<std::size_t>(points.size())));
   return points;
 }
 

@@ -39,8 +39,8 @@ class CCVT_EXPORT Problem {
   /// problem, its setters and the options of its solvers must be the same on all ranks; so are then
   /// the sites, to the bit those of one process with all points, and owners are those of a rank's
   /// own points. Each rank has in memory its points, about as many points of whole cells, and what
-  /// there is of all sites. Not: initial owners, other starts than the balanced one (so at most 8
-  /// dimensions), and levels of Options::descent_points a site.
+  /// there is of all sites. Not: initial owners, and other starts than the balanced one (so at most
+  /// 8 dimensions).
   Problem(Ranks& ranks, PointsView<Scalar> own, Index sites, int threads = 1);
 
   /// Default: Euclidean space. A box must have the points' dimension and contain all points (a

@@ -15,6 +15,7 @@
 #include "ccvt/export.h"
 #include "ccvt/io.h"
 #include "ccvt/options.h"
+#include "ccvt/ranks.h"
 #include "ccvt/summary.h"
 #include "ccvt/types.h"
 
@@ -112,6 +113,8 @@ struct CCVT_EXPORT Volume : VolumeHeader {
   /// of a temporary.
   [[nodiscard]] DensityGrid density(const ValueMap& map = {}, MaskView mask = {}) const&;
   [[nodiscard]] DensityGrid density(const ValueMap& map = {}, MaskView mask = {}) const&& = delete;
+  /// The same of a part of a volume, `greatest` being that of the whole.
+  [[nodiscard]] DensityGrid density(const ValueMap& map, double greatest, MaskView mask) const&;
 };
 
 /// What a file does not say itself.
@@ -147,6 +150,18 @@ CCVT_EXPORT Volume read_volume(const std::filesystem::path& path, const VolumeLa
 /// The same without the values, which are not looked at.
 CCVT_EXPORT VolumeHeader inspect_volume(const std::filesystem::path& path,
                                         const VolumeLayout& layout = {});
+
+/// Of a volume, these layers, as a volume of its own that is where they are. Of files that are not
+/// packed, other layers are not read. Throws as read_volume() does, and unless 0 <= begin <= end <=
+/// #layers.
+CCVT_EXPORT Volume read_volume(const std::filesystem::path& path, const VolumeLayout& layout,
+                               const LayerRange& layers);
+/// The density of a volume of which each rank has read `part`, the layers of layers_of_rank(), and
+/// `mask`, where there is one, with an entry for each cell of these. A view of both. All ranks call
+/// this together; throws InvalidInput, on all, as Volume::density() does.
+CCVT_EXPORT DensityLayers density_layers(Ranks& ranks, const VolumeHeader& whole,
+                                         const Volume& part, const ValueMap& map = {},
+                                         MaskView mask = {});
 
 /// How a density becomes samples.
 struct CCVT_EXPORT VolumeOptions {
@@ -197,6 +212,13 @@ struct VolumeSamples {
 /// points are drawn.
 template <class Scalar = float>
 CCVT_EXPORT VolumeSamples sample_volume(const DensityGrid& density, Index sites,
+                                        const VolumeOptions& options = {});
+
+/// The same by all ranks together, to the bit; each has its layers of the density, its share of the
+/// points, and all samples. `points` and `owners`, where they are kept, are those of
+/// sample_density() on this rank. Drawing is not cancelled.
+template <class Scalar = float>
+CCVT_EXPORT VolumeSamples sample_volume(Ranks& ranks, const DensityLayers& density, Index sites,
                                         const VolumeOptions& options = {});
 
 /// Writes samples in two or three dimensions by extension:

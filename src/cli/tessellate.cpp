@@ -27,13 +27,7 @@ std::optional<LinearMap> make_map(const TessellateArguments& arguments,
   if (arguments.whiten) {
     return blame(arguments.points, [&] { return LinearMap::whitening(points); });
   }
-  if (arguments.units.empty()) return {};
-  if (std::ssize(arguments.units) != points.rows()) {
-    throw InvalidInput("--units: there are " + std::to_string(arguments.units.size()) +
-                       " numbers, but the points in " + arguments.points.string() + " have " +
-                       std::to_string(points.rows()) + " dimensions");
-  }
-  return LinearMap::units(Coordinates(arguments.units));
+  return units_of(arguments, static_cast<int>(points.rows()));
 }
 
 template <class Scalar>
@@ -80,13 +74,7 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
     return tessellate(problem,
                       kept.options(make_options(arguments, {}, sites, progress), progress));
   }();
-  if (map) {
-    const Points<Scalar> mapped_sites = std::exchange(result.sites, map->inverse(result.sites));
-    for (Eigen::Index s = 0; s < fixed_sites.cols(); ++s) {  // to the bit, but for images in a box
-      if (mapped_sites.col(s) == mapped_fixed_sites.col(s))
-        result.sites.col(s) = fixed_sites.col(s);
-    }
-  }
+  if (map) result.sites = mapped_back(*map, result.sites, fixed_sites, mapped_fixed_sites);
 
   Publication outputs;
   if (!arguments.owners_out.empty()) write_owners(arguments.owners_out, result.owners);
@@ -111,6 +99,16 @@ Domain make_domain(const TessellateArguments& arguments, int dimension) {
     along[static_cast<std::size_t>(d - 1)] = true;
   }
   return Domain::periodic(std::move(box), along);
+}
+
+std::optional<LinearMap> units_of(const TessellateArguments& arguments, int dimension) {
+  if (arguments.units.empty()) return {};
+  if (std::ssize(arguments.units) != dimension) {
+    throw InvalidInput("--units: there are " + std::to_string(arguments.units.size()) +
+                       " numbers, but the points in " + arguments.points.string() + " have " +
+                       std::to_string(dimension) + " dimensions");
+  }
+  return LinearMap::units(Coordinates(arguments.units));
 }
 
 void check_arguments(const TessellateArguments& arguments) {

@@ -1,6 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <optional>
+
 #include "ccvt/domain.h"
+#include "ccvt/linear_map.h"
+#include "ccvt/types.h"
 #include "cli/arguments.h"
 
 /// What `tessellate` does whatever runs it.
@@ -13,5 +18,21 @@ void check_outputs(const TessellateArguments& arguments);
 
 /// What the options say of the domain of points of so many dimensions.
 Domain make_domain(const TessellateArguments& arguments, int dimension);
+
+/// How distances are measured by --units; none without. Of points of so many dimensions.
+std::optional<LinearMap> units_of(const TessellateArguments& arguments, int dimension);
+
+/// Sites where they are in the coordinates of the points; fixed ones to the bit, but for images in
+/// a box.
+template <class Scalar>
+Points<Scalar> mapped_back(const LinearMap& map, const Points<Scalar>& mapped_sites,
+                           const Points<Scalar>& fixed_sites,
+                           const Points<Scalar>& mapped_fixed_sites) {
+  Points<Scalar> sites = map.inverse(mapped_sites);
+  for (Eigen::Index s = 0; s < fixed_sites.cols(); ++s) {
+    if (mapped_sites.col(s) == mapped_fixed_sites.col(s)) sites.col(s) = fixed_sites.col(s);
+  }
+  return sites;
+}
 
 }  // namespace ccvt::cli

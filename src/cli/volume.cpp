@@ -52,9 +52,7 @@ int sample(const VolumeArguments& arguments, const VolumeHeader& header,
 }  // namespace
 
 int run_volume(const VolumeArguments& arguments) {
-  if (!arguments.labels.empty() && arguments.mask.empty()) {
-    throw InvalidInput("--label: needs --mask, the volume of labels; see ccvt volume --help");
-  }
+  check_labels(arguments);
   Outputs outputs;
   outputs.add("--output", arguments.output, io::kSampleFiles)
       .add("--preview", arguments.preview, io::kPictureFiles)

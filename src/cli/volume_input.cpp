@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <string>
 #include <variant>
 
@@ -14,7 +13,59 @@ namespace ccvt::cli {
 
 namespace {
 
-/// Throws unless the mask has the cells of the volume, at the same places.
+/// Whether all values beyond some have the same density.
+bool has_limits(const ValueMap& map) {
+  return map.kind == ValueMap::Kind::window || map.kind == ValueMap::Kind::threshold;
+}
+
+/// Calls visit(i, value) for each cell.
+template <class Visit>
+void visit_values(const Volume& volume, const Visit& visit) {
+  std::visit(
+      [&](const auto& numbers) {
+        for (std::size_t i = 0; i < numbers.size(); ++i) {
+          const double value = volume.slope * static_cast<double>(numbers[i]) + volume.intercept;
+          visit(i, value);
+        }
+      },
+      volume.stored());
+}
+
+[[noreturn]] void refuse_value(const VolumeArguments& arguments, std::uint64_t cell, double value) {
+  const std::string file = arguments.volume.string();
+  throw InvalidInput(
+      file + ": value " + std::to_string(cell) + " is " + concat(value) +
+      (std::isnan(value)
+           ? "; leave such cells out with --mask FILE, a volume that is 0 or NaN there: " + file +
+                 " itself would do"
+           : "; choose which values matter with --map window:LO,HI or --map threshold:T"));
+}
+
+std::string words_of(const std::vector<std::int64_t>& labels) {
+  std::string words = labels.size() == 1 ? "the label " : "one of the labels ";
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    words += (i > 0 ? ", " : "") + std::to_string(labels[i]);
+  }
+  return words;
+}
+
+}  // namespace
+
+void check_labels(const VolumeArguments& arguments) {
+  if (arguments.labels.empty() || !arguments.mask.empty()) return;
+  throw InvalidInput("--label: needs --mask, the volume of labels; see ccvt volume --help");
+}
+
+VolumeHeader inspect_input(const std::filesystem::path& file, const VolumeLayout& layout) {
+  VolumeHeader header = inspect_volume(file, layout);
+  if (is_from_stream(file) && header.data_file != file) {
+    throw InvalidInput(with_names_of_streams(file.string()) +
+                       ": its header names a data file, which a stream has no directory for; name "
+                       "the header as a file");
+  }
+  return header;
+}
+
 void check_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
                 const VolumeHeader& mask) {
   const auto shape = [](const VolumeHeader& header) {
@@ -39,87 +90,59 @@ void check_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
   }
 }
 
-/// Calls visit(i, value) for each cell, until it returns false.
-template <class Visit>
-void visit_values(const Volume& volume, const Visit& visit) {
-  std::visit(
-      [&](const auto& numbers) {
-        for (std::size_t i = 0; i < numbers.size(); ++i) {
-          const double value = volume.slope * static_cast<double>(numbers[i]) + volume.intercept;
-          if (!visit(i, value)) return;
-        }
-      },
-      volume.stored());
-}
-
-[[noreturn]] void refuse_value(const VolumeArguments& arguments, std::size_t cell, double value) {
-  const std::string file = arguments.volume.string();
-  throw InvalidInput(
-      file + ": value " + std::to_string(cell) + " is " + concat(value) +
-      (std::isnan(value)
-           ? "; leave such cells out with --mask FILE, a volume that is 0 or NaN there: " + file +
-                 " itself would do"
-           : "; choose which values matter with --map window:LO,HI or --map threshold:T"));
-}
-
-std::string words_of(const std::vector<std::int64_t>& labels) {
-  std::string words = labels.size() == 1 ? "the label " : "one of the labels ";
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    words += (i > 0 ? ", " : "") + std::to_string(labels[i]);
-  }
-  return words;
-}
-
-}  // namespace
-
-VolumeHeader inspect_input(const std::filesystem::path& file, const VolumeLayout& layout) {
-  VolumeHeader header = inspect_volume(file, layout);
-  if (is_from_stream(file) && header.data_file != file) {
-    throw InvalidInput(with_names_of_streams(file.string()) +
-                       ": its header names a data file, which a stream has no directory for; name "
-                       "the header as a file");
-  }
-  return header;
-}
-
-std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const VolumeHeader& volume) {
-  if (arguments.mask.empty()) return {};
-  check_mask(arguments, volume, inspect_volume(arguments.mask, arguments.layout));
-  const Volume file = read_volume(arguments.mask, arguments.layout);
+std::vector<std::uint8_t> mask_of(const VolumeArguments& arguments, const Volume& file) {
   std::vector<std::uint8_t> mask(file.cells());
   const auto counts = [&](double value) {
     if (arguments.labels.empty()) return value != 0 && !std::isnan(value);
     return std::any_of(arguments.labels.begin(), arguments.labels.end(),
                        [&](std::int64_t label) { return value == static_cast<double>(label); });
   };
-  bool any = false;
-  visit_values(file, [&](std::size_t i, double value) {
-    mask[i] = counts(value) ? 1 : 0;
-    any = any || mask[i] != 0;
-    return true;
-  });
-  if (any) return mask;
+  visit_values(file, [&](std::size_t i, double value) { mask[i] = counts(value) ? 1 : 0; });
+  return mask;
+}
+
+bool counts(std::span<const std::uint8_t> mask) {
+  return std::any_of(mask.begin(), mask.end(), [](std::uint8_t entry) { return entry != 0; });
+}
+
+void refuse_mask(const VolumeArguments& arguments) {
   throw InvalidInput(
       arguments.mask.string() + ": no cell " +
       (arguments.labels.empty() ? "is anything but 0" : "has " + words_of(arguments.labels)));
 }
 
+std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const VolumeHeader& volume) {
+  if (arguments.mask.empty()) return {};
+  check_mask(arguments, volume, inspect_volume(arguments.mask, arguments.layout));
+  std::vector<std::uint8_t> mask =
+      mask_of(arguments, read_volume(arguments.mask, arguments.layout));
+  if (!counts(mask)) refuse_mask(arguments);
+  return mask;
+}
+
 void check_values(const VolumeArguments& arguments, const Volume& volume,
                   const std::vector<std::uint8_t>& mask) {
-  const ValueMap& map = arguments.map;
-  const bool limits = map.kind == ValueMap::Kind::window || map.kind == ValueMap::Kind::threshold;
-  double least = std::numeric_limits<double>::infinity();
-  double most = -least;
-  visit_values(volume, [&](std::size_t i, double value) {
-    if (!mask.empty() && mask[i] == 0) return true;
-    if (std::isnan(value) || (!limits && std::isinf(value))) refuse_value(arguments, i, value);
-    least = std::min(least, value);
-    most = std::max(most, value);
-    return true;
+  check_range(arguments, check_each_value(arguments, volume, mask, 0));
+}
+
+ValueRange check_each_value(const VolumeArguments& arguments, const Volume& part,
+                            const std::vector<std::uint8_t>& mask, std::uint64_t first_cell) {
+  ValueRange values;
+  visit_values(part, [&](std::size_t i, double value) {
+    if (!mask.empty() && mask[i] == 0) return;
+    if (std::isnan(value) || (!has_limits(arguments.map) && std::isinf(value))) {
+      refuse_value(arguments, first_cell + i, value);
+    }
+    values.least = std::min(values.least, value);
+    values.most = std::max(values.most, value);
   });
-  if (limits || map.invert || !(least < 0)) return;
-  throw InvalidInput(arguments.volume.string() + ": has values from " + concat(least) + " to " +
-                     concat(most) +
+  return values;
+}
+
+void check_range(const VolumeArguments& arguments, const ValueRange& values) {
+  if (has_limits(arguments.map) || arguments.map.invert || !(values.least < 0)) return;
+  throw InvalidInput(arguments.volume.string() + ": has values from " + concat(values.least) +
+                     " to " + concat(values.most) +
                      ", but a density is not negative; choose which values matter with --map "
                      "window:LO,HI (0 up to LO, full from HI) or --map threshold:T");
 }

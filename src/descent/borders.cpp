@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
+#include "parallel/together.h"
 #include "relax/potential.h"
 
 namespace ccvt {
@@ -89,7 +91,7 @@ void Borders<Scalar>::split(const Cells<Scalar>& cells) {
   std::vector<Block> blocks;
   std::vector<std::size_t> first_block{0};
   for (const SiteNumber s : cells.sites()) {
-    const std::size_t size = cells.points(s).size();
+    const std::size_t size = tiling_.is_own(tiling_.tile_of(s)) ? cells.points(s).size() : 0;
     for (std::size_t k = 0; k < size; k += kBlock) {
       blocks.push_back({s, k, std::min(k + kBlock, size)});
     }
@@ -119,6 +121,7 @@ void Borders<Scalar>::split(const Cells<Scalar>& cells) {
     }
     first_.push_back(first_.back() + points);
   }
+  squares = joined(tiling_.ranks(), std::move(squares));
   squares_ =
       sum_of(arena_, squares.size(), kSitesPerGrain, [&](std::size_t b) { return squares[b]; });
 }
@@ -211,11 +214,16 @@ void Borders<Scalar>::count(const PowerDiagram& diagram) {
   surplus_.resize(sites);
   to_centroid_.resize(sites * dimension_);
   at_border_.resize(views_.count() * sum_size());
+  mass_.resize(views_.count());
+  exchange_parts();
+  std::vector<double> of_sites(sites);
+  for_each_site(arena_, tiling_, [&](SiteNumber s) { of_sites[s] = gather(s, diagram); });
+  share_counts(of_sites);
+  energy = joined(tiling_.ranks(), std::move(energy));
   energy_ = squares_;
   energy_ +=
       sum_of(arena_, energy.size(), kSitesPerGrain, [&](std::size_t b) { return energy[b]; });
-  energy_ += sum_of(arena_, sites, kSitesPerGrain,
-                    [&](std::size_t s) { return gather(SiteNumber(s), diagram); });
+  energy_ += sum_of(arena_, sites, kSitesPerGrain, [&](std::size_t s) { return of_sites[s]; });
 }
 
 /// Counts the points of a block into its parts. What they add to their owners' energy, but for the
@@ -295,13 +303,19 @@ double Borders<Scalar>::gather(SiteNumber site, const PowerDiagram& diagram) {
     to[d] = inner[1 + d] - points * views_.at(own)[d];
     energy -= 2 * views_.at(own)[d] * inner[1 + d];
   }
+  const auto add = [&](const double* part) {
+    points += part[0];
+    for (std::size_t d = 0; d < dimension_; ++d) to[d] += part[1 + d];
+  };
   for (const View view : views_.of(site)) {
     const SiteNumber cell = views_.site(view);
-    const std::size_t which = views_.twin(view) - views_.own(cell);
+    const View twin = views_.twin(view);
     for (std::size_t b = first_block_[cell]; b < first_block_[cell + 1]; ++b) {
-      const double* const part = &parts_[(first_part_[b] + which) * part_size()];
-      points += part[0];
-      for (std::size_t d = 0; d < dimension_; ++d) to[d] += part[1 + d];
+      add(&parts_[(first_part_[b] + (twin - views_.own(cell))) * part_size()]);
+    }
+    if (!of_others_.empty()) {
+      const auto [begin, blocks] = of_others_[twin];
+      for (std::size_t b = 0; b < blocks; ++b) add(&sums_of_others_[begin + b * sum_size()]);
     }
     double* const at_border = &at_border_[view * sum_size()];
     std::fill_n(at_border, sum_size(), 0.0);
@@ -309,6 +323,7 @@ double Borders<Scalar>::gather(SiteNumber site, const PowerDiagram& diagram) {
       const double* const part = &parts_[(first_part_[b] + (view - own)) * part_size()];
       for (std::size_t v = 0; v < sum_size(); ++v) at_border[v] += part[sum_size() + v];
     }
+    mass_[view] = at_border[0];
   }
   surplus_[site] = points - capacity_[site];
   for (std::size_t d = 0; d < dimension_; ++d) to[d] = points > 0 ? to[d] / points : 0;
@@ -322,12 +337,13 @@ std::vector<double> Borders<Scalar>::correction() const {
   return weights_for(lack);
 }
 
-/// When site s takes the step u, and its weight grows by |u|^2, its power at a point p grows by
-/// -2 (p - s) . u; so many points as have less than the difference to their next owner's leave.
+/// How many points leave from each view's cell to its site. When site s takes the step u, and its
+/// weight grows by |u|^2, its power at a point p grows by -2 (p - s) . u; so many points as have
+/// less than the difference to their next owner's leave.
 template <class Scalar>
-std::vector<double> Borders<Scalar>::correction(std::span<const double> step) const {
-  std::vector<double> leaving(views_.count());  // from each view's cell to its site
-  for_each_site(arena_, capacity_.size(), kSitesPerGrain, [&](SiteNumber s) {
+std::vector<double> Borders<Scalar>::leaving(std::span<const double> step) const {
+  std::vector<double> leaving(views_.count());
+  for_each_site(arena_, tiling_, [&](SiteNumber s) {
     const double* const own = views_.at(views_.own(s));
     for (const View view : views_.of(s)) {
       const double* const other = views_.at(view);
@@ -340,9 +356,16 @@ std::vector<double> Borders<Scalar>::correction(std::span<const double> step) co
       leaving[view] = change / width_[s];
     }
   });
+  share_leaving(leaving);
+  return leaving;
+}
+
+template <class Scalar>
+std::vector<double> Borders<Scalar>::correction(std::span<const double> step) const {
+  const std::vector<double> from = leaving(step);
   std::vector<double> lack(capacity_.size());
   for_each_site(arena_, capacity_.size(), kSitesPerGrain, [&](SiteNumber s) {
-    for (const View view : views_.of(s)) lack[s] += leaving[view] - leaving[views_.twin(view)];
+    for (const View view : views_.of(s)) lack[s] += from[view] - from[views_.twin(view)];
   });
   return weights_for(lack);
 }
@@ -372,22 +395,20 @@ std::vector<double> Borders<Scalar>::weights_for(std::span<const double> lack) c
 
 template <class Scalar>
 Index Borders<Scalar>::change_owners(Filling<Scalar>& filling) const {
+  if (tiling_.ranks() != nullptr) return change_owners_on_ranks(filling);
   struct Leaving {
     PointNumber point;
     SiteNumber to;
   };
   // Whole tiles: two tasks must not write one journal.
   const auto tile = static_cast<std::size_t>(filling.tiles.sites_per_tile());
-  Buffer<Leaving> leaving = collect_by_site<Leaving>(
-      arena_, capacity_.size(), tile * (1 + kSitesPerGrain / tile),
-      [&](SiteNumber s, std::vector<Leaving>& out, int) {
-        // From the last to the first, so that filling a gap does not move another.
-        for (std::size_t k = first_[s + 1]; k-- > first_[s];) {
-          if (owner_[k] == 0) continue;
-          const View view(views_.own(s) + static_cast<std::size_t>(owner_[k]));
-          out.push_back({filling.take(s, place_[k]), views_.site(view)});
-        }
-      });
+  Buffer<Leaving> leaving =
+      collect_by_site<Leaving>(arena_, capacity_.size(), tile * (1 + kSitesPerGrain / tile),
+                               [&](SiteNumber s, std::vector<Leaving>& out, int) {
+                                 for_each_leaving(s, [&](Index place, SiteNumber to) {
+                                   out.push_back({filling.take(s, place), to});
+                                 });
+                               });
   const auto count = static_cast<Index>(leaving.size());
   const auto by_site = group_by_key(arena_, std::move(leaving), capacity_.size(),
                                     [](const Leaving& l) { return l.to; });

@@ -20,8 +20,11 @@ namespace ccvt {
 template <class Scalar>
 class Borders {
  public:
-  Borders(const Metric& metric, const Arena& arena)
+  /// Where several ranks have the tiles, each has the points in cells of its own, and what is
+  /// counted of sites is on all.
+  Borders(const Metric& metric, const Arena& arena, const Tiling& tiling)
       : arena_(arena),
+        tiling_(tiling),
         dimension_(metric.coordinate_count()),
         views_(metric, arena),
         scratch_(arena) {}
@@ -54,7 +57,8 @@ class Borders {
   [[nodiscard]] double used() const { return used_; }
   [[nodiscard]] std::size_t size() const { return place_.size(); }
 
-  /// Points change to the owners last counted. Cells may then be too full, or not full. How many.
+  /// Points change to the owners last counted. Cells may then be too full, or not full. How many,
+  /// on all ranks.
   Index change_owners(Filling<Scalar>& filling) const;
 
  private:
@@ -86,14 +90,33 @@ class Borders {
                    std::vector<Index>& near) const;
   void keep(const Cells<Scalar>& cells);
   double count_block(std::size_t number, Scratch& own);
+  /// Calls move(place, to) for each point of a cell that changes its owner, from the last to the
+  /// first, so that filling a gap does not move another.
+  template <class Move>
+  void for_each_leaving(SiteNumber cell, const Move& move) const {
+    for (std::size_t k = first_[cell + 1]; k-- > first_[cell];) {
+      if (owner_[k] == 0) continue;
+      const View view(views_.own(cell) + static_cast<std::size_t>(owner_[k]));
+      move(place_[k], views_.site(view));
+    }
+  }
+
+  // Of several ranks, in borders_ranks.cpp.
+  void exchange_parts();
+  void share_counts(std::vector<double>& energy);
+  void share_leaving(std::vector<double>& leaving) const;
+  Index change_owners_on_ranks(Filling<Scalar>& filling) const;
+
   double gather(SiteNumber site, const PowerDiagram& diagram);
-  [[nodiscard]] double mass(View view) const { return at_border_[view * sum_size()]; }
+  [[nodiscard]] std::vector<double> leaving(std::span<const double> step) const;
+  [[nodiscard]] double mass(View view) const { return mass_[view]; }
   [[nodiscard]] std::vector<double> weights_for(std::span<const double> lack) const;
   [[nodiscard]] std::size_t stride(SiteNumber cell) const {
     return first_[cell + 1] - first_[cell];
   }
 
   const Arena& arena_;
+  const Tiling& tiling_;
   std::size_t dimension_;
   SiteViews<Scalar> views_;
   PerWorker<Scratch> scratch_;
@@ -105,7 +128,7 @@ class Borders {
   std::vector<double> inner_;  ///< the sum of the points that are not near a border
   double squares_ = 0;         ///< of all points, from their references
 
-  // Points near borders, in blocks.
+  // Points near borders, in blocks, of cells that are here.
   std::vector<std::size_t> first_;  ///< of each cell, and one more
   Buffer<Index> place_;             ///< in their cell, ascending
   Buffer<Scalar> points_;           ///< of each cell a stream for each dimension
@@ -116,11 +139,22 @@ class Borders {
   std::vector<double> totals_;            ///< the sum of each block's coordinates
   std::vector<double> parts_;             ///< of each block, one for each view
 
+  /// What blocks of cells of other ranks have for sites of this one: of each view of such a cell,
+  /// where their sums begin, and how many there are.
+  struct OfOthers {
+    std::size_t begin = 0;
+    std::size_t blocks = 0;
+  };
+  std::vector<OfOthers> of_others_;
+  std::vector<double> sums_of_others_;
+
   // Of the last diagram.
   std::vector<double> surplus_;
   std::vector<double> to_centroid_;
-  /// Of each view: the sum of the points at the border with the cell's own site.
+  /// Of each view from a cell that is here: the sum of the points at the border with the cell's own
+  /// site; and of each view, how many these are.
   std::vector<double> at_border_;
+  std::vector<double> mass_;
   double energy_ = 0;
   double used_ = 0;
 };

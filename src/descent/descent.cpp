@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "relax/balance.h"
+#include "relax/take_back.h"
 #include "relax/update.h"
 
 namespace ccvt {
@@ -73,7 +74,7 @@ Descent<Scalar>::Descent(const Metric& metric, const Arena& arena, Stop& stop,
       weights_(weights),
       depth_(depth),
       share_(kLargestShare),
-      borders_(metric, arena),
+      borders_(metric, arena, state.tiling),
       capacity_(state.cells.site_count()),
       radius_(state.sites.radius),
       position_(state.sites.position),
@@ -327,7 +328,7 @@ void Descent<Scalar>::commit(LevelState<Scalar>& state, PassCount& result) {
   const double energy = total_energy(state.sites, arena_);
   ended_ = ended_ || !(energy_before - energy > kLeastGain * energy_before);
   if (energy <= energy_before) return;
-  filling.take_back();
+  take_back(filling, arena_);
   state.sites = before;
   result = {};
 }

@@ -91,6 +91,11 @@ void ByteStream::read(void* data, std::size_t count) {
 }
 
 void ByteStream::skip(std::uint64_t count) {
+  if (!inflater_) {
+    if (count > left_) file_.fail("is truncated: it ends in the middle of its data");
+    left_ -= count;
+    return file_.skip(count);
+  }
   std::vector<unsigned char> block(std::min<std::uint64_t>(kBlock, count));
   while (count > 0) {
     const std::size_t part = std::min<std::uint64_t>(block.size(), count);

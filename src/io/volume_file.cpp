@@ -177,6 +177,58 @@ void widen_halves(std::span<const std::byte> halves, std::byte* floats) {
   }
 }
 
+/// Layers run along the last axis that has more than one cell.
+std::size_t layer_axis(const Grid& grid) {
+  std::size_t axis = grid.shape.size() - 1;
+  while (axis > 0 && grid.shape[axis] == 1) --axis;
+  return axis;
+}
+
+/// Goes to the values of a volume; throws InvalidInput unless there is room for all of them.
+void go_to_values(const VolumeFile& opened, std::uint64_t bytes, io::ByteStream& stream) {
+  const std::uint64_t most = stream.most_left();
+  const std::uint64_t skip = opened.at_end && bytes <= most ? most - bytes : opened.skip;
+  if (bytes > most || skip > most - bytes) {
+    stream.file().fail("is truncated: " + std::to_string(bytes) +
+                       " bytes of values are promised, but it " +
+                       (opened.gzip ? "cannot hold more than " : "has ") +
+                       std::to_string(most > skip ? most - skip : 0));
+  }
+  stream.skip(skip);
+}
+
+Volume read_layers(const VolumeFile& opened, const LayerRange& layers) {
+  InputFile file(opened.data);
+  if (file.size() < opened.begin) file.fail("is truncated");
+  file.skip(opened.begin);
+  io::ByteStream stream(file, file.size() - opened.begin, opened.gzip);
+
+  Volume volume;
+  static_cast<VolumeHeader&>(volume) = opened.header;
+  const std::size_t stored = opened.packing == io::Packing::float16 ? 2 : bytes_of(volume.type);
+  go_to_values(opened, volume.cells() * stored, stream);
+  Grid& grid = volume.grid;
+  const std::size_t axis = layer_axis(grid);
+  const std::int64_t count = grid.shape[axis];
+  const std::uint64_t layer = volume.cells() / static_cast<std::uint64_t>(count) * stored;
+  grid.shape[axis] = layers.end - layers.begin;
+  grid.origin.eigen() +=
+      static_cast<double>(layers.begin) * grid.axes.eigen().col(static_cast<Eigen::Index>(axis));
+
+  stream.skip(static_cast<std::uint64_t>(layers.begin) * layer);
+  volume.data.resize(volume.bytes());
+  // At the end of the memory, so that what is narrower can be widened from the front on.
+  const std::span<std::byte> data = std::span(volume.data).last(volume.cells() * stored);
+  stream.read(data.data(), data.size());
+  if (layers.end == count) stream.expect_end();
+  if (opened.big_endian && stored > 1) io::swap_bytes(data, stored);
+  if (opened.packing == io::Packing::boolean) {
+    for (std::byte& value : data) value = value == std::byte{0} ? std::byte{0} : std::byte{1};
+  }
+  if (opened.packing == io::Packing::float16) widen_halves(data, volume.data.data());
+  return volume;
+}
+
 }  // namespace
 
 namespace io {
@@ -217,35 +269,21 @@ VolumeHeader inspect_volume(const std::filesystem::path& path, const VolumeLayou
 }
 
 Volume read_volume(const std::filesystem::path& path, const VolumeLayout& layout) {
-  VolumeFile opened = open_volume(path, layout);
-  InputFile file(opened.data);
-  if (file.size() < opened.begin) file.fail("is truncated");
-  file.skip(opened.begin);
-  io::ByteStream stream(file, file.size() - opened.begin, opened.gzip);
+  const VolumeFile opened = open_volume(path, layout);
+  return read_layers(opened, {0, opened.header.grid.shape[layer_axis(opened.header.grid)]});
+}
 
-  Volume volume;
-  static_cast<VolumeHeader&>(volume) = std::move(opened.header);
-  const std::size_t stored = opened.packing == io::Packing::float16 ? 2 : bytes_of(volume.type);
-  const std::uint64_t bytes = volume.cells() * stored;
-  const std::uint64_t most = stream.most_left();
-  if (opened.at_end && bytes <= most) opened.skip = most - bytes;
-  if (bytes > most || opened.skip > most - bytes) {
-    file.fail("is truncated: " + std::to_string(bytes) + " bytes of values are promised, but it " +
-              (opened.gzip ? "cannot hold more than " : "has ") +
-              std::to_string(most > opened.skip ? most - opened.skip : 0));
+Volume read_volume(const std::filesystem::path& path, const VolumeLayout& layout,
+                   const LayerRange& layers) {
+  const VolumeFile opened = open_volume(path, layout);
+  const std::int64_t count = opened.header.grid.shape[layer_axis(opened.header.grid)];
+  if (layers.begin < 0 || layers.begin > layers.end || layers.end > count) {
+    throw InvalidInput("layers: " + std::to_string(layers.begin) + " to " +
+                       std::to_string(layers.end) + " are asked for, of " + std::to_string(count) +
+                       " in " + path.string() +
+                       ": it must hold that 0 <= begin <= end <= " + std::to_string(count));
   }
-  stream.skip(opened.skip);
-  volume.data.resize(volume.bytes());
-  // At the end of the memory, so that what is narrower can be widened from the front on.
-  const std::span<std::byte> data = std::span(volume.data).last(bytes);
-  stream.read(data.data(), data.size());
-  stream.expect_end();
-  if (opened.big_endian && stored > 1) io::swap_bytes(data, stored);
-  if (opened.packing == io::Packing::boolean) {
-    for (std::byte& value : data) value = value == std::byte{0} ? std::byte{0} : std::byte{1};
-  }
-  if (opened.packing == io::Packing::float16) widen_halves(data, volume.data.data());
-  return volume;
+  return read_layers(opened, layers);
 }
 
 }  // namespace ccvt

@@ -9,5 +9,6 @@ namespace ccvt::mpi {
 
 int run_sample(const Session& session, const cli::SampleArguments& given);
 int run_tessellate(const Session& session, const cli::TessellateArguments& given);
+int run_volume(const Session& session, const cli::VolumeArguments& given);
 
 }  // namespace ccvt::mpi

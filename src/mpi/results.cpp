@@ -7,15 +7,16 @@
 namespace ccvt::mpi {
 
 int finish(const Session& session, const cli::CommonArguments& arguments, const Kept& kept,
-           const Summary& summary, const std::function<void()>& write) {
+           const Summary& summary, const std::function<void()>& write,
+           const std::optional<PutBack>& put_back) {
   const cli::RankFigures figures = session.figures();
   int status = 0;
   session.together([&] {
     if (!session.is_first()) return;
     Publication outputs;
-    cli::write_summary(arguments, summary, {}, {}, figures);
+    cli::write_summary(arguments, summary, put_back, {}, figures);
     write();
-    status = cli::finish(arguments, outputs, summary);
+    status = cli::finish(arguments, outputs, summary, put_back);
     kept.end(summary);
     if (arguments.quiet) return;
     const auto megabytes = [](auto bytes) { return text(static_cast<double>(bytes) / 1e6, 3); };

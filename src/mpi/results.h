@@ -7,6 +7,7 @@
 #include <string>
 
 #include "ccvt/io.h"
+#include "ccvt/region.h"
 #include "ccvt/summary.h"
 #include "kept.h"
 #include "session.h"
@@ -45,6 +46,7 @@ class OwnersFile {
 /// and prints. `write`, which it calls, writes what goes beside the summary, -o last, and publishes
 /// what all ranks have written. The status of all.
 int finish(const Session& session, const cli::CommonArguments& arguments, const Kept& kept,
-           const Summary& summary, const std::function<void()>& write);
+           const Summary& summary, const std::function<void()>& write,
+           const std::optional<PutBack>& put_back = {});
 
 }  // namespace ccvt::mpi

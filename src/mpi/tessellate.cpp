@@ -1,6 +1,12 @@
 #include "cli/tessellate.h"
 
+#include <filesystem>
+#include <optional>
+#include <utility>
+#include <vector>
+
 #include "ccvt/io.h"
+#include "ccvt/linear_map.h"
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
 #include "cli/memory.h"
@@ -18,10 +24,68 @@ void require_supported(const TessellateArguments& arguments) {
     throw InvalidInput(option + ": is for ccvt only, not for several processes");
   };
   if (arguments.whiten) refuse("--whiten");
-  if (!arguments.units.empty()) refuse("--units");
   if (!arguments.mass.file.empty()) refuse("--masses");
   if (!arguments.mass.column.empty()) refuse("--mass-column");
   require_npy("--owners-out", arguments.owners_out);
+}
+
+/// What a rank reads: its part of the points, and all else.
+template <class Scalar>
+struct Inputs {
+  Points<Scalar> points;
+  Points<Scalar> initial_sites;
+  Points<Scalar> fixed_sites;
+  Points<Scalar> mapped_fixed_sites;
+  std::vector<Index> capacities;
+  Domain domain;
+  std::optional<LinearMap> map;  ///< which all but the fixed sites have gone through
+};
+
+template <class Scalar>
+Inputs<Scalar> read_inputs(const Session::Share& share, const TessellateArguments& arguments,
+                           const PointsHeader& header) {
+  cli::check_memory(arguments.points.string(), static_cast<std::uint64_t>(share.size()),
+                    header.dimension, sizeof(Scalar));
+  Inputs<Scalar> read;
+  read.domain = cli::make_domain(arguments, header.dimension);
+  ReadOptions part = arguments.reading;
+  part.first_row = static_cast<std::uint64_t>(share.begin);
+  part.end_row = static_cast<std::uint64_t>(share.end);
+  read.points = read_points<Scalar>(arguments.points, part);
+  const auto sites = [&](const std::filesystem::path& file, const char* what) {
+    return file.empty() ? Points<Scalar>(header.dimension, 0)
+                        : cli::read_sites<Scalar>(file, what, header.dimension);
+  };
+  read.initial_sites = sites(arguments.initial_sites, "initial sites");
+  read.fixed_sites = sites(arguments.fixed_sites, "fixed sites");
+  if (!arguments.capacities.empty()) read.capacities = read_indices(arguments.capacities);
+  read.mapped_fixed_sites = read.fixed_sites;
+  read.map = cli::units_of(arguments, header.dimension);
+  if (!read.map) return read;
+  read.domain = read.map->template domain_of<Scalar>(read.domain);
+  cli::blame(arguments.points, [&] { read.points = (*read.map)(read.points); });
+  read.initial_sites = (*read.map)(read.initial_sites);
+  read.mapped_fixed_sites = (*read.map)(read.fixed_sites);
+  return read;
+}
+
+template <class Scalar>
+Problem<Scalar> make_problem(const Session& session, const TessellateArguments& arguments,
+                             Index sites, const Inputs<Scalar>& read) {
+  Problem<Scalar> problem = cli::blame(arguments.points, [&] {
+    return Problem<Scalar>(session.ranks(), view_points(read.points), sites, arguments.threads);
+  });
+  cli::blame(arguments.points, [&] { problem.set_domain(read.domain); });
+  if (!read.capacities.empty()) {
+    cli::blame(arguments.capacities, [&] { problem.set_capacities(read.capacities); });
+  }
+  if (read.initial_sites.size() > 0) {
+    cli::blame(arguments.initial_sites, [&] { problem.set_initial_sites(read.initial_sites); });
+  }
+  if (read.fixed_sites.size() > 0) {
+    cli::blame(arguments.fixed_sites, [&] { problem.set_fixed_sites(read.mapped_fixed_sites); });
+  }
+  return problem;
 }
 
 template <class Scalar>
@@ -29,45 +93,18 @@ int tessellate_file(const Session& session, const TessellateArguments& arguments
                     const PointsHeader& header) {
   const Kept kept(session, arguments);
   const Session::Share share = session.share(static_cast<std::int64_t>(header.count));
-  Points<Scalar> points;
-  Points<Scalar> initial_sites;
-  Points<Scalar> fixed_sites;
-  std::vector<Index> capacities;
-  Domain domain;
-  session.together([&] {
-    cli::check_memory(arguments.points.string(), static_cast<std::uint64_t>(share.size()),
-                      header.dimension, sizeof(Scalar));
-    domain = cli::make_domain(arguments, header.dimension);
-    ReadOptions part = arguments.reading;
-    part.first_row = static_cast<std::uint64_t>(share.begin);
-    part.end_row = static_cast<std::uint64_t>(share.end);
-    points = read_points<Scalar>(arguments.points, part);
-    if (!arguments.initial_sites.empty()) {
-      initial_sites =
-          cli::read_sites<Scalar>(arguments.initial_sites, "initial sites", header.dimension);
-    }
-    if (!arguments.fixed_sites.empty()) {
-      fixed_sites = cli::read_sites<Scalar>(arguments.fixed_sites, "fixed sites", header.dimension);
-    }
-    if (!arguments.capacities.empty()) capacities = read_indices(arguments.capacities);
-  });
-  const Index sites =
-      initial_sites.size() > 0 ? static_cast<Index>(initial_sites.cols()) : arguments.sites;
-  Problem<Scalar> problem = cli::blame(arguments.points, [&] {
-    return Problem<Scalar>(session.ranks(), view_points(points), sites, arguments.threads);
-  });
-  cli::blame(arguments.points, [&] { problem.set_domain(std::move(domain)); });
-  if (!capacities.empty()) {
-    cli::blame(arguments.capacities, [&] { problem.set_capacities(std::move(capacities)); });
-  }
-  if (initial_sites.size() > 0) {
-    cli::blame(arguments.initial_sites, [&] { problem.set_initial_sites(initial_sites); });
-  }
-  if (fixed_sites.size() > 0) {
-    cli::blame(arguments.fixed_sites, [&] { problem.set_fixed_sites(fixed_sites); });
-  }
-  const auto result =
+  Inputs<Scalar> read;
+  session.together([&] { read = read_inputs<Scalar>(share, arguments, header); });
+  const Index sites = arguments.initial_sites.empty()
+                          ? arguments.sites
+                          : static_cast<Index>(read.initial_sites.cols());
+  const Problem<Scalar> problem = make_problem(session, arguments, sites, read);
+  auto result =
       kept.solve({}, sites, [&](const Options& options) { return tessellate(problem, options); });
+  if (read.map) {
+    result.sites =
+        cli::mapped_back(*read.map, result.sites, read.fixed_sites, read.mapped_fixed_sites);
+  }
   OwnersFile owners(session, arguments.owners_out, static_cast<std::int64_t>(header.count));
   owners.write(share.begin, result.owners);
   return finish(session, arguments, kept, result.summary, [&] {

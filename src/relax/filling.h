@@ -142,10 +142,7 @@ class Filling {
   /// How many points of a site wait; and takes one of these.
   [[nodiscard]] Index waiting(SiteNumber site) const { return waiting_[site].count; }
   PointNumber take_waiting(SiteNumber site, const Scalar*& x) {
-    PointNumber point;
-    Waiting& waiting = waiting_[site];
-    waiting.head = list(site).pop(waiting.head, point, x);
-    --waiting.count;
+    const PointNumber point = pop_waiting(site, x);
     note(site, point, -1);
     return point;
   }
@@ -158,7 +155,7 @@ class Filling {
     out.put(waiting(site));
     while (waiting(site) > 0) {
       const Scalar* x = nullptr;
-      out.put(take_waiting(site, x));
+      out.put(pop_waiting(site, x));
       out.put(std::span(x, cells.dimension()));
     }
   }
@@ -179,10 +176,21 @@ class Filling {
     }
   }
 
-  /// Gives back to the sites that had them when the journal was begun all points that have moved
-  /// since. No point waits, now or then. O(points of the cells concerned).
+  /// A point that came to a site, or left it.
+  struct Entry {
+    PointNumber point;
+    SiteNumber site;
+    int change;
+  };
+  /// From now on a journal is kept of points that move here, until it is ended.
   void begin_journal() { journals_.resize(lists_.size()); }
-  void take_back();
+  [[nodiscard]] std::vector<Entry> end_journal() {
+    std::vector<Entry> all;
+    for (auto& journal : std::exchange(journals_, {})) {
+      all.insert(all.end(), journal.begin(), journal.end());
+    }
+    return all;
+  }
 
   /// Points of a site beyond its capacity; negative where it lacks some.
   [[nodiscard]] Index surplus(SiteNumber site) const {
@@ -226,12 +234,13 @@ class Filling {
     Index count = 0;
   };
   WaitingPoints<Scalar>& list(SiteNumber site) { return lists_[tiles.tile_of(site)]; }
-  /// A point that came to a site, or left it.
-  struct Entry {
+  PointNumber pop_waiting(SiteNumber site, const Scalar*& x) {
     PointNumber point;
-    SiteNumber site;
-    int change;
-  };
+    Waiting& waiting = waiting_[site];
+    waiting.head = list(site).pop(waiting.head, point, x);
+    --waiting.count;
+    return point;
+  }
   void note(SiteNumber site, PointNumber point, int change) {
     if (!journals_.empty()) journals_[tiles.tile_of(site)].push_back({point, site, change});
   }
@@ -240,51 +249,5 @@ class Filling {
   std::vector<WaitingPoints<Scalar>> lists_;  ///< by tile
   std::vector<std::vector<Entry>> journals_;  ///< by tile
 };
-
-template <class Scalar>
-void Filling<Scalar>::take_back() {
-  std::vector<Entry> all;
-  for (auto& journal : std::exchange(journals_, {})) {
-    all.insert(all.end(), journal.begin(), journal.end());
-  }
-  std::sort(all.begin(), all.end(), [](const Entry& a, const Entry& b) {
-    return a.point != b.point ? a.point < b.point : a.site < b.site;
-  });
-  // Where each point has come to, and what it had left; all between is even.
-  struct Back {
-    SiteNumber from;
-    PointNumber point;
-    SiteNumber to;
-  };
-  std::vector<Back> back;
-  for (std::size_t k = 0; k < all.size();) {
-    Back own{SiteNumber::none(), all[k].point, SiteNumber::none()};
-    while (k < all.size() && all[k].point == own.point) {
-      const SiteNumber site = all[k].site;
-      int change = 0;
-      for (; k < all.size() && all[k].point == own.point && all[k].site == site; ++k) {
-        change += all[k].change;
-      }
-      if (change > 0) own.from = site;
-      if (change < 0) own.to = site;
-    }
-    if (own.from != SiteNumber::none()) back.push_back(own);
-  }
-  std::sort(back.begin(), back.end(), [](const Back& a, const Back& b) {
-    return a.from != b.from ? a.from < b.from : a.point < b.point;
-  });
-  for (auto own = back.begin(); own != back.end();) {
-    const SiteNumber from = own->from;
-    const auto end = std::find_if(own, back.end(), [&](const Back& b) { return b.from != from; });
-    for (Index k = filled[from]; k-- > 0;) {
-      const PointNumber point = cells.points(from).data()[k];
-      const auto at = std::lower_bound(own, end, point,
-                                       [](const Back& b, PointNumber p) { return b.point < p; });
-      if (at != end && at->point == point) take(from, k);
-    }
-    own = end;
-  }
-  for (const Back& own : back) add(own.to, own.point);
-}
 
 }  // namespace ccvt

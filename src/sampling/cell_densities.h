@@ -12,9 +12,14 @@ namespace ccvt {
 /// The densities of a grid's cells: its values, mapped and masked. Must not outlive the grid.
 class CellDensities {
  public:
-  explicit CellDensities(const DensityGrid& grid) : grid_(grid) { tabulate(); }
+  /// `first`: the cell whose value is the grid's first one; those before it are not here.
+  explicit CellDensities(const DensityGrid& grid, std::int64_t first = 0)
+      : grid_(grid), first_(first) {
+    tabulate();
+  }
 
   [[nodiscard]] double operator()(std::int64_t cell) const {
+    cell -= first_;
     if (!grid_.mask.empty() && grid_.mask.data()[cell] == 0) return 0;
     return std::visit([&](const auto& values) { return density(values.data()[cell]); },
                       grid_.values);
@@ -25,9 +30,9 @@ class CellDensities {
   void visit_row(std::int64_t first, std::int64_t count, const Visit& visit) const {
     std::visit(
         [&](const auto& values) {
-          for (std::int64_t cell = first; cell < first + count; ++cell) {
-            const bool masked = !grid_.mask.empty() && grid_.mask.data()[cell] == 0;
-            visit(cell, masked ? 0.0 : density(values.data()[cell]));
+          for (std::int64_t k = first - first_; k < first - first_ + count; ++k) {
+            const bool masked = !grid_.mask.empty() && grid_.mask.data()[k] == 0;
+            visit(k + first_, masked ? 0.0 : density(values.data()[k]));
           }
         },
         grid_.values);
@@ -35,8 +40,9 @@ class CellDensities {
 
   /// The value of a cell as it is stored.
   [[nodiscard]] double value(std::int64_t cell) const {
-    return std::visit([&](const auto& values) { return static_cast<double>(values.data()[cell]); },
-                      grid_.values);
+    return std::visit(
+        [&](const auto& values) { return static_cast<double>(values.data()[cell - first_]); },
+        grid_.values);
   }
 
  private:
@@ -70,6 +76,7 @@ class CellDensities {
   }
 
   const DensityGrid& grid_;
+  std::int64_t first_;
   std::vector<double> table_;
 };
 

@@ -1,23 +1,22 @@
 #include "ccvt/density.h"
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
-#include <optional>
+#include <numeric>
+#include <string>
 
 #include "number_text.h"
 #include "parallel/arena.h"
-#include "parallel/loops.h"
-#include "random.h"
+#include "parallel/together.h"
 #include "sampling/cell_densities.h"
-#include "sampling/cell_fill.h"
 #include "sampling/density_mass.h"
+#include "sampling/density_parts.h"
+#include "sampling/draw_parts.h"
 #include "sampling/grid_world.h"
-#include "sampling/hilbert.h"
 #include "sampling/mass.h"
-#include "streams.h"
 #include "thread_count.h"
 
 namespace ccvt {
@@ -39,14 +38,26 @@ void check_shape(const DensityGrid& grid) {
     }
     cells *= grid.shape[d];
   }
-  const std::int64_t values = std::visit([](const auto& v) { return std::ssize(v); }, grid.values);
-  if (cells != values) {
-    throw InvalidInput(concat("grid: shape ", std::span(grid.shape), " has ", cells,
-                              " cells, but there are ", values, " values"));
+}
+
+std::int64_t values_of(const DensityGrid& grid) {
+  return std::visit([](const auto& values) { return std::ssize(values); }, grid.values);
+}
+
+std::int64_t cells_of(const DensityGrid& grid) {
+  return std::accumulate(grid.shape.begin(), grid.shape.end(), std::int64_t{1},
+                         std::multiplies<>());
+}
+
+/// `what` has so many cells: values and mask must have as many.
+void check_cells(const DensityGrid& grid, const std::string& what, std::int64_t cells) {
+  if (cells != values_of(grid)) {
+    throw InvalidInput(
+        concat(what, " has ", cells, " cells, but there are ", values_of(grid), " values"));
   }
-  if (!grid.mask.empty() && std::ssize(grid.mask) != values) {
-    throw InvalidInput(concat("grid: shape ", std::span(grid.shape), " has ", cells,
-                              " cells, but the mask has ", grid.mask.size(), " entries"));
+  if (!grid.mask.empty() && std::ssize(grid.mask) != cells) {
+    throw InvalidInput(
+        concat(what, " has ", cells, " cells, but the mask has ", grid.mask.size(), " entries"));
   }
 }
 
@@ -67,79 +78,12 @@ void check_affine(const DensityGrid& grid) {
   }
 }
 
-bool is_density(double value) { return value >= 0 && value <= std::numeric_limits<double>::max(); }
-
-[[noreturn]] void refuse_density(const DensityGrid& grid, const CellDensities& densities,
-                                 std::int64_t cell) {
-  std::vector<std::int64_t> position(grid.shape.size());
-  cell_position(cell, grid.shape, position);
-  const std::string mapped =
-      grid.map ? concat(", and its density ", densities(cell)) : std::string();
-  throw InvalidInput(concat("grid: values[", cell, "], cell ", std::span(position),
-                            " (fastest axis first), is ", densities.value(cell), mapped,
-                            ", but must be finite and not negative"));
-}
-
-// The curve through the cells, cut into parts that are worked on by themselves.
-struct Parts {
-  HilbertCurve curve;
-  int level = 0;
-  std::vector<HilbertCurve::Part> parts;
-
-  // Parts of up to 4096 cells, and fewer where there would be less than a thousand parts.
-  explicit Parts(const DensityGrid& grid, std::int64_t cells) : curve(grid.shape) {
-    const auto axes =
-        std::count_if(grid.shape.begin(), grid.shape.end(), [](std::int64_t n) { return n > 1; });
-    const std::int64_t most = std::clamp<std::int64_t>(cells / 1024, 1, 4096);
-    while (axes > 0 && (level + 1) * axes < 62 &&
-           (std::int64_t{1} << ((level + 1) * axes)) <= most) {
-      ++level;
-    }
-    if (level == 0 && cells > 65'536) level = 1;
-    parts = curve.parts(level);
-  }
-};
-
-// The first cell, if any, whose density is refused.
-struct Refused {
-  static constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
-  std::int64_t cell = none;
-
-  void add(std::int64_t other) { cell = std::min(cell, other); }
-};
-
-// The mass of each part.
-std::vector<double> masses_of(const DensityGrid& grid, const CellDensities& densities,
-                              const Parts& parts, const Arena& arena) {
-  std::vector<double> masses(parts.parts.size());
-  PerWorker<Refused> refused(arena);
-  arena.for_ranges(masses.size(), 64, [&](std::size_t begin, std::size_t end, int worker) {
-    HilbertCurve curve = parts.curve;
-    for (std::size_t p = begin; p < end; ++p) {
-      double sum = 0;
-      curve.visit_rows(parts.parts[p], parts.level, [&](std::int64_t first, std::int64_t count) {
-        double row = 0;
-        densities.visit_row(first, count, [&](std::int64_t cell, double density) {
-          if (!is_density(density)) refused[worker].add(cell);
-          row += density;
-        });
-        sum += row;
-      });
-      masses[p] = sum;
-    }
-  });
-  Refused first;
-  for (int worker = 0; worker < arena.threads(); ++worker) first.add(refused[worker].cell);
-  if (first.cell != Refused::none) refuse_density(grid, densities, first.cell);
-  GroupedSum total;
-  for (const double mass : masses) total.add(mass);
-  if (total.value() == 0) {
-    const std::size_t values = std::visit([](const auto& v) { return v.size(); }, grid.values);
-    const char* const what = grid.map || !grid.mask.empty() ? " densities are 0" : " values are 0";
-    throw InvalidInput(concat("grid: all ", values, what));
-  }
-  if (!std::isfinite(total.value())) throw InvalidInput("grid: the sum of the values overflows");
-  return masses;
+void check_places(const DensityGrid& grid, Index count, int fixed_dimension,
+                  std::size_t scalar_bytes) {
+  detail::check_sampling(grid.box, count, fixed_dimension, scalar_bytes);
+  check_affine(grid);
+  detail::check_sampling(world_box(grid), count, fixed_dimension, scalar_bytes);
+  check_shape(grid);
 }
 
 template <class Scalar>
@@ -150,30 +94,15 @@ void fill(const DensityGrid& grid, const Eigen::VectorXd& origin, std::uint64_t 
   Stop stop(cancelled);
   const Arena arena(threads, &stop);
   const CellDensities densities(grid);
-  const Parts parts(grid, std::visit([](const auto& v) { return std::ssize(v); }, grid.values));
-  const std::vector<double> masses = masses_of(grid, densities, parts, arena);
-
-  const bool stratified = sampling == DensitySampling::stratified;
+  const DensityParts parts(grid.shape);
+  const std::vector<double> masses = parts.masses(grid, densities, arena, nullptr);
   const auto count = static_cast<Index>(coordinates.size() / grid.shape.size());
-  struct Tools {
-    CellFill<Scalar> fill;
-    HilbertCurve curve;
-  };
-  PerWorker<std::optional<Tools>> tools(arena);
+  DrawParts<Scalar> draw(grid, origin, densities, parts, seed, sampling, arena);
   const auto place = [&](std::size_t part, int worker, Index first,
                          std::span<const double> targets) {
-    auto& own = tools[worker];
-    if (!own) own.emplace(Tools{{grid, densities, origin, stratified}, parts.curve});
-    Random random(seed, streams::density_place + part);
-    Scalar* out = coordinates.data() + first * std::ssize(grid.shape);
-    const auto along_curve = [&](const auto& f) {
-      own->curve.visit(parts.parts[part], parts.level,
-                       [&](std::int64_t cell) { f(cell, densities(cell)); });
-    };
-    deal_to_cells(targets, along_curve,
-                  [&](std::int64_t cell, Index hits) { out = own->fill(cell, hits, random, out); });
+    draw(part, worker, targets, coordinates.data() + first * std::ssize(grid.shape));
   };
-  if (stratified) {
+  if (sampling == DensitySampling::stratified) {
     deal(masses, StratifiedDraws(seed, count), arena, place);
   } else {
     deal(masses, SortedDraws(seed, count, arena), arena, place);
@@ -185,14 +114,15 @@ void fill(const DensityGrid& grid, const Eigen::VectorXd& origin, std::uint64_t 
 }  // namespace
 
 double density_mass(const DensityGrid& grid, const Arena& arena) {
-  const std::int64_t cells =
-      std::visit([](const auto& values) { return std::ssize(values); }, grid.values);
+  return integral(grid, DensityParts(grid.shape).masses(grid, CellDensities(grid), arena, nullptr));
+}
+
+double integral(const DensityGrid& grid, std::span<const double> masses) {
   GroupedSum sum;
-  for (const double mass : masses_of(grid, CellDensities(grid), Parts(grid, cells), arena)) {
-    sum.add(mass);
-  }
+  for (const double mass : masses) sum.add(mass);
+  const double cells = cells_along(grid).prod();
   const double stretch = grid.to_world ? std::abs(grid.to_world->matrix.eigen().determinant()) : 1;
-  return sum.value() * (grid.box.volume() / static_cast<double>(cells) * stretch);
+  return sum.value() * (grid.box.volume() / cells * stretch);
 }
 
 template <class Scalar>
@@ -215,10 +145,26 @@ namespace detail {
 
 void check_density(const DensityGrid& grid, Index count, int fixed_dimension,
                    std::size_t scalar_bytes) {
-  check_sampling(grid.box, count, fixed_dimension, scalar_bytes);
-  check_affine(grid);
-  check_sampling(world_box(grid), count, fixed_dimension, scalar_bytes);
-  check_shape(grid);
+  check_places(grid, count, fixed_dimension, scalar_bytes);
+  check_cells(grid, concat("grid: shape ", std::span(grid.shape)), cells_of(grid));
+}
+
+void check_density(Ranks& ranks, const DensityLayers& density, Index count,
+                   std::size_t scalar_bytes) {
+  agree(&ranks, [&] {
+    const DensityGrid& grid = density.grid;
+    check_places(grid, count, Eigen::Dynamic, scalar_bytes);
+    const GridLayers layers(grid.shape, level_of_parts(grid.shape));
+    const LayerRange needed = layers.around(ranks.rank(), ranks.count());
+    const auto& [begin, end] = density.layers;
+    if (begin != needed.begin || end != needed.end) {
+      throw InvalidInput(concat("layers: rank ", ranks.rank(), " of ", ranks.count(), " has ",
+                                begin, " to ", end, ", but needs ", needed.begin, " to ",
+                                needed.end, ", as layers_of_rank() says"));
+    }
+    check_cells(grid, concat("layers: ", begin, " to ", end, " of shape ", std::span(grid.shape)),
+                (end - begin) * layers.cells);
+  });
 }
 
 void fill_density(const DensityGrid& grid, std::uint64_t seed, DensitySampling sampling,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ccvt/density.h"
+#include "ccvt/ranks.h"
 
 namespace ccvt {
 
@@ -65,5 +66,12 @@ template <class Scalar>
 Points<Scalar> sample_local_density(const LocalDensity& local, Index count, std::uint64_t seed,
                                     DensitySampling sampling, int threads,
                                     const std::function<bool()>& cancelled = {});
+
+/// The same of the points of this rank: see sample_density(). `layers` are those of local.grid that
+/// are here; the arguments have passed check_density().
+template <class Scalar>
+Points<Scalar> sample_local_density(Ranks& ranks, const LocalDensity& local,
+                                    const LayerRange& layers, Index count, std::uint64_t seed,
+                                    DensitySampling sampling, int threads);
 
 }  // namespace ccvt

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -92,28 +93,36 @@ class StratifiedDraws {
   std::size_t bins_;
 };
 
-/// Deals draws from [0, 1) to groups that share that line in proportion to their masses, of which
-/// some is positive. Calls place(group, worker, first, targets) for every
-/// group that gets any, from several threads: the number of its first draw, and for each of its
-/// draws, ascending, the mass of the group that lies before it. Groups without mass get none,
-/// whatever the rounding.
-template <class Draws, class Place>
-void deal(std::span<const double> masses, const Draws& draws, const Arena& arena,
-          const Place& place) {
-  std::vector<double> begin(masses.size() + 1);
-  std::size_t last = 0;  // the last group that can get any
-  GroupedSum sum;
-  for (std::size_t g = 0; g < masses.size(); ++g) {
-    sum.add(masses[g]);
-    begin[g + 1] = sum.value();
-    if (begin[g + 1] > begin[g]) last = g;
+/// Where groups begin that share a line in proportion to their masses, of which some is positive.
+struct Shares {
+  explicit Shares(std::span<const double> masses) : begin(masses.size() + 1) {
+    GroupedSum sum;
+    for (std::size_t g = 0; g < masses.size(); ++g) {
+      sum.add(masses[g]);
+      begin[g + 1] = sum.value();
+      if (begin[g + 1] > begin[g]) last = g;
+    }
   }
-  const double total = begin.back();
+  [[nodiscard]] double total() const { return begin.back(); }
+
+  std::vector<double> begin;  ///< of each group, and one more
+  std::size_t last = 0;       ///< the last group that can get any
+};
+
+/// Deals draws from [0, 1) to groups that share that line, and of these to `groups`, ascending.
+/// Calls place(group, worker, first, targets) for every one of them that gets any, from several
+/// threads: the number of its first draw, and for each of its draws, ascending, the mass of the
+/// group that lies before it. Groups without mass get none, whatever the rounding.
+template <class Draws, class Place>
+void deal(const Shares& shares, std::span<const std::size_t> groups, const Draws& draws,
+          const Arena& arena, const Place& place) {
+  const std::vector<double>& begin = shares.begin;
+  const double total = shares.total();
   const auto bins = static_cast<double>(draws.bins());
-  arena.for_ranges(last + 1, 16, [&](std::size_t from, std::size_t to, int worker) {
+  arena.for_ranges(groups.size(), 16, [&](std::size_t from, std::size_t to, int worker) {
     std::vector<double> bin;
     std::vector<double> targets;
-    for (std::size_t g = from; g < to; ++g) {
+    for (const std::size_t g : groups.subspan(from, to - from)) {
       if (!(begin[g + 1] > begin[g])) continue;
       // One bin earlier than computed, in case that was rounded up.
       double earlier = std::max(0.0, std::floor(begin[g] / total * bins) - 1);
@@ -121,13 +130,13 @@ void deal(std::span<const double> masses, const Draws& draws, const Arena& arena
       Index first = draws.before(b);
       targets.clear();
       for (; b < draws.bins(); ++b, ++earlier) {
-        if (g < last && earlier / bins * total >= begin[g + 1]) break;
+        if (g < shares.last && earlier / bins * total >= begin[g + 1]) break;
         draws.open(b, bin);
         for (const double draw : bin) {
           const double target = draw * total;
           if (target < begin[g]) {
             ++first;
-          } else if (g == last || target < begin[g + 1]) {
+          } else if (g == shares.last || target < begin[g + 1]) {
             targets.push_back(target - begin[g]);
           }
         }
@@ -135,6 +144,15 @@ void deal(std::span<const double> masses, const Draws& draws, const Arena& arena
       if (!targets.empty()) place(g, worker, first, std::span<const double>(targets));
     }
   });
+}
+
+/// The same, to all groups.
+template <class Draws, class Place>
+void deal(std::span<const double> masses, const Draws& draws, const Arena& arena,
+          const Place& place) {
+  std::vector<std::size_t> groups(masses.size());
+  std::iota(groups.begin(), groups.end(), std::size_t{0});
+  deal(Shares(masses), groups, draws, arena, place);
 }
 
 /// Deals ascending targets to the cells of a group: visit_cells(f) calls f(cell, mass) for each

@@ -1,9 +1,6 @@
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
@@ -15,54 +12,11 @@
 #include "sampling/cell_densities.h"
 #include "sampling/density_mass.h"
 #include "sampling/grid_world.h"
+#include "volume/sample_parts.h"
 
 namespace ccvt {
 
 namespace {
-
-/// Capacities and radii, from the points of each cell: in the order of the points, part by part.
-template <class Scalar>
-void measure_cells(PointsView<Scalar> points, PointsView<Scalar> sites,
-                   const std::vector<Index>& owners, const Arena& arena, VolumeSamples& samples) {
-  constexpr std::size_t kSitesPerGrain = 256;
-  const auto count = static_cast<std::size_t>(sites.count);
-  const std::size_t at_once = std::max(count, std::size_t{1} << 22);
-  std::vector<double> squared(count);
-  samples.capacities.assign(count, 0);
-  for (std::size_t begin = 0; begin < owners.size(); begin += at_once) {
-    const auto by_owner = group_by_key<PointNumber>(
-        arena, std::min(at_once, owners.size() - begin), count,
-        [&](std::size_t k) { return PointNumber(begin + k); },
-        [&](PointNumber p) { return std::size_t{SiteNumber(owners[p])}; });
-    arena.for_each(count, kSitesPerGrain, [&](std::size_t s) {
-      const Scalar* const site = sites[SiteNumber(s).index()];
-      for (const PointNumber p : by_owner[s]) {
-        ++samples.capacities[s];
-        const Scalar* const point = points[p.index()];
-        for (int d = 0; d < points.dimension; ++d) {
-          const double at = point[d];
-          const double difference = at - site[d];
-          squared[s] += difference * difference;
-        }
-      }
-    });
-  }
-  const double dimension = points.dimension;
-  samples.radii.resize(count);
-  for (std::size_t s = 0; s < count; ++s) {
-    samples.radii[s] = std::sqrt((dimension + 2) / dimension * squared[s] / samples.capacities[s]);
-  }
-}
-
-/// Every site's share of the integral of the density.
-void weigh_cells(const DensityGrid& density, const Arena& arena, VolumeSamples& samples) {
-  const double mass = density_mass(density, arena);
-  double owned = 0;
-  for (const Index capacity : samples.capacities) owned += capacity;
-  for (const Index capacity : samples.capacities) {
-    samples.weights.push_back(mass * capacity / owned);
-  }
-}
 
 /// Moves sites that are where the density is 0 to the nearest of their points. `points` are
 /// relative to `origin`.
@@ -111,13 +65,12 @@ VolumeSamples sample_volume(const DensityGrid& density, Index sites, const Volum
   const Points<Scalar> centroids = solver.sites();
   std::vector<Index> owners = solver.owners();
 
-  VolumeSamples samples;
-  samples.scalar = sizeof(Scalar) == sizeof(float) ? ScalarType::float32 : ScalarType::float64;
-  samples.summary = solver.summary();
-  samples.sites = centroids.template cast<double>().colwise() + local.origin;
+  VolumeSamples samples = samples_of(solver, centroids, local);
   const Arena arena(threads);
-  measure_cells(view_points(points), view_points(centroids), owners, arena, samples);
-  weigh_cells(density, arena, samples);
+  CellMeasures measures = measures_for(local, sites);
+  measures.add(view_points(points), view_points(centroids), owners, arena);
+  measures.put(density.box.dimension(), samples);
+  weigh_cells(density_mass(density, arena), samples);
   put_back(density, points, local.origin, owners, arena, samples);
   if (options.keep_points) {
     samples.points = points.template cast<double>().colwise() + local.origin;

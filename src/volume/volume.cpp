@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "number_text.h"
+#include "volume/mask_entries.h"
 
 namespace ccvt {
 
@@ -172,21 +173,23 @@ double Volume::greatest(std::span<const std::uint8_t> mask) const {
 
 DensityGrid Volume::density(const ValueMap& map, MaskView mask) const& {
   map.validate();
-  if (!mask.empty() && mask.size() != cells()) {
-    throw InvalidInput("mask: has " + std::to_string(mask.size()) + " entries for " +
-                       std::to_string(cells()) + " cells; needs one for each");
-  }
+  require_entries(*this, mask);
+  return density(map, map.needs_greatest() ? greatest(mask) : 0, mask);
+}
+
+DensityGrid Volume::density(const ValueMap& map, double greatest, MaskView mask) const& {
+  map.validate();
+  require_entries(*this, mask);
   DensityGrid result = grid.density(stored());
   result.mask = mask;
   const bool plain = map.kind == ValueMap::Kind::linear && !map.invert;
   if (plain && slope == 1 && intercept == 0) return result;
-  const double most = map.needs_greatest() ? greatest(mask) : 0;
-  if (map.kind == ValueMap::Kind::gamma && !(most > 0)) {
-    throw InvalidInput("volume: its greatest value is " + text(most) +
+  if (map.kind == ValueMap::Kind::gamma && !(greatest > 0)) {
+    throw InvalidInput("volume: its greatest value is " + text(greatest) +
                        "; must be positive for a gamma");
   }
-  result.map = [map, most, a = slope, b = intercept](double value) {
-    return map(a * value + b, most);
+  result.map = [map, greatest, a = slope, b = intercept](double value) {
+    return map(a * value + b, greatest);
   };
   return result;
 }

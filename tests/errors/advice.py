@@ -52,8 +52,8 @@ ADVICE = {
     "src/mpi/session.h": "Take more ranks on more machines: each then holds less.",
     "src/mpi/shared_file.cpp": "All ranks need a file system that all of them see, with room.",
     "src/mpi/tessellate.cpp": _RANKS,
-    "src/run_ranks.cpp": "Several ranks start balanced, and take levels of few points a site: lower "
-                   "dimensions, more sites, or `Options::descent_points` of 0.",
+    "src/mpi/volume.cpp": _RANKS,
+    "src/run_ranks.cpp": "Several ranks start balanced, as up to 8 dimensions do by default.",
     "src/no_checkpoint.h": "Only what runs one solver keeps a checkpoint: leave Options::checkpoint "
                            "empty.",
     "src/geometry/linear_map.cpp": "Give a regular matrix. Points that lie in a plane cannot be "
@@ -111,7 +111,10 @@ ADVICE = {
     "src/relax/mover.cpp": "A mistake of the library: please report it.",
     "src/run_checkpoint.cpp": "A checkpoint is saved from and loaded into a solver that has not ended. "
                               "What is damaged cannot be continued: remove it, and the run begins anew.",
-    "src/sampling/density.cpp": "Densities are finite and not negative, and positive somewhere.",
+    "src/sampling/density.cpp": "A grid has a value for each cell; of several ranks each has the layers "
+                                "that `layers_of_rank()` says.",
+    "src/sampling/density_parts.cpp": "Densities are finite and not negative, and positive somewhere.",
+    "src/sampling/density_ranks.cpp": _PARAMETER,
     "src/sampling/function.cpp": "Densities are finite and not negative, nowhere above the maximum "
                                  "that was given, and positive somewhere.",
     "src/sampling/region.cpp": _PARAMETER,
@@ -130,6 +133,8 @@ ADVICE = {
     "src/thread_count.h": _PARAMETER,
     "src/volume/preview.cpp": _PARAMETER,
     "src/volume/sample.cpp": _PARAMETER,
+    "src/volume/mask_entries.h": _PARAMETER,
+    "src/volume/sample_ranks.cpp": _PARAMETER,
     "src/volume/volume.cpp": _PARAMETER,
     "src/weighted/inputs.cpp": "Masses are finite and not negative, and capacities sum to theirs.",
     "src/weighted/weighted.cpp": _PARAMETER,
@@ -145,6 +150,8 @@ CANNOT_BE_PROVOKED = {
     ("src/mpi/kept.h", "ended by a signal; the same command, or one with other limits, goes on from "): _MPI,
     ("src/mpi/session.h", "out of memory"): "needs a machine without any left",
     ("src/mpi/tessellate.cpp", ": is for ccvt only, not for several processes"): _MPI,
+    ("src/mpi/volume.cpp",
+     "--preview: is for ccvt only, as no process has all of the volume; leave it out"): _MPI,
     ("src/mpi/results.h", ": what several processes write together goes into .npy"): _MPI,
     ("src/mpi/shared_file.cpp", ": cannot be opened by all ranks: "): "needs machines that do not see the same "
                                                                   "files",

@@ -8,11 +8,13 @@ BIN is the directory of both programs. With --soak, random problems instead.
 
 import argparse
 import fcntl
+import gzip
 import os
 import pathlib
 import random
 import resource
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -86,10 +88,65 @@ def bits():
     random.seed(1)
     sizes = [random.randrange(1, 200) for _ in range(399)]
     pathlib.Path("capacities.csv").write_text("\n".join(map(str, sizes + [50000 - sum(sizes)])))
+    compare(["tessellate"], ALL[:2], ["cloud.npy", "--sites", "12"])  # many points a site
     given_capacities = ["cloud.npy", "--sites", "400", "--capacities", "capacities.csv"]
     compare(["tessellate"], ALL[:2], given_capacities)
     compare(["tessellate"], ALL[:2], ["cloud.npy", "--sites", "150", "--periodic", "--box",
                                       *"0 0 0 1 1 1".split(), "--fixed-sites", "ten.npy"])
+    compare(["tessellate"], ALL[:2], ["cloud.npy", "--sites", "150", "--periodic", "--box",
+                                      *"0 0 0 1 1 1".split(), "--units", "1,3,.5", "--fixed-sites",
+                                      "ten.npy"])
+
+
+SAMPLES = [("-o", "samples.csv")]
+
+
+def volumes():
+    """A bright half of a volume whose last layers are empty; and labels, a thin one of which is a shell."""
+    shape = (24, 20, 40)
+    cells = [(i, j, k) for k in range(shape[2]) for j in range(shape[1]) for i in range(shape[0])]
+    values = [0 if k > 33 else 50 + i * 3 + k for i, _, k in cells]
+    shell = [1 if 60 < (i - 12) ** 2 + (j - 10) ** 2 + (k - 15) ** 2 < 85 else 0 for i, j, k in cells]
+    pathlib.Path("v.raw").write_bytes(struct.pack(f"<{len(values)}h", *values))
+    header = "NRRD0004\ntype: short\ndimension: 3\nsizes: 24 20 40\nendian: {}\nencoding: {}\n\n"
+    pathlib.Path("v.nrrd").write_bytes(header.format("big", "raw").encode()
+                                       + struct.pack(f">{len(values)}h", *values))
+    pathlib.Path("packed.nrrd").write_bytes(header.format("little", "gzip").encode()
+                                            + gzip.compress(struct.pack(f"<{len(values)}h", *values)))
+    pathlib.Path("labels.raw").write_bytes(struct.pack(f"<{len(shell)}h", *shell))
+    raw = "--shape 24,20,40 --type int16".split()
+    sites = ["--sites", "300", "--points-per-site", "60"]
+    compare(["volume"], SAMPLES, ["v.raw", *raw, *sites])
+    compare(["volume"], [("-o", "samples.ply")], ["v.nrrd", *sites, "--double", "--seed", "7"])
+    compare(["volume"], SAMPLES, ["packed.nrrd", *sites, "--map", "gamma:2", "--invert"], threads=(1,))
+    compare(["volume"], SAMPLES, ["v.raw", *raw, "--sites", "30", "--points-per-site", "700", "--mask",
+                                  "labels.raw", "--label", "1", "--interpolation", "constant"])
+
+
+def volume_faults():
+    outputs = ["--sites", "20", "-o", "bad-samples.csv"]
+    raw = "--shape 24,20,40 --type int16".split()
+    ends(together(3, "volume", "v.nrrd", *outputs, "--preview", "bad-p.png"), 2, "--preview")
+    ends(together(3, "volume", "v.nrrd", *outputs, "--label", "3"), 2, "--label: needs --mask")
+    ends(together(3, "volume", "absent.nrrd", *outputs), 2, "absent.nrrd")
+    ends(together(3, "volume", "v.raw", *raw, "--mask", "labels.raw", "--label", "9", *outputs), 2,
+         "labels.raw: no cell has the label 9")
+    short = pathlib.Path("v.nrrd").read_bytes()[:-3]
+    pathlib.Path("short.nrrd").write_bytes(short)
+    ends(together(3, "volume", "short.nrrd", *outputs), 2, "short.nrrd: is truncated")
+    packed = bytearray(pathlib.Path("packed.nrrd").read_bytes())
+    packed[-8] ^= 1  # the checksum, which the last rank reads
+    pathlib.Path("damaged.nrrd").write_bytes(packed)
+    ends(together(3, "volume", "damaged.nrrd", *outputs), 2, "damaged.nrrd")
+    numbers = [1.0] * (24 * 20 * 40)
+    numbers[-2] = float("nan")
+    pathlib.Path("nan.raw").write_bytes(struct.pack(f"<{len(numbers)}f", *numbers))
+    ends(together(3, "volume", "nan.raw", "--shape", "24,20,40", "--type", "float32", *outputs), 2,
+         "nan.raw: value 19198 is nan")
+    numbers[-2] = -4
+    pathlib.Path("negative.raw").write_bytes(struct.pack(f"<{len(numbers)}f", *numbers))
+    ends(together(3, "volume", "negative.raw", "--shape", "24,20,40", "--type", "float32", *outputs), 2,
+         "has values from -4 to 1")
 
 
 def supported():
@@ -115,7 +172,6 @@ def faults():
     ends(together(3, "tessellate", "absent.npy", "--sites", "5", *outputs), 2, "absent.npy")
     ends(together(3, "sample", "--dim", "2", "--sites", "9", "-o", "none/bad.npy"), 2, "none")
     ends(together(3, "sample", "--dim", "9", "--sites", "9", *outputs), 2, "initialization")
-    ends(together(2, "tessellate", "points.npy", "--sites", "4", *outputs), 2, "descent_points")
     ends(together(2, "tessellate", "points.npy", "--sites", "40", "--whiten", *outputs), 2,
          "--whiten")
     ends(together(2, "sample", "--dim", "2", "--sites", "9", "-o", "bad-sites.npy", "--owners-out",
@@ -255,7 +311,7 @@ def soak(problems):
         random.seed(k)
         dimension = random.randrange(1, 5)
         sites = int(10 ** random.uniform(0, 3.3))
-        per_site = random.randrange(2, 500)
+        per_site = random.randrange(2, 1500 if sites < 500 else 500)
         ranks = [random.randrange(1, 8)]
         threads = (random.randrange(1, 4),)
         sample = ["--dim", str(dimension), "--sites", str(sites), "--points-per-site", str(per_site),
@@ -278,8 +334,10 @@ if given.soak > 0:
     soak(given.soak)
 else:
     bits()
+    volumes()
     faults()
     checkpoints()
+    volume_faults()
     kills()
 print("passed" if failures == 0 else f"{failures} failed")
 sys.exit(failures > 0)

@@ -149,6 +149,22 @@ TEST_CASE("ranks: cells that are divided into patches") {
   compare<float>({2, 60 * 4000, 60, Domain::periodic(Box::unit(2)), options});
 }
 
+TEST_CASE("ranks: many points a site") {
+  for (const int threads : {1, 2}) {
+    Options options;
+    options.threads = threads;
+    for (const int dimension : {2, 3}) {
+      const Box box = Box::unit(dimension);
+      compare<float>({dimension, 90'000, 150, Domain::periodic(box), options});
+      compare<double>({dimension, 90'000, 40, Domain::euclidean(box), options});
+    }
+    options.until = ccvt::Until::blue_noise;
+    compare<float>({2, 90'000, 100, Domain::periodic(Box::unit(2)), options});
+    options.descent_points = 1;
+    compare<double>({3, 1800, 150, {}, options});
+  }
+}
+
 TEST_CASE("ranks: fewer tiles than ranks, and ranks without points") {
   compare<double>({2, 40, 3, {}, {}});
   compare<double>({2, 1, 1, {}, {}});
@@ -182,9 +198,6 @@ TEST_CASE("ranks: what several cannot do is refused") {
   if (ranks.count() == 1) return;
   const ccvt::Points<double> own = ccvt::sample_uniform<double>(Box::unit(2), 6000, 3);
   Problem<double> problem(ranks, ccvt::view_points(own), 4);
-  CHECK(message_of([&] {
-          ccvt::tessellate(problem);
-        }).starts_with("options.descent_points: is 512, and there are "));
   CHECK(message_of([&] {
           ccvt::tessellate(problem, {.initialization = ccvt::Initialization::random});
         }).starts_with("options.initialization: is random, "));
