@@ -16,7 +16,6 @@
 #include "support/files.h"
 #include "support/message.h"
 #include "support/thread_ranks.h"
-#include "support/thread_ranks.h"
 #include "support/volumes.h"
 
 using ccvt::DensityGrid;

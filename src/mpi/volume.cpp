@@ -116,8 +116,7 @@ int sample(const Session& session, const VolumeArguments& arguments, const Heade
     });
   });
   return finish(
-      session, arguments, kept, samples.summary,
-      [&] { write_samples(arguments.output, samples); },
+      session, arguments, kept, samples.summary, [&] { write_samples(arguments.output, samples); },
       PutBack{samples.put_back, samples.farthest_put_back});
 }
 
