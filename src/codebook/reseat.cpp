@@ -1,10 +1,10 @@
 #include "codebook/reseat.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 #include "cell_sizes.h"
+#include "codebook/mergers.h"
 #include "exact/pricing.h"
 #include "geometry/squares.h"
 #include "numbers.h"
@@ -19,13 +19,6 @@ constexpr std::size_t kPointsPerGrain = 256;
 struct Split {
   double gain = 0;
   Eigen::VectorXd a, b;  ///< the two sites
-};
-
-constexpr double kNone = std::numeric_limits<double>::infinity();
-
-struct Merger {
-  double cost = kNone;
-  SiteNumber i, j;
 };
 
 Eigen::VectorXd centroid(PointsView<float> points, std::span<const PointNumber> members) {
@@ -91,21 +84,12 @@ bool reseat_sites(PointsView<float> points, const std::vector<Index>& owners,
   const std::size_t n = sites.size() / dimension;
   const Grouping groups(owners, n);
   std::vector<Split> splits(n);
-  std::vector<Merger> mergers(n);
   const std::vector<Index> sizes = cell_sizes(owners, n);
   const std::vector<double> size(sizes.begin(), sizes.end());
   const auto at = [&](SiteNumber s) { return sites.data() + s * dimension; };
-  for_each_site(arena, n, 1 + kPointsPerGrain * n / owners.size(), [&](SiteNumber i) {
-    splits[i] = split(points, groups.of(i));
-    for (const SiteNumber j : sites_below(n)) {
-      if (j == i) continue;
-      const double cost = size[i] * size[j] == 0
-                              ? 0
-                              : size[i] * size[j] / (size[i] + size[j]) *
-                                    squared_difference(at(i), at(j), points.dimension);
-      if (cost < mergers[i].cost) mergers[i] = {cost, i, j};
-    }
-  });
+  for_each_site(arena, n, 1 + kPointsPerGrain * n / owners.size(),
+                [&](SiteNumber i) { splits[i] = split(points, groups.of(i)); });
+  std::vector<Merger> mergers = cheapest_mergers(sites, dimension, size, arena);
   std::sort(mergers.begin(), mergers.end(), [](const Merger& a, const Merger& b) {
     return a.cost != b.cost ? a.cost < b.cost : a.i < b.i;
   });
@@ -117,7 +101,7 @@ bool reseat_sites(PointsView<float> points, const std::vector<Index>& owners,
   std::size_t next = 0;
   bool changed = false;
   for (const auto& [cost, i, j] : mergers) {
-    if (cost == kNone) break;
+    if (i == j) break;
     if (taken[i] != 0 || taken[j] != 0) continue;
     while (next < n && taken[by_gain[next]] != 0) ++next;
     std::size_t k = next;

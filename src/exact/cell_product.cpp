@@ -35,8 +35,8 @@ void CellProduct::add(SiteNumber site, double squared, double constant) {
   longest_ = std::max(longest_, squared);
 }
 
-void CellProduct::prepare(const WeightedSites& sites, SiteNumber site, double radius) {
-  own_ = sites.at(site);
+void CellProduct::prepare(const WeightedSites& sites, const double* centre, double radius) {
+  own_ = centre;
   dimension_ = static_cast<int>(sites.dimension);
   double largest_constant = 0;
   for (const double constant : constant_) {

@@ -7,6 +7,7 @@
 
 #include "exact/cell_product.h"
 #include "exact/distances.h"
+#include "exact/neighbourhoods.h"
 #include "exact/packs.h"
 #include "geometry/squares.h"
 #include "kernels/nearest.h"
@@ -17,6 +18,12 @@ namespace {
 
 /// A cell with more points is priced in parts of so many.
 constexpr std::size_t kPartPoints = 2048;
+/// With so many sites or more, and fewer points each than this, cells near each other are priced
+/// together, about so many points at a time: looking at all sites for each cell would take longer
+/// than what it saves.
+constexpr std::size_t kManySites = 512;
+constexpr std::size_t kFewPoints = 64;
+constexpr std::size_t kRegionPoints = 512;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 struct Choice {
@@ -32,21 +39,25 @@ template <class Scalar>
 struct Pricer<Scalar>::Task {
   WeightedSites sites;
   std::vector<Index>& owners;
-  CellBounds* kept;
-  bool covered;               ///< by the bounds kept
-  std::vector<double> packs;  ///< the sites' positions, for the kernels
-  std::vector<double> rows;   ///< bounds of the parts of cells that have several
+  CellBounds* kept = nullptr;
+  bool covered = false;            ///< by the bounds kept
+  bool first = false;              ///< no point has an owner yet
+  std::vector<double> packs = {};  ///< the sites' positions, for the kernels
+  std::vector<double> rows = {};   ///< bounds of the parts of cells that have several
 
   [[nodiscard]] double weight(SiteNumber site) const { return sites.weight[site]; }
 };
 
-/// A cell, or a part of one, and what pricing it finds; they are merged in their order.
+/// A cell, cells near each other, or a part of these, and what pricing it finds; they are merged in
+/// their order.
 template <class Scalar>
 struct Pricer<Scalar>::Part {
-  SiteNumber site;
+  SiteNumber site;       ///< of the cell; none where there are several
+  const double* centre;  ///< the site's position, or about where the cells' are
+  double weight;         ///< the site's, or 0
   std::span<const PointNumber> members;
   std::span<double> bounds = {};  ///< those of CellBounds, if any are kept
-  double radius = 0;
+  double radius = 0;              ///< around the centre
   double gap = 0;
   double worst = 0;
   double energy = 0;
@@ -56,7 +67,7 @@ struct Pricer<Scalar>::Part {
 
 template <class Scalar>
 struct Pricer<Scalar>::Scratch {
-  std::vector<double> squared;  ///< of the distance between the cell's site and each site
+  std::vector<double> squared;  ///< of the distance between the centre and each site
   std::vector<double> least;    ///< of each site, what it costs the cell's points at least
   std::vector<double> own;      ///< what each point costs its own site
   std::vector<SiteNumber> near;
@@ -88,7 +99,7 @@ auto Pricer<Scalar>::parts_of(Task& task, const Grouping& groups) const -> std::
     if (settled[s] != 0) continue;
     for (auto rest = groups.of(s); !rest.empty();) {
       const std::size_t size = std::min(rest.size(), part_points);
-      parts.push_back({s, rest.first(size)});
+      parts.push_back({s, task.sites.at(s), task.weight(s), rest.first(size)});
       rest = rest.subspan(size);
     }
   }
@@ -104,6 +115,22 @@ auto Pricer<Scalar>::parts_of(Task& task, const Grouping& groups) const -> std::
     std::copy(part->bounds.begin(), part->bounds.end(), rows.begin());
     part->bounds = rows.first(n);
     rows = rows.subspan(n);
+  }
+  return parts;
+}
+
+/// Parts of so many points at most that have one centre.
+template <class Scalar>
+auto Pricer<Scalar>::parts_around(std::span<const double> centres, const Grouping& groups)
+    -> std::vector<Part> {
+  const std::size_t dimension = centres.size() / groups.count();
+  std::vector<Part> parts;
+  for (const SiteNumber g : sites_below(groups.count())) {
+    for (auto rest = groups.of(g); !rest.empty();) {
+      const std::size_t size = std::min(rest.size(), kPartPoints);
+      parts.push_back({SiteNumber::none(), centres.data() + g * dimension, 0.0, rest.first(size)});
+      rest = rest.subspan(size);
+    }
   }
   return parts;
 }
@@ -141,10 +168,30 @@ void Pricer<Scalar>::keep(CellBounds& kept, const std::vector<Part>& parts) {
 }
 
 template <class Scalar>
+Prices Pricer<Scalar>::total(const std::vector<Part>& parts) {
+  Prices prices;
+  double saved = 0;
+  for (const Part& part : parts) {
+    prices.gap += part.gap;
+    prices.worst = std::max(prices.worst, part.worst);
+    prices.energy += part.energy;
+    saved += part.saved;
+    prices.moved += part.moved;
+  }
+  prices.cheapest_energy = prices.energy - saved;
+  return prices;
+}
+
+template <class Scalar>
 Prices Pricer<Scalar>::price(const WeightedSites& sites, std::vector<Index>& owners,
                              CellBounds* kept) const {
-  const Grouping groups(owners, sites.count());
-  Task task{sites, owners, kept, kept != nullptr && kept->cover(owners), {}, {}};
+  const std::size_t n = sites.count();
+  const bool few = owners.size() < kFewPoints * n;
+  if (kept == nullptr && few && n >= kManySites && !metric_.periodic()) {
+    return price_together(sites, owners);
+  }
+  const Grouping groups(owners, n);
+  Task task{sites, owners, kept, kept != nullptr && kept->cover(owners)};
   if (!task.covered) task.packs = packs_of(sites.position, sites.dimension);
   std::vector<Index> given;
   if (kept != nullptr) given = owners;
@@ -155,49 +202,74 @@ Prices Pricer<Scalar>::price(const WeightedSites& sites, std::vector<Index>& own
   }
   std::vector<Part> parts = parts_of(task, groups);
   price_parts(task, parts);
-  Prices prices;
-  double saved = 0;
-  for (const Part& part : parts) {
-    prices.gap += part.gap;
-    prices.worst = std::max(prices.worst, part.worst);
-    prices.energy += part.energy;
-    saved += part.saved;
-    prices.moved += part.moved;
-  }
+  Prices prices = total(parts);
   if (kept != nullptr) {
     keep(*kept, parts);
     kept->set_covered(std::move(given));
     const std::vector<double>& own = kept->own_costs();
+    const double saved = prices.energy - prices.cheapest_energy;
     prices.energy = sum_of(arena_, own.size(), 4096, [&](std::size_t p) { return own[p]; });
+    prices.cheapest_energy = prices.energy - saved;
   }
-  prices.cheapest_energy = prices.energy - saved;
   return prices;
+}
+
+/// Cells near each other at a time.
+template <class Scalar>
+Prices Pricer<Scalar>::price_together(const WeightedSites& sites,
+                                      std::vector<Index>& owners) const {
+  const std::size_t most = std::max<std::size_t>(1, kRegionPoints * sites.count() / owners.size());
+  const Neighbourhoods near(sites.position, sites.dimension, most, arena_);
+  const std::vector<Index> group = near.groups();
+  std::vector<Index> region(owners.size());
+  for (std::size_t p = 0; p < region.size(); ++p) region[p] = group[SiteNumber(owners[p])];
+  const std::vector<double> centres = near.means(sites.position, sites.dimension);
+  const Grouping regions(region, near.count());
+  const Task task{
+      .sites = sites, .owners = owners, .packs = packs_of(sites.position, sites.dimension)};
+  std::vector<Part> parts = parts_around(centres, regions);
+  price_parts(task, parts);
+  return total(parts);
 }
 
 template <class Scalar>
 std::vector<Index> Pricer<Scalar>::cheapest(const WeightedSites& sites) const {
-  std::vector<Index> owners(static_cast<std::size_t>(points_.count), 0);
-  price(sites, owners);
+  const std::size_t n = sites.count();
+  std::vector<double> centres(sites.at(SiteNumber(0)), sites.at(SiteNumber(1)));
+  std::vector<Index> region(static_cast<std::size_t>(points_.count), 0);
+  if (n >= kManySites && !metric_.periodic()) {
+    const auto most = static_cast<std::size_t>(std::sqrt(static_cast<double>(n)));
+    centres = Neighbourhoods(sites.position, sites.dimension, most, arena_)
+                  .means(sites.position, sites.dimension);
+    const std::vector<double> none(centres.size() / sites.dimension, 0.0);
+    region = cheapest({centres, none});
+  }
+  const Grouping regions(region, centres.size() / sites.dimension);
+  std::vector<Index> owners(region.size());
+  const Task task{.sites = sites,
+                  .owners = owners,
+                  .first = true,
+                  .packs = packs_of(sites.position, sites.dimension)};
+  std::vector<Part> parts = parts_around(centres, regions);
+  price_parts(task, parts);
   return owners;
 }
 
-/// Gives the product the sites that some point within `radius` of `site` may prefer.
+/// Gives the product the sites that some point within the radius of the centre may prefer.
 template <class Scalar>
 void Pricer<Scalar>::select_sites(const Task& task, const Part& part, Scratch& scratch) const {
   const WeightedSites& sites = task.sites;
-  const SiteNumber site = part.site;
   const int dimension = points_.dimension;
   scratch.squared.resize(task.packs.size() / sites.dimension);
   scratch.least.resize(sites.count());
-  kernels::squared_distances(sites.at(site), task.packs.data(),
-                             static_cast<Index>(scratch.squared.size()) / kernels::kPack, dimension,
-                             metric_.periodic() ? metric_.extent() : nullptr,
-                             scratch.squared.data());
+  kernels::squared_distances(
+      part.centre, task.packs.data(), static_cast<Index>(scratch.squared.size()) / kernels::kPack,
+      dimension, metric_.periodic() ? metric_.extent() : nullptr, scratch.squared.data());
   // What the farthest point pays at most for its cheapest site, and what others cost at least; a
   // little more and less than that, for the rounding of these terms.
   const double relative = rounding_share(dimension);
   const double underflow = underflow_of(dimension);
-  const double own_weight = task.weight(site);
+  const double own_weight = part.weight;
   double ceiling = kNever;
   for (const SiteNumber j : sites_below(sites.count())) {
     const double squared = scratch.squared[j];
@@ -250,10 +322,15 @@ void Pricer<Scalar>::raise_bounds(const Task& task, const Part& part,
 template <class Scalar>
 void Pricer<Scalar>::survey(const Task& task, Part& part, Scratch& scratch) const {
   std::vector<double>& squared = scratch.own;
-  squared_distances(metric_, points_, part.members, task.sites.at(part.site), squared);
+  squared_distances(metric_, points_, part.members, part.centre, squared);
   double farthest = 0;
+  const bool together = part.site == SiteNumber::none();
   for (std::size_t k = 0; k < squared.size(); ++k) {
-    part.energy += squared[k];
+    if (!together) {
+      part.energy += squared[k];
+    } else if (!task.first) {
+      part.energy += cost_of(part.members[k], task, SiteNumber(task.owners[part.members[k]]));
+    }
     farthest = std::max(farthest, squared[k]);
     if (task.kept != nullptr) task.kept->own_costs()[part.members[k]] = squared[k];
   }
@@ -264,28 +341,27 @@ void Pricer<Scalar>::survey(const Task& task, Part& part, Scratch& scratch) cons
 template <class Scalar>
 void Pricer<Scalar>::price_part(const Task& task, Part& part, Scratch& scratch) const {
   const std::span<const PointNumber> members = part.members;
-  const SiteNumber site = part.site;
   if (task.covered) {
-    part.radius = task.kept->radius(site);
+    part.radius = task.kept->radius(part.site);
     select_known(task, part, scratch);
   } else {
     survey(task, part, scratch);
     select_sites(task, part, scratch);
   }
   CellProduct& product = scratch.product;
-  if (product.near().size() == 1 && product.near()[0] == site) return;
+  if (product.near().size() == 1 && product.near()[0] == part.site) return;
   if (metric_.periodic()) {
     for (const PointNumber p : members) decide(task, p, product.near(), part);
     return;
   }
-  product.prepare(task.sites, site, part.radius);
+  product.prepare(task.sites, part.centre, part.radius);
   for (auto rest = members; !rest.empty();) {
     arena_.check();
     const auto some = rest.first(std::min(CellProduct::kPoints, rest.size()));
     product.multiply(points_, some);
     for (std::size_t k = 0; k < some.size(); ++k) {
       const std::vector<SiteNumber>& found = product.cheapest(k);
-      if (found.size() == 1 && found[0] == site) continue;
+      if (!task.first && found.size() == 1 && found[0].index() == task.owners[some[k]]) continue;
       decide(task, some[k], found, part);
     }
     rest = rest.subspan(some.size());
@@ -293,16 +369,20 @@ void Pricer<Scalar>::price_part(const Task& task, Part& part, Scratch& scratch) 
   if (!part.bounds.empty()) raise_bounds(task, part, product);
 }
 
+template <class Scalar>
+double Pricer<Scalar>::cost_of(PointNumber point, const Task& task, SiteNumber site) const {
+  const Scalar* const x = points_[point.index()];
+  const double* const s = task.sites.at(site);
+  return metric_.periodic() ? metric_.squared_distance(x, s)
+                            : squared_difference(x, s, points_.dimension);
+}
+
 /// Evaluates the sites found for a point in double.
 template <class Scalar>
 void Pricer<Scalar>::decide(const Task& task, PointNumber point, std::span<const SiteNumber> found,
                             Part& part) const {
-  const SiteNumber site = part.site;
-  const Scalar* x = points_[point.index()];
   const auto choice_of = [&](SiteNumber j) {
-    const double cost = metric_.periodic()
-                            ? metric_.squared_distance(x, task.sites.at(j))
-                            : squared_difference(x, task.sites.at(j), points_.dimension);
+    const double cost = cost_of(point, task, j);
     return Choice{j, cost, cost - task.weight(j)};
   };
   // Ties go round robin, so that points in one place spread over the sites in one place.
@@ -310,10 +390,11 @@ void Pricer<Scalar>::decide(const Task& task, PointNumber point, std::span<const
     const std::size_t n = task.sites.count();
     return (j + n - point % n) % n;
   };
-  const Choice own = choice_of(site);
-  Choice cheapest{site, own.cost, kNever};
+  const SiteNumber owner(task.owners[point]);
+  const Choice own = task.first ? Choice{owner, kNever, kNever} : choice_of(owner);
+  Choice cheapest{owner, own.cost, kNever};
   for (const SiteNumber j : found) {
-    const Choice choice = j == site ? own : choice_of(j);
+    const Choice choice = j == owner && !task.first ? own : choice_of(j);
     if (choice.reduced < cheapest.reduced ||
         (choice.reduced == cheapest.reduced && turn(j) < turn(cheapest.site))) {
       cheapest = choice;

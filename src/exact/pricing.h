@@ -35,7 +35,8 @@ struct Prices {
 ///
 /// Points are taken by cells of a grouping near the truth: with L the distance between two sites,
 /// no point within r of site i costs site j less than site i plus L^2 - 2 L r + w_i - w_j (triangle
-/// inequality), which leaves few sites in few dimensions. The rest goes through blocked products in
+/// inequality), which leaves few sites in few dimensions. Where cells have few points, several near
+/// each other are taken together, around a common centre. The rest goes through blocked products in
 /// float; their rounding error is bounded, and what it leaves undecided is evaluated in double.
 /// O(m n D) at worst; no m by n matrix is held.
 template <class Scalar>
@@ -59,6 +60,9 @@ class Pricer {
   struct Scratch;
   struct Task;
   std::vector<Part> parts_of(Task& task, const Grouping& groups) const;
+  static std::vector<Part> parts_around(std::span<const double> centres, const Grouping& groups);
+  static Prices total(const std::vector<Part>& parts);
+  Prices price_together(const WeightedSites& sites, std::vector<Index>& owners) const;
   void price_parts(const Task& task, std::vector<Part>& parts) const;
   static void keep(CellBounds& kept, const std::vector<Part>& parts);
   void price_part(const Task& task, Part& part, Scratch& scratch) const;
@@ -66,6 +70,7 @@ class Pricer {
   void select_known(const Task& task, const Part& part, Scratch& scratch) const;
   void raise_bounds(const Task& task, const Part& part, const CellProduct& product) const;
   void survey(const Task& task, Part& part, Scratch& scratch) const;
+  [[nodiscard]] double cost_of(PointNumber point, const Task& task, SiteNumber site) const;
   void decide(const Task& task, PointNumber point, std::span<const SiteNumber> found,
               Part& part) const;
 
