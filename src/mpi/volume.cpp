@@ -92,10 +92,10 @@ Part read(const Session& session, const VolumeArguments& arguments, const Header
     values = cli::check_each_value(arguments, part.volume, part.mask,
                                    headers.cells_of(part.layers.begin));
   });
-  for (const cli::ValueRange& theirs : of_all(&session.ranks(), values)) {
-    values.least = std::min(values.least, theirs.least);
-    values.most = std::max(values.most, theirs.most);
-  }
+  const std::vector<double> least = of_all(&session.ranks(), values.least);
+  const std::vector<double> most = of_all(&session.ranks(), values.most);
+  values = {*std::min_element(least.begin(), least.end()),
+            *std::max_element(most.begin(), most.end())};
   cli::check_range(arguments, values);
   return part;
 }
