@@ -17,7 +17,7 @@ struct Merger {
 };
 
 /// With more sites than this, the cheapest merger may be missed for one nearly as cheap.
-constexpr std::size_t kExactMergers = 2048;
+constexpr std::size_t kExactMergers = 8192;
 
 /// For each cell the other that it is merged with at the least cost, the first of several: with a
 /// and b points the two cost a b / (a + b) times the squared distance of their centroids [Ward

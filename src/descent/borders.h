@@ -116,7 +116,7 @@ class Borders {
   }
 
   const Arena& arena_;
-  const Tiling& tiling_;
+  Tiling tiling_;  ///< its own: that of a run that is loaded does not last
   std::size_t dimension_;
   SiteViews<Scalar> views_;
   PerWorker<Scratch> scratch_;
