@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "descent/site_views.h"
@@ -22,9 +23,9 @@ class Borders {
  public:
   /// Where several ranks have the tiles, each has the points in cells of its own, and what is
   /// counted of sites is on all.
-  Borders(const Metric& metric, const Arena& arena, const Tiling& tiling)
+  Borders(const Metric& metric, const Arena& arena, Tiling tiling)
       : arena_(arena),
-        tiling_(tiling),
+        tiling_(std::move(tiling)),
         dimension_(metric.coordinate_count()),
         views_(metric, arena),
         scratch_(arena) {}
