@@ -44,13 +44,6 @@ class Homes {
   std::vector<Index> first_;  ///< of each rank
 };
 
-/// Sends a message to each rank; what has come from each.
-std::vector<Ranks::Bytes> exchanged(Ranks& ranks, std::vector<ByteWriter> messages) {
-  std::vector<Ranks::Bytes> bytes;
-  for (ByteWriter& message : messages) bytes.push_back(std::move(message.bytes));
-  return ranks.exchange(std::move(bytes));
-}
-
 }  // namespace
 
 /// Throws InvalidInput on all ranks for what several cannot do.

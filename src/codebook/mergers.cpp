@@ -31,14 +31,14 @@ class Mergers {
         dimension_(dimension),
         size_(size),
         near_(sites, dimension, kGroupSites, arena),
-        centres_(packs_of(near_.means(sites, dimension), dimension)),
-        means_(near_.means(sites, dimension)),
         radius_(near_.count(), 0.0),
         least_(near_.count(), std::numeric_limits<double>::infinity()) {
+    const std::vector<double> means = near_.means(sites, dimension);
+    centres_ = packs_of(means, dimension);
     for (const SiteNumber s : near_.order) rows_.push_back(at(s));
     for (std::size_t g = 0; g < near_.count(); ++g) {
       for (const SiteNumber s : near_.of(g)) {
-        const double squared = squared_difference(at(s), means_.data() + g * dimension, width());
+        const double squared = squared_difference(at(s), means.data() + g * dimension, width());
         radius_[g] = std::max(radius_[g], std::sqrt(squared));
         least_[g] = std::min(least_[g], size[s]);
       }
@@ -96,9 +96,8 @@ class Mergers {
   Neighbourhoods near_;
   std::vector<const double*> rows_;  ///< positions in the groups' order
   std::vector<double> centres_;      ///< means of the groups, for the kernel
-  std::vector<double> means_;
-  std::vector<double> radius_;  ///< of each group, around its mean
-  std::vector<double> least_;   ///< of each group, the size of the smallest cell
+  std::vector<double> radius_;       ///< of each group, around its mean
+  std::vector<double> least_;        ///< of each group, the size of the smallest cell
 };
 
 }  // namespace

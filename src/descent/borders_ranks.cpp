@@ -30,11 +30,9 @@ void Borders<Scalar>::exchange_parts() {
       }
     }
   }
-  std::vector<Ranks::Bytes> messages;
-  for (ByteWriter& message : to) messages.push_back(std::move(message.bytes));
   of_others_.assign(views_.count(), {});
   sums_of_others_.clear();
-  for (const Ranks::Bytes& bytes : ranks->exchange(std::move(messages))) {
+  for (const Ranks::Bytes& bytes : exchanged(*ranks, std::move(to))) {
     ByteReader message(bytes);
     while (!message.done()) {
       const auto view = message.get<View>();

@@ -224,9 +224,16 @@ Prices Pricer<Scalar>::price_together(const WeightedSites& sites,
   std::vector<Index> region(owners.size());
   for (std::size_t p = 0; p < region.size(); ++p) region[p] = group[SiteNumber(owners[p])];
   const std::vector<double> centres = near.means(sites.position, sites.dimension);
-  const Grouping regions(region, near.count());
-  const Task task{
-      .sites = sites, .owners = owners, .packs = packs_of(sites.position, sites.dimension)};
+  return price_regions(
+      {.sites = sites, .owners = owners, .packs = packs_of(sites.position, sites.dimension)},
+      region, centres);
+}
+
+/// Points by the centre that they are near.
+template <class Scalar>
+Prices Pricer<Scalar>::price_regions(const Task& task, std::span<const Index> region,
+                                     std::span<const double> centres) const {
+  const Grouping regions(region, centres.size() / task.sites.dimension);
   std::vector<Part> parts = parts_around(centres, regions);
   price_parts(task, parts);
   return total(parts);
@@ -244,14 +251,12 @@ std::vector<Index> Pricer<Scalar>::cheapest(const WeightedSites& sites) const {
     const std::vector<double> none(centres.size() / sites.dimension, 0.0);
     region = cheapest({centres, none});
   }
-  const Grouping regions(region, centres.size() / sites.dimension);
   std::vector<Index> owners(region.size());
-  const Task task{.sites = sites,
-                  .owners = owners,
-                  .first = true,
-                  .packs = packs_of(sites.position, sites.dimension)};
-  std::vector<Part> parts = parts_around(centres, regions);
-  price_parts(task, parts);
+  price_regions({.sites = sites,
+                 .owners = owners,
+                 .first = true,
+                 .packs = packs_of(sites.position, sites.dimension)},
+                region, centres);
   return owners;
 }
 

@@ -62,6 +62,8 @@ class Pricer {
   std::vector<Part> parts_of(Task& task, const Grouping& groups) const;
   static std::vector<Part> parts_around(std::span<const double> centres, const Grouping& groups);
   static Prices total(const std::vector<Part>& parts);
+  Prices price_regions(const Task& task, std::span<const Index> region,
+                       std::span<const double> centres) const;
   Prices price_together(const WeightedSites& sites, std::vector<Index>& owners) const;
   void price_parts(const Task& task, std::vector<Part>& parts) const;
   static void keep(CellBounds& kept, const std::vector<Part>& parts);

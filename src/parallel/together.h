@@ -8,6 +8,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ccvt/io.h"
@@ -42,6 +43,13 @@ std::vector<T> joined(Ranks* ranks, std::vector<T> own) {
   auto* next = reinterpret_cast<std::byte*>(own.data());
   for (const Ranks::Bytes& part : parts) next = std::copy(part.begin(), part.end(), next);
   return own;
+}
+
+/// Sends a message to each rank; what has come from each.
+inline std::vector<Ranks::Bytes> exchanged(Ranks& ranks, std::vector<ByteWriter> messages) {
+  std::vector<Ranks::Bytes> bytes;
+  for (ByteWriter& message : messages) bytes.push_back(std::move(message.bytes));
+  return ranks.exchange(std::move(bytes));
 }
 
 inline std::int64_t total(Ranks* ranks, std::int64_t own) {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "parallel/bytes.h"
 #include "parallel/loops.h"
 #include "relax/filling.h"
+#include "relax/moved_points.h"
 #include "relax/nearest_sites.h"
 
 /// Points come to the ranks that have the cells of their sites, in the order in which one process
@@ -68,39 +68,11 @@ void add_at_home(typename NearestSites<Scalar>::template Found<Dimension>& found
 template <class Scalar>
 void add_at_home(std::span<const Near<Scalar, 0>> found, const Arena& arena,
                  Filling<Scalar>& filling) {
-  const Tiling& tiling = filling.tiles;
-  const std::size_t dimension = filling.cells.dimension();
-  std::vector<ByteWriter> messages(static_cast<std::size_t>(tiling.ranks()->count()));
+  MovedPoints<Scalar> moved(filling);
   for (const auto& near : found) {
-    const int rank = tiling.rank_of(tiling.tile_of(near.site));
-    ByteWriter& message = messages[static_cast<std::size_t>(rank)];
-    message.put(near);
-    message.put(std::span(filling.points[near.point.index()], dimension));
+    moved.send(near.point, filling.points[near.point.index()], near.site);
   }
-  std::vector<Ranks::Bytes> bytes;
-  for (ByteWriter& message : messages) bytes.push_back(std::move(message.bytes));
-  struct Arrived {
-    SiteNumber site;
-    PointNumber point;
-    std::size_t x;  // where its coordinates are
-  };
-  std::vector<Arrived> arrived;
-  std::vector<Scalar> x;
-  for (const Ranks::Bytes& message : tiling.ranks()->exchange(std::move(bytes))) {
-    ByteReader reader(message);
-    while (!reader.done()) {
-      const auto near = reader.get<Near<Scalar, 0>>();
-      arrived.push_back({near.site, near.point, x.size()});
-      x.resize(x.size() + dimension);
-      reader.get(std::span(x).last(dimension));
-    }
-  }
-  const auto by_site = group_by_key<Arrived>(
-      arena, arrived.size(), filling.cells.site_count(), [&](std::size_t k) { return arrived[k]; },
-      [](const Arrived& a) { return a.site; });
-  for_each_site(arena, tiling, [&](SiteNumber s) {
-    for (const Arrived& a : by_site[s]) filling.add(s, a.point, x.data() + a.x);
-  });
+  moved.arrive(arena);
 }
 
 }  // namespace ccvt

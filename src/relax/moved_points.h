@@ -13,7 +13,7 @@
 
 namespace ccvt {
 
-/// Points that have left their cells, on their way to sites, perhaps to those of other ranks.
+/// Points on their way to sites, perhaps to those of other ranks.
 template <class Scalar>
 class MovedPoints {
  public:
@@ -25,20 +25,28 @@ class MovedPoints {
   /// Takes the point at place k out of a cell of this rank.
   void take(SiteNumber from, Index k, SiteNumber to) {
     filling_.cells.get(from, k, x_.data());
-    const PointNumber point = filling_.take(from, k);
+    send(filling_.take(from, k), x_.data(), to);
+  }
+
+  /// A point that is in no cell, at `x`.
+  void send(PointNumber point, const Scalar* x, SiteNumber to) {
     const Tiling& tiles = filling_.tiles;
     const int rank = ranks() == nullptr ? 0 : tiles.rank_of(tiles.tile_of(to));
     ByteWriter& message = to_[static_cast<std::size_t>(rank)];
     message.put(to);
     message.put(point);
-    message.put(std::span<const Scalar>(x_));
+    message.put(std::span(x, x_.size()));
   }
 
-  /// Adds them to their sites, in the order in which they were taken, those of lower ranks first.
+  /// Adds them to their sites, in the order in which they were sent, those of lower ranks first.
   void arrive(const Arena& arena) {
+    std::vector<ByteWriter> sent = std::exchange(to_, {});
     std::vector<Ranks::Bytes> messages;
-    for (ByteWriter& message : std::exchange(to_, {})) messages.push_back(std::move(message.bytes));
-    if (ranks() != nullptr) messages = ranks()->exchange(std::move(messages));
+    if (ranks() != nullptr) {
+      messages = exchanged(*ranks(), std::move(sent));
+    } else {
+      messages.push_back(std::move(sent.front().bytes));
+    }
     struct Arrived {
       SiteNumber site;
       PointNumber point;

@@ -49,10 +49,8 @@ std::vector<Item> sent(Ranks* ranks, std::vector<Item> items, const RankOf& rank
   if (ranks == nullptr) return items;
   std::vector<ByteWriter> messages(static_cast<std::size_t>(ranks->count()));
   for (const Item& item : items) messages[static_cast<std::size_t>(rank_of(item))].put(item);
-  std::vector<Ranks::Bytes> to;
-  for (ByteWriter& message : messages) to.push_back(std::move(message.bytes));
   items.clear();
-  for (const Ranks::Bytes& bytes : ranks->exchange(std::move(to))) {
+  for (const Ranks::Bytes& bytes : exchanged(*ranks, std::move(messages))) {
     const std::size_t before = items.size();
     items.resize(before + bytes.size() / sizeof(Item));
     ByteReader(bytes).get(std::span(items).subspan(before));

@@ -71,9 +71,7 @@ void send_to_ranks(Ranks& ranks, const std::vector<Drawn<Scalar>>& drawn, std::s
       done += part;
     }
   }
-  std::vector<Ranks::Bytes> messages;
-  for (ByteWriter& message : to) messages.push_back(std::move(message.bytes));
-  for (const Ranks::Bytes& bytes : ranks.exchange(std::move(messages))) {
+  for (const Ranks::Bytes& bytes : exchanged(ranks, std::move(to))) {
     ByteReader message(bytes);
     while (!message.done()) {
       const auto place = static_cast<std::size_t>(message.get<Index>() - first_of(ranks.rank()));

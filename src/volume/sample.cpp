@@ -62,14 +62,10 @@ VolumeSamples sample_volume(const DensityGrid& density, Index sites, const Volum
   const int threads = options.tessellation.threads;
   Solver<Scalar> solver(Problem<Scalar>(points, sites, threads), options.tessellation);
   solver.run();
-  const Points<Scalar> centroids = solver.sites();
   std::vector<Index> owners = solver.owners();
 
-  VolumeSamples samples = samples_of(solver, centroids, local);
   const Arena arena(threads);
-  CellMeasures measures = measures_for(local, sites);
-  measures.add(view_points(points), view_points(centroids), owners, arena);
-  measures.put(density.box.dimension(), samples);
+  VolumeSamples samples = samples_of(solver, view_points(points), owners, local, arena);
   weigh_cells(density_mass(density, arena), samples);
   put_back(density, points, local.origin, owners, arena, samples);
   if (options.keep_points) {

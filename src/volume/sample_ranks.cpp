@@ -104,15 +104,10 @@ VolumeSamples sample_volume(Ranks& ranks, const DensityLayers& density, Index si
   Solver<Scalar> solver(Problem<Scalar>(ranks, view_points(points), sites, threads),
                         options.tessellation);
   solver.run();
-  const Points<Scalar> centroids = solver.sites();
   std::vector<Index> owners = solver.owners();
 
-  VolumeSamples samples = samples_of(solver, centroids, local);
   const Arena arena(threads);
-  CellMeasures measures = measures_for(local, sites);
-  measures.add(view_points(points), view_points(centroids), owners, arena);
-  measures.add_up(ranks);
-  measures.put(density.grid.box.dimension(), samples);
+  VolumeSamples samples = samples_of(solver, view_points(points), owners, local, arena, &ranks);
   weigh_cells(density_mass(ranks, density, arena), samples);
   put_back(ranks, density, points, local.origin, owners, arena, samples);
   if (options.keep_points) {
