@@ -11,6 +11,8 @@
 
 #include "codebook/mergers.h"
 #include "exact/pricing.h"
+#include "exact/rivals.h"
+#include "exact/site_groups.h"
 #include "geometry/squares.h"
 #include "random.h"
 
@@ -52,7 +54,7 @@ ccvt::Points<double> as_points(const std::vector<double>& positions, int dimensi
 TEST_SUITE_BEGIN("codebook");
 
 TEST_CASE("neighbourhoods: each position is in one group, and none is too large") {
-  for (const std::size_t count : {1U, 2U, 3U, 64U, 1000U}) {
+  for (const std::size_t count : {1U, 2U, 3U, 64U, 1000U, 3000U}) {
     for (const std::size_t dimension : {1U, 2U, 16U}) {
       for (const std::size_t most : {1U, 10U, 5000U}) {
         CAPTURE(count);
@@ -93,7 +95,7 @@ TEST_CASE_TEMPLATE("pricing of many sites with few points each finds what lookin
                    Scalar, float, double) {
   for (const int dimension : {2, 5, 24}) {
     CAPTURE(dimension);
-    const std::size_t n = 700;
+    const std::size_t n = dimension == 5 ? 2100 : 700;
     const auto width = static_cast<std::size_t>(dimension);
     const std::vector<double> sites = clouds(n, width, 2);
     const std::vector<double> many = clouds(5 * n, width, 3);
@@ -169,6 +171,87 @@ TEST_CASE("the cheapest merger of each cell, against all pairs") {
   }
   const std::vector<double> one = {1.0};
   CHECK(ccvt::cheapest_mergers(one, 1, one, Arena(1)).front().j == SiteNumber(0));
+}
+
+TEST_CASE("of very many sites, each is merged with one that is cheap") {
+  constexpr std::size_t kDimension = 3;
+  const std::size_t n = ccvt::kExactMergers + 100;
+  const std::vector<double> sites = clouds(n, kDimension, 7);
+  const std::vector<double> size(n, 2.0);
+  const auto found = ccvt::cheapest_mergers(sites, kDimension, size, Arena(2));
+  std::size_t cheapest = 0;
+  std::size_t looked_at = 0;
+  for (std::size_t k = 0; k < n; k += 20, ++looked_at) {
+    const SiteNumber i(k);
+    const auto cost_with = [&](SiteNumber j) {
+      return ccvt::squared_difference(sites.data() + i * kDimension, sites.data() + j * kDimension,
+                                      kDimension);
+    };
+    double least = std::numeric_limits<double>::infinity();
+    for (const SiteNumber j : ccvt::sites_below(n)) {
+      if (j != i) least = std::min(least, cost_with(j));
+    }
+    CHECK(found[i].i == i);
+    CHECK(found[i].j != i);
+    CHECK(found[i].cost == cost_with(found[i].j));  // two cells of two: a b / (a + b) is 1
+    cheapest += found[i].cost == least ? 1 : 0;
+  }
+  CHECK(cheapest >= looked_at * 99 / 100);
+}
+
+TEST_CASE("rivals are all sites that cost some point less than its owner, and few others") {
+  for (const int dimension : {1, 3, 20}) {
+    CAPTURE(dimension);
+    const std::size_t n = 400;
+    const auto width = static_cast<std::size_t>(dimension);
+    const std::vector<double> sites = clouds(n, width, 9);
+    const std::vector<double> points = clouds(3 * n, width, 10);
+    Random random(11, 4);
+    std::vector<double> weights(n);
+    for (double& weight : weights) weight = random.uniform();
+    const ccvt::SiteGroups groups({sites, weights}, 16, Arena(1));
+    const auto cost = [&](std::size_t p, SiteNumber s) {
+      return ccvt::squared_difference(points.data() + p * width, sites.data() + s * width,
+                                      dimension);
+    };
+    ccvt::Rivals rivals;
+    std::size_t wanted = 0;
+    std::size_t all = 0;
+    for (std::size_t first = 0; first + 30 <= 3 * n; first += 30) {
+      // The owners are the cheapest of some sites; every fifth point has a poor one.
+      const double* const centre = points.data() + first * width;
+      std::vector<SiteNumber> owner;
+      rivals.clear();
+      for (std::size_t p = first; p < first + 30; ++p) {
+        SiteNumber best(random.index_below(static_cast<Index>(n)));
+        for (std::size_t k = p % 3; p % 5 != 0 && k < n; k += 3) {
+          const SiteNumber s(k);
+          if (cost(p, s) - weights[s] < cost(p, best) - weights[best]) best = s;
+        }
+        owner.push_back(best);
+        rivals.add(ccvt::squared_difference(points.data() + p * width, centre, dimension),
+                   cost(p, best), weights[best]);
+      }
+      std::vector<int> found(n, 0);
+      for (const auto& [s, squared] : rivals.find(groups, weights, centre, dimension)) {
+        ++found[s];
+        CHECK(squared == ccvt::squared_difference(centre, sites.data() + s * width, dimension));
+      }
+      for (const SiteNumber s : ccvt::sites_below(n)) {
+        CHECK(found[s] <= 1);
+        bool rival = false;
+        for (std::size_t k = 0; k < owner.size(); ++k) {
+          rival = rival ||
+                  cost(first + k, s) - weights[s] <= cost(first + k, owner[k]) - weights[owner[k]];
+        }
+        if (rival) CHECK(found[s] == 1);
+        wanted += rival ? 1 : 0;
+        all += static_cast<std::size_t>(found[s]);
+      }
+    }
+    CHECK(wanted > 0);
+    if (dimension == 1) CHECK(all < 2 * wanted);
+  }
 }
 
 TEST_SUITE_END();

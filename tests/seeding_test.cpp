@@ -5,15 +5,22 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <set>
 #include <vector>
 
 #include "ccvt/capacity.h"
 #include "ccvt/codebook.h"
+#include "codebook/centroids.h"
+#include "codebook/linkage.h"
+#include "codebook/reseat.h"
 #include "codebook/sample.h"
 #include "codebook/share.h"
+#include "geometry/squares.h"
+#include "numbers.h"
 #include "parallel/arena.h"
+#include "random.h"
 #include "support/generate.h"
 
 using ccvt::Arena;
@@ -148,6 +155,58 @@ TEST_CASE("shared sites are as many in each cloud as its points fill, to within 
     }();
     CHECK(distinct.size() == kSites);
   }
+}
+
+TEST_CASE("sites of a cloud stand together, however many there are") {
+  constexpr std::size_t kClouds = 7;
+  for (const std::size_t n : {std::size_t{700}, ccvt::kLinkedTogether + 500}) {
+    CAPTURE(n);
+    ccvt::Random random(3, 3);
+    std::vector<double> sites;
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto cloud = static_cast<double>(k * k % kClouds);  // 0, 1, 2 or 4
+      for (int d = 0; d < 3; ++d) sites.push_back(10 * cloud * (d == 0 ? 1 : 0) + random.uniform());
+    }
+    const std::vector<ccvt::SiteNumber> order = ccvt::linkage_order(sites, 3, Arena(1));
+    CHECK(order == ccvt::linkage_order(sites, 3, Arena(3)));
+    std::vector<int> times(n, 0);
+    std::size_t runs = 0;
+    double last = -1;
+    for (const ccvt::SiteNumber s : order) {
+      ++times[s];
+      const double cloud = std::floor(sites[s * 3] / 10);
+      runs += cloud != last ? 1 : 0;
+      last = cloud;
+    }
+    CHECK(std::all_of(times.begin(), times.end(), [](int k) { return k == 1; }));
+    CHECK(runs == 4);
+  }
+}
+
+TEST_CASE("cells that are merged and split take their points along") {
+  const auto points = make_points<float>(Layout::clusters, uneven_box(4), 3000);
+  std::vector<double> sites;
+  for (Index k = 0; k < 40; ++k) {
+    sites.insert(sites.end(), points.col(k).begin(), points.col(k).end());
+  }
+  const ccvt::Metric metric(4, ccvt::Domain());
+  const Arena arena(1);
+  const auto view = view_points(points);
+  std::vector<Index> owners = ccvt::nearest_owners(metric, view, sites, arena);
+  ccvt::move_to_centroids(metric, view, ccvt::Grouping(owners, 40), arena, sites);
+  const auto cost = [&] {
+    double sum = 0;
+    for (Index p = 0; p < points.cols(); ++p) {
+      const auto s = static_cast<std::size_t>(owners[static_cast<std::size_t>(p)]);
+      sum += ccvt::squared_difference(points.col(p).data(), sites.data() + 4 * s, 4);
+    }
+    return sum;
+  };
+  const double before = cost();
+  const std::vector<double> given = sites;
+  CHECK(ccvt::reseat_sites(view, owners, sites, arena));
+  CHECK(sites != given);
+  CHECK(cost() < before);
 }
 
 TEST_CASE("sites are shared where points, cells or places are few") {

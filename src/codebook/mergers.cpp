@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "exact/neighbourhoods.h"
@@ -30,6 +31,7 @@ class Mergers {
       : sites_(sites),
         dimension_(dimension),
         size_(size),
+        most_(size.size() <= kExactMergers ? size.size() : kComparedMergers),
         near_(sites, dimension, kGroupSites, arena),
         radius_(near_.count(), 0.0),
         least_(near_.count(), std::numeric_limits<double>::infinity()) {
@@ -63,11 +65,14 @@ class Mergers {
       scratch.groups.emplace_back(merging_share(size_[i], least_[g]) * apart * apart * (1 - kSafe),
                                   g);
     }
-    std::sort(scratch.groups.begin(), scratch.groups.end());
+    // Few groups come to be looked at: a heap takes less time than sorting all.
+    std::make_heap(scratch.groups.begin(), scratch.groups.end(), std::greater<>());
     Merger merger{.i = i, .j = i};
     std::size_t looked = 0;  // at so many sites
-    for (const auto& [bound, g] : scratch.groups) {
-      if (bound > merger.cost || looked >= kExactMergers) break;
+    for (auto end = scratch.groups.end(); end != scratch.groups.begin(); --end) {
+      const auto [bound, g] = scratch.groups.front();
+      if (bound > merger.cost || looked >= most_) break;
+      std::pop_heap(scratch.groups.begin(), end, std::greater<>());
       const auto others = near_.of(g);
       looked += others.size();
       scratch.apart.resize(others.size());
@@ -93,6 +98,7 @@ class Mergers {
   std::span<const double> sites_;
   std::size_t dimension_;
   std::span<const double> size_;
+  std::size_t most_;  ///< sites that one is compared with
   Neighbourhoods near_;
   std::vector<const double*> rows_;  ///< positions in the groups' order
   std::vector<double> centres_;      ///< means of the groups, for the kernel

@@ -16,13 +16,16 @@ struct Merger {
   SiteNumber i, j;
 };
 
-/// With more sites than this, the cheapest merger may be missed for one nearly as cheap.
+/// With more sites than this, the cheapest merger may be missed for one nearly as cheap: each is
+/// compared with so many of the nearest.
 constexpr std::size_t kExactMergers = 8192;
+constexpr std::size_t kComparedMergers = 1024;
 
 /// For each cell the other that it is merged with at the least cost, the first of several: with a
 /// and b points the two cost a b / (a + b) times the squared distance of their centroids [Ward
 /// 1963]. `sites`: the centroids, one after the other; `size`: of each cell. A site alone has
-/// itself. O(n^2 D) up to kExactMergers sites, O(n D) times that beyond.
+/// itself. O(n^2 D) up to kExactMergers sites, O(n D) times kComparedMergers beyond, and
+/// O(n^1.5 D).
 std::vector<Merger> cheapest_mergers(std::span<const double> sites, std::size_t dimension,
                                      std::span<const double> size, const Arena& arena);
 

@@ -78,8 +78,8 @@ Split split(PointsView<float> points, std::span<const PointNumber> members) {
 
 }  // namespace
 
-bool reseat_sites(PointsView<float> points, const std::vector<Index>& owners,
-                  std::vector<double>& sites, const Arena& arena) {
+bool reseat_sites(PointsView<float> points, std::vector<Index>& owners, std::vector<double>& sites,
+                  const Arena& arena) {
   const auto dimension = static_cast<std::size_t>(points.dimension);
   const std::size_t n = sites.size() / dimension;
   const Grouping groups(owners, n);
@@ -116,6 +116,13 @@ bool reseat_sites(PointsView<float> points, const std::vector<Index>& owners,
     }
     std::copy(halves.a.begin(), halves.a.end(), at(from));
     std::copy(halves.b.begin(), halves.b.end(), at(i));
+    for (const PointNumber p : groups.of(i)) owners[p] = j.index();
+    for (const PointNumber p : groups.of(from)) {
+      const float* const x = points[p.index()];
+      const double first = squared_difference(x, halves.a.data(), points.dimension);
+      const double second = squared_difference(x, halves.b.data(), points.dimension);
+      if (second < first) owners[p] = i.index();
+    }
     taken[i] = taken[j] = taken[from] = 1;
     changed = true;
   }

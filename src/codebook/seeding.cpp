@@ -179,7 +179,7 @@ std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int resta
       relax(metric, view, arena, seeds);
       for (int k = 0; k < kReseatings; ++k) {
         Seeds changed = seeds;
-        if (!reseat_sites(view, seeds.owners, changed.sites, arena)) break;
+        if (!reseat_sites(view, changed.owners, changed.sites, arena)) break;
         relax(metric, view, arena, changed);
         if (changed.energy >= seeds.energy * (1 - kRough)) break;
         seeds = std::move(changed);

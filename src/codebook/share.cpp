@@ -1,12 +1,10 @@
 #include "codebook/share.h"
 
 #include <algorithm>
-#include <limits>
-#include <numeric>
 
 #include "codebook/centroids.h"
+#include "codebook/linkage.h"
 #include "codebook/seeding.h"
-#include "exact/packs.h"
 #include "geometry/chosen_points.h"
 #include "numbers.h"
 #include "random.h"
@@ -21,68 +19,6 @@ constexpr std::size_t kSitesPerGrain = 4;
 constexpr std::int64_t kLevelVectors = 32;
 constexpr std::int64_t kLevelFactor = 4;
 constexpr std::int64_t kLeastLevel = 8192;
-
-struct Edge {
-  double squared;
-  SiteNumber a, b;
-};
-
-/// The edges of the minimum spanning tree of all sites [Prim 1957]. O(n^2 D).
-std::vector<Edge> spanning_edges(std::span<const double> sites, int dimension, const Arena& arena) {
-  const auto width = static_cast<std::size_t>(dimension);
-  const std::size_t n = sites.size() / width;
-  const std::vector<double> packs = packs_of(sites, width);
-  std::vector<double> squared(packs.size() / width);
-  std::vector<double> nearest(n, std::numeric_limits<double>::infinity());
-  std::vector<SiteNumber> neighbour(n, SiteNumber(0));
-  std::vector<std::uint8_t> inside(n, 0);
-  std::vector<Edge> edges;
-  SiteNumber last(0);
-  while (edges.size() + 1 < n) {
-    arena.check();
-    inside[last] = 1;
-    kernels::squared_distances(sites.data() + last * width, packs.data(),
-                               static_cast<Index>(squared.size()) / kernels::kPack, dimension,
-                               nullptr, squared.data());
-    SiteNumber next = SiteNumber::none();
-    for (const SiteNumber s : sites_below(n)) {
-      if (inside[s] != 0) continue;
-      if (squared[s] < nearest[s]) {
-        nearest[s] = squared[s];
-        neighbour[s] = last;
-      }
-      if (next == SiteNumber::none() || nearest[s] < nearest[next]) next = s;
-    }
-    edges.push_back({nearest[next], neighbour[next], next});
-    last = next;
-  }
-  return edges;
-}
-
-/// All sites, such that every set that single linkage ever joins stands together.
-std::vector<SiteNumber> linkage_order(std::vector<Edge> edges) {
-  std::stable_sort(edges.begin(), edges.end(),
-                   [](const Edge& a, const Edge& b) { return a.squared < b.squared; });
-  const std::size_t n = edges.size() + 1;
-  // Sets as chains, known by their first site.
-  std::vector<SiteNumber> first(n), last(n), next(n, SiteNumber::none());
-  std::iota(first.begin(), first.end(), SiteNumber(0));
-  last = first;
-  const auto find = [&](SiteNumber s) {
-    while (first[s] != s) s = first[s] = first[first[s]];
-    return s;
-  };
-  for (const Edge& edge : edges) {
-    const SiteNumber a = find(edge.a);
-    const SiteNumber b = find(edge.b);
-    next[last[a]] = b;
-    last[a] = last[b];
-    first[b] = a;
-  }
-  std::vector<SiteNumber> order;
-  for (SiteNumber s = find(SiteNumber(0)); s != SiteNumber::none(); s = next[s]) order.push_back(s);
-  return order;
-}
 
 /// How many sites each cell shall have: of each capacity the middle falls into one.
 std::vector<Index> allot(const Grouping& cells, const std::vector<SiteNumber>& order,
@@ -137,7 +73,7 @@ std::vector<Index> draw_evenly(PointsView<Scalar> points, const std::vector<doub
   Random random(seed, streams::codebook_levels);
   std::vector<PointNumber> ordered;
   ordered.reserve(regions.order.size());
-  for (const SiteNumber s : linkage_order(spanning_edges(sites, points.dimension, arena))) {
+  for (const SiteNumber s : linkage_order(sites, points.dimension, arena)) {
     const std::size_t begin = ordered.size();
     ordered.insert(ordered.end(), regions.of(s).begin(), regions.of(s).end());
     random.shuffle(std::span(ordered).subspan(begin));  // the points' own order may be periodic
@@ -158,8 +94,7 @@ std::vector<double> share_sites(PointsView<Scalar> points, const std::vector<dou
   const auto width = static_cast<std::size_t>(points.dimension);
   const Metric metric(points.dimension, Domain());
   const Grouping cells(nearest_owners(metric, points, sites, arena), capacities.size());
-  const std::vector<SiteNumber> order =
-      linkage_order(spanning_edges(sites, points.dimension, arena));
+  const std::vector<SiteNumber> order = linkage_order(sites, points.dimension, arena);
   const std::vector<Index> allotted = allot(cells, order, capacities);
   std::vector<std::vector<double>> parts(order.size());
   for_each_site(arena, order.size(), kSitesPerGrain, [&](SiteNumber s) {

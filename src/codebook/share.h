@@ -18,16 +18,18 @@ std::vector<Index> level_sizes(Index vectors, Index codewords);
 
 /// `count` distinct numbers of points, of each region the same share but for rounding: the points
 /// are put into an order by region, random in each, and every (m / count)-th is taken. A region is
-/// the cell of a site, or of several that are near each other. O(m n D) at worst, and n^2 D.
+/// the cell of a site, or of several that are near each other. O(m n D) at worst, and what
+/// linkage_order() takes.
 template <class Scalar>
 std::vector<Index> draw_evenly(PointsView<Scalar> points, const std::vector<double>& sites,
                                Index count, std::uint64_t seed, const Arena& arena);
 
 /// Sites where capacities want them: as many in a region as its points fill. `sites`, one after the
 /// other, are seeds for the same points regardless of capacities; their cells are put into an order
-/// in which neighbours stay together (the dendrogram of single linkage), and the capacities laid
+/// in which neighbours stay together (see linkage.h), and the capacities laid
 /// along it. A cell that the middles of several capacities fall into is split into as many, one
-/// without any is dropped. `capacities` sum to the number of points. O(m n D) at worst, and n^2 D.
+/// without any is dropped. `capacities` sum to the number of points. O(m n D) at worst, and what
+/// linkage_order() takes.
 template <class Scalar>
 std::vector<double> share_sites(PointsView<Scalar> points, const std::vector<double>& sites,
                                 std::span<const Index> capacities, std::uint64_t seed,

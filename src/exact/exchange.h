@@ -51,6 +51,8 @@ class ExchangeGraph {
  private:
   static constexpr double kNone = std::numeric_limits<double>::infinity();
   static constexpr std::int32_t kNotWeighed = -1;
+  /// Slots that are looked at or passed over together.
+  static constexpr std::size_t kPage = 32;
   /// What moving a point along an edge costs.
   struct Move {
     double cost;
@@ -115,6 +117,7 @@ class ExchangeGraph {
     std::vector<Edge> edges;
     std::vector<std::int32_t> weighed;  ///< of each site, as in Cell
     std::vector<double> own;
+    std::vector<SiteNumber> others;
   };
   void bound_all_edges(const Arena& arena);
   void bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
@@ -133,7 +136,10 @@ class ExchangeGraph {
   void move_along_path(SiteNumber source, SiteNumber target);
   void move(PointNumber point, SiteNumber from, SiteNumber to);
   void remove(PointNumber point, SiteNumber site);
-  void insert(PointNumber point, SiteNumber site);
+  void insert(PointNumber point, SiteNumber from, SiteNumber site);
+  void add_move(Cell& cell, std::size_t slot, const Move& move);
+  void lower_rest(Cell& cell, SiteNumber site, std::span<const double> squared);
+  void lower_rest(Cell& cell, PointNumber point, SiteNumber from, double before);
 
   std::vector<Index>& capacities_;
   bool floating_;

@@ -6,6 +6,7 @@
 
 #include "exact/distances.h"
 #include "exact/packs.h"
+#include "geometry/squares.h"
 #include "kernels/nearest.h"
 #include "kernels/products.h"
 
@@ -62,6 +63,17 @@ template <class Scalar>
 void SquaredDistances<Scalar>::squared(std::span<const PointNumber> points, SiteNumber site,
                                        std::vector<double>& out) const {
   squared_distances(metric_, points_, points, at(site), out);
+}
+
+template <class Scalar>
+void SquaredDistances<Scalar>::squared_to(PointNumber point, std::span<const SiteNumber> sites,
+                                          std::vector<double>& out) const {
+  const Scalar* const x = points_[point.index()];
+  out.resize(sites.size());
+  std::transform(sites.begin(), sites.end(), out.begin(), [&](SiteNumber s) {
+    return metric_.periodic() ? metric_.squared_distance(x, at(s))
+                              : squared_difference(x, at(s), points_.dimension);
+  });
 }
 
 template <class Scalar>

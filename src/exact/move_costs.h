@@ -31,6 +31,9 @@ class MoveCosts {
   /// |p - s|^2 of some points.
   virtual void squared(std::span<const PointNumber> points, SiteNumber site,
                        std::vector<double>& out) const = 0;
+  /// |point - s|^2 of some sites s.
+  virtual void squared_to(PointNumber point, std::span<const SiteNumber> sites,
+                          std::vector<double>& out) const = 0;
   /// The same of all sites; in `scratch`.
   virtual std::span<const double> squared_to_all(PointNumber point, Scratch& scratch) const = 0;
   /// For each site j, no more than the least over `members`, at least one, of |p - j|^2 - |p -
@@ -52,6 +55,8 @@ class SquaredDistances final : public MoveCosts {
 
   void squared(std::span<const PointNumber> points, SiteNumber site,
                std::vector<double>& out) const override;
+  void squared_to(PointNumber point, std::span<const SiteNumber> sites,
+                  std::vector<double>& out) const override;
   std::span<const double> squared_to_all(PointNumber point, Scratch& scratch) const override;
   std::span<const double> bounds(SiteNumber site, std::span<const PointNumber> members,
                                  Scratch& scratch) const override;

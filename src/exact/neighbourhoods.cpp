@@ -2,15 +2,27 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <compare>
 #include <numeric>
 #include <utility>
 
+#include "exact/grouping.h"
+#include "exact/packs.h"
 #include "geometry/squares.h"
+#include "kernels/nearest.h"
+#include "parallel/loops.h"
 
 namespace ccvt {
 namespace {
 
+/// So many positions or more are first divided among leaders, so many times the root of them, but
+/// not too many. Leaders are placed by so many positions each.
+constexpr std::size_t kManyPositions = 2048;
+constexpr double kLeadersPerRoot = 8;
+constexpr std::size_t kMostLeaders = 1024;
+constexpr std::size_t kPlacedBy = 8;
+constexpr std::size_t kPositionsPerGrain = 64;
 /// Where groups are too large, a part has no less than this share of one.
 constexpr std::size_t kLeastShare = 8;
 /// Groups that are not too large, but no smaller than this share, are divided as well where that
@@ -115,6 +127,76 @@ class Divider {
   std::size_t dimension_;
 };
 
+/// `count` of the positions, taken evenly from among them.
+std::vector<double> some_of(std::span<const double> positions, std::size_t dimension,
+                            std::size_t count) {
+  const std::size_t n = positions.size() / dimension;
+  std::vector<double> some;
+  some.reserve(count * dimension);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double* const x = positions.data() + (2 * k + 1) * n / (2 * count) * dimension;
+    some.insert(some.end(), x, x + dimension);
+  }
+  return some;
+}
+
+/// Positions grouped by the nearest leader. O(positions leaders D).
+Grouping group_by_leader(std::span<const double> positions, std::size_t dimension,
+                         std::span<const double> leaders, const Arena& arena) {
+  const std::vector<double> packs = packs_of(leaders, dimension);
+  const std::size_t count = leaders.size() / dimension;
+  std::vector<Index> nearest(positions.size() / dimension);
+  PerWorker<std::vector<double>> scratch(arena);
+  arena.for_ranges(
+      nearest.size(), kPositionsPerGrain, [&](std::size_t begin, std::size_t end, int worker) {
+        arena.check();
+        std::vector<double>& squared = scratch[worker];
+        squared.resize(packs.size() / dimension);
+        for (std::size_t k = begin; k < end; ++k) {
+          kernels::squared_distances(positions.data() + k * dimension, packs.data(),
+                                     static_cast<Index>(squared.size()) / kernels::kPack,
+                                     static_cast<int>(dimension), nullptr, squared.data());
+          const auto all = squared.begin() + static_cast<std::ptrdiff_t>(count);
+          nearest[k] = static_cast<Index>(std::min_element(squared.begin(), all) - squared.begin());
+        }
+      });
+  return {nearest, count};
+}
+
+/// Puts the positions in order by the leader that is nearest, and returns where a leader's begin:
+/// lines across all would cut many of the clouds that there may be. Leaders are the means of some
+/// positions that one of them is nearest to. O(n^1.5 D).
+std::vector<std::size_t> divide_among_leaders(std::span<const double> positions,
+                                              std::size_t dimension, const Arena& arena,
+                                              std::vector<SiteNumber>& order) {
+  const std::size_t n = order.size();
+  const auto wanted = static_cast<std::size_t>(kLeadersPerRoot * std::sqrt(static_cast<double>(n)));
+  const std::size_t count = std::min(kMostLeaders, wanted);
+  std::vector<double> leaders = some_of(positions, dimension, count);
+  const std::vector<double> some = some_of(positions, dimension, std::min(n, kPlacedBy * count));
+  const Grouping placing = group_by_leader(some, dimension, leaders, arena);
+  for (const SiteNumber leader : sites_below(count)) {
+    const auto members = placing.of(leader);
+    if (members.empty()) continue;
+    double* const to = leaders.data() + leader * dimension;
+    std::fill(to, to + dimension, 0.0);
+    for (const PointNumber p : members) {
+      const double* const x = some.data() + p * dimension;
+      for (std::size_t d = 0; d < dimension; ++d) to[d] += x[d];
+    }
+    for (std::size_t d = 0; d < dimension; ++d) to[d] /= static_cast<double>(members.size());
+  }
+  const Grouping parts = group_by_leader(positions, dimension, leaders, arena);
+  std::vector<std::size_t> begin;
+  order.clear();
+  for (const SiteNumber leader : sites_below(count)) {
+    if (parts.of(leader).empty()) continue;
+    begin.push_back(order.size());
+    for (const PointNumber p : parts.of(leader)) order.emplace_back(p.index());
+  }
+  return begin;
+}
+
 }  // namespace
 
 Neighbourhoods::Neighbourhoods(std::span<const double> positions, std::size_t dimension,
@@ -134,7 +216,14 @@ Neighbourhoods::Neighbourhoods(std::span<const double> positions, std::size_t di
     return apart <= kFall * divider.spread(sites) ? first : 0;
   };
   std::vector<Run> groups;
-  for (std::vector<Run> runs = {{0, order.size()}}; !runs.empty();) {
+  std::vector<Run> all = {{0, order.size()}};
+  if (order.size() >= kManyPositions) {
+    all.clear();
+    std::vector<std::size_t> parts = divide_among_leaders(positions, dimension, arena, order);
+    parts.push_back(order.size());
+    for (std::size_t k = 0; k + 1 < parts.size(); ++k) all.push_back({parts[k], parts[k + 1]});
+  }
+  for (std::vector<Run> runs = std::move(all); !runs.empty();) {
     std::vector<std::size_t> first(runs.size(), 0);
     arena.for_each(runs.size(), 1, [&](std::size_t k) { first[k] = divide(runs[k]); });
     std::vector<Run> parts;

@@ -7,8 +7,9 @@
 
 #include "exact/cell_product.h"
 #include "exact/distances.h"
-#include "exact/neighbourhoods.h"
 #include "exact/packs.h"
+#include "exact/rivals.h"
+#include "exact/site_groups.h"
 #include "geometry/squares.h"
 #include "kernels/nearest.h"
 #include "parallel/loops.h"
@@ -40,10 +41,12 @@ struct Pricer<Scalar>::Task {
   WeightedSites sites;
   std::vector<Index>& owners;
   CellBounds* kept = nullptr;
-  bool covered = false;            ///< by the bounds kept
-  bool first = false;              ///< no point has an owner yet
-  std::vector<double> packs = {};  ///< the sites' positions, for the kernels
-  std::vector<double> rows = {};   ///< bounds of the parts of cells that have several
+  bool covered = false;  ///< by the bounds kept
+  /// No point has an owner yet: those of its part's group are looked at, or all without groups.
+  bool first = false;
+  const SiteGroups* groups = nullptr;  ///< where cells are taken together
+  std::vector<double> packs = {};      ///< the sites' positions, for the kernels
+  std::vector<double> rows = {};       ///< bounds of the parts of cells that have several
 
   [[nodiscard]] double weight(SiteNumber site) const { return sites.weight[site]; }
 };
@@ -56,6 +59,7 @@ struct Pricer<Scalar>::Part {
   const double* centre;  ///< the site's position, or about where the cells' are
   double weight;         ///< the site's, or 0
   std::span<const PointNumber> members;
+  std::size_t group = 0;          ///< where there are several
   std::span<double> bounds = {};  ///< those of CellBounds, if any are kept
   double radius = 0;              ///< around the centre
   double gap = 0;
@@ -69,7 +73,8 @@ template <class Scalar>
 struct Pricer<Scalar>::Scratch {
   std::vector<double> squared;  ///< of the distance between the centre and each site
   std::vector<double> least;    ///< of each site, what it costs the cell's points at least
-  std::vector<double> own;      ///< what each point costs its own site
+  std::vector<double> own;      ///< of each point, the squared distance to the centre
+  Rivals rivals;                ///< where cells are taken together
   std::vector<SiteNumber> near;
   CellProduct product;
 };
@@ -128,7 +133,11 @@ auto Pricer<Scalar>::parts_around(std::span<const double> centres, const Groupin
   for (const SiteNumber g : sites_below(groups.count())) {
     for (auto rest = groups.of(g); !rest.empty();) {
       const std::size_t size = std::min(rest.size(), kPartPoints);
-      parts.push_back({SiteNumber::none(), centres.data() + g * dimension, 0.0, rest.first(size)});
+      parts.push_back({.site = SiteNumber::none(),
+                       .centre = centres.data() + g * dimension,
+                       .weight = 0.0,
+                       .members = rest.first(size),
+                       .group = static_cast<std::size_t>(g.index())});
       rest = rest.subspan(size);
     }
   }
@@ -219,14 +228,12 @@ template <class Scalar>
 Prices Pricer<Scalar>::price_together(const WeightedSites& sites,
                                       std::vector<Index>& owners) const {
   const std::size_t most = std::max<std::size_t>(1, kRegionPoints * sites.count() / owners.size());
-  const Neighbourhoods near(sites.position, sites.dimension, most, arena_);
-  const std::vector<Index> group = near.groups();
+  const SiteGroups groups(sites, most, arena_);
+  const std::vector<Index> group = groups.near.groups();
   std::vector<Index> region(owners.size());
   for (std::size_t p = 0; p < region.size(); ++p) region[p] = group[SiteNumber(owners[p])];
-  const std::vector<double> centres = near.means(sites.position, sites.dimension);
-  return price_regions(
-      {.sites = sites, .owners = owners, .packs = packs_of(sites.position, sites.dimension)},
-      region, centres);
+  return price_regions({.sites = sites, .owners = owners, .groups = &groups}, region,
+                       groups.centres);
 }
 
 /// Points by the centre that they are near.
@@ -242,21 +249,25 @@ Prices Pricer<Scalar>::price_regions(const Task& task, std::span<const Index> re
 template <class Scalar>
 std::vector<Index> Pricer<Scalar>::cheapest(const WeightedSites& sites) const {
   const std::size_t n = sites.count();
-  std::vector<double> centres(sites.at(SiteNumber(0)), sites.at(SiteNumber(1)));
-  std::vector<Index> region(static_cast<std::size_t>(points_.count), 0);
-  if (n >= kManySites && !metric_.periodic()) {
-    const auto most = static_cast<std::size_t>(std::sqrt(static_cast<double>(n)));
-    centres = Neighbourhoods(sites.position, sites.dimension, most, arena_)
-                  .means(sites.position, sites.dimension);
-    const std::vector<double> none(centres.size() / sites.dimension, 0.0);
-    region = cheapest({centres, none});
+  std::vector<Index> owners(static_cast<std::size_t>(points_.count));
+  if (n < kManySites || metric_.periodic()) {
+    const std::vector<double> centre(sites.at(SiteNumber(0)), sites.at(SiteNumber(1)));
+    price_regions({.sites = sites,
+                   .owners = owners,
+                   .first = true,
+                   .packs = packs_of(sites.position, sites.dimension)},
+                  std::vector<Index>(owners.size(), 0), centre);
+    return owners;
   }
-  std::vector<Index> owners(region.size());
-  price_regions({.sites = sites,
-                 .owners = owners,
-                 .first = true,
-                 .packs = packs_of(sites.position, sites.dimension)},
-                region, centres);
+  // Of the sites near the centre that is nearest; then of those that may be cheaper.
+  const auto most = static_cast<std::size_t>(std::sqrt(static_cast<double>(n)));
+  const SiteGroups groups(sites, most, arena_);
+  const std::vector<double> none(groups.count(), 0.0);
+  const std::vector<Index> region = cheapest({groups.centres, none});
+  for (const bool first : {true, false}) {
+    price_regions({.sites = sites, .owners = owners, .first = first, .groups = &groups}, region,
+                  groups.centres);
+  }
   return owners;
 }
 
@@ -265,11 +276,28 @@ template <class Scalar>
 void Pricer<Scalar>::select_sites(const Task& task, const Part& part, Scratch& scratch) const {
   const WeightedSites& sites = task.sites;
   const int dimension = points_.dimension;
+  scratch.product.clear();
+  if (task.groups != nullptr) {
+    const auto add = [&](SiteNumber j, double squared) {
+      scratch.product.add(j, squared, squared - task.weight(j));
+    };
+    if (task.first) {
+      for (const SiteNumber j : task.groups->of(part.group)) {
+        add(j, squared_difference(part.centre, sites.at(j), dimension));
+      }
+    } else {
+      for (const auto& [j, squared] :
+           scratch.rivals.find(*task.groups, sites.weight, part.centre, dimension)) {
+        add(j, squared);
+      }
+    }
+    return;
+  }
   scratch.squared.resize(task.packs.size() / sites.dimension);
-  scratch.least.resize(sites.count());
   kernels::squared_distances(
       part.centre, task.packs.data(), static_cast<Index>(scratch.squared.size()) / kernels::kPack,
       dimension, metric_.periodic() ? metric_.extent() : nullptr, scratch.squared.data());
+  scratch.least.resize(sites.count());
   // What the farthest point pays at most for its cheapest site, and what others cost at least; a
   // little more and less than that, for the rounding of these terms.
   const double relative = rounding_share(dimension);
@@ -286,7 +314,6 @@ void Pricer<Scalar>::select_sites(const Task& task, const Part& part, Scratch& s
     ceiling = std::min(ceiling, constant + reach + rounding);
     if (!part.bounds.empty()) part.bounds[j] = squared - reach - rounding;
   }
-  scratch.product.clear();
   for (const SiteNumber j : sites_below(sites.count())) {
     if (scratch.least[j] > ceiling) continue;
     const double squared = scratch.squared[j];
@@ -330,11 +357,15 @@ void Pricer<Scalar>::survey(const Task& task, Part& part, Scratch& scratch) cons
   squared_distances(metric_, points_, part.members, part.centre, squared);
   double farthest = 0;
   const bool together = part.site == SiteNumber::none();
+  scratch.rivals.clear();
   for (std::size_t k = 0; k < squared.size(); ++k) {
     if (!together) {
       part.energy += squared[k];
     } else if (!task.first) {
-      part.energy += cost_of(part.members[k], task, SiteNumber(task.owners[part.members[k]]));
+      const SiteNumber owner(task.owners[part.members[k]]);
+      const double cost = cost_of(part.members[k], task, owner);
+      part.energy += cost;
+      scratch.rivals.add(squared[k], cost, task.weight(owner));
     }
     farthest = std::max(farthest, squared[k]);
     if (task.kept != nullptr) task.kept->own_costs()[part.members[k]] = squared[k];

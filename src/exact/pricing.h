@@ -36,9 +36,10 @@ struct Prices {
 /// Points are taken by cells of a grouping near the truth: with L the distance between two sites,
 /// no point within r of site i costs site j less than site i plus L^2 - 2 L r + w_i - w_j (triangle
 /// inequality), which leaves few sites in few dimensions. Where cells have few points, several near
-/// each other are taken together, around a common centre. The rest goes through blocked products in
-/// float; their rounding error is bounded, and what it leaves undecided is evaluated in double.
-/// O(m n D) at worst; no m by n matrix is held.
+/// each other are taken together, around a common centre, and only sites are looked at that may
+/// cost some point less than its owner does. The rest goes through blocked products in float; their
+/// rounding error is bounded, and what it leaves undecided is evaluated in double. O(m n D) at
+/// worst; no m by n matrix is held.
 template <class Scalar>
 class Pricer {
  public:
