@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "parallel/together.h"
+#include "relax/nearest_sites.h"
 #include "relax/potential.h"
 
 namespace ccvt {
@@ -136,9 +137,7 @@ double Borders<Scalar>::sum_block(const Block& block, const Cells<Scalar>& cells
   own.make_room(kBlock, dimension_);
   const Scalar* stream = cells.block(cell) + begin;
   for (std::size_t d = 0; d < dimension_; ++d, stream += cells.size(cell)) {
-    for (std::size_t k = 0; k < size; ++k) {
-      own.points[d * size + k] = views_.relative(cell, stream[k], d);
-    }
+    views_.relative(cell, d, {stream, size}, &own.points[d * size]);
   }
   const auto count = static_cast<Index>(size);
   const Index found = kernels::contested_places(
@@ -396,24 +395,42 @@ std::vector<double> Borders<Scalar>::weights_for(std::span<const double> lack) c
 template <class Scalar>
 Index Borders<Scalar>::change_owners(Filling<Scalar>& filling) const {
   if (tiling_.ranks() != nullptr) return change_owners_on_ranks(filling);
-  struct Leaving {
-    PointNumber point;
-    SiteNumber to;
-  };
+  return with_dimension(dimension_, [&]<std::size_t Dimension>() {
+    return change_owners_in<Dimension>(filling);
+  });
+}
+
+/// `Dimension`: 0 for any. Where it is known, points take their coordinates along: to read these at
+/// random takes longer.
+template <class Scalar>
+template <std::size_t Dimension>
+Index Borders<Scalar>::change_owners_in(Filling<Scalar>& filling) const {
+  using Leaving = Near<Scalar, Dimension>;
   // Whole tiles: two tasks must not write one journal.
   const auto tile = static_cast<std::size_t>(filling.tiles.sites_per_tile());
   Buffer<Leaving> leaving =
       collect_by_site<Leaving>(arena_, capacity_.size(), tile * (1 + kSitesPerGrain / tile),
                                [&](SiteNumber s, std::vector<Leaving>& out, int) {
                                  for_each_leaving(s, [&](Index place, SiteNumber to) {
-                                   out.push_back({filling.take(s, place), to});
+                                   Leaving& leaving = out.emplace_back();
+                                   leaving.site = to;
+                                   if constexpr (Dimension > 0) {
+                                     filling.cells.get(s, place, leaving.x.data());
+                                   }
+                                   leaving.point = filling.take(s, place);
                                  });
                                });
   const auto count = static_cast<Index>(leaving.size());
   const auto by_site = group_by_key(arena_, std::move(leaving), capacity_.size(),
-                                    [](const Leaving& l) { return l.to; });
+                                    [](const Leaving& l) { return l.site; });
   for_each_site(arena_, filling.tiles, [&](SiteNumber s) {
-    for (const Leaving& l : by_site[s]) filling.add(s, l.point);
+    for (const Leaving& l : by_site[s]) {
+      if constexpr (Dimension > 0) {
+        filling.add(s, l.point, l.x.data());
+      } else {
+        filling.add(s, l.point);
+      }
+    }
   });
   return count;
 }
