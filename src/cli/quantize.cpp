@@ -178,6 +178,9 @@ int run_quantize(const QuantizeArguments& arguments) {
   if (arguments.effort.value_or(0) > 0 && seeds_from_file(arguments)) {
     throw InvalidInput("--effort: codewords from a file, --seeding, take the place of bred ones");
   }
+  if (arguments.restarts > 0 && seeds_from_file(arguments)) {
+    throw InvalidInput("--restarts: codewords from a file, --seeding, are not drawn anew");
+  }
   if (!arguments.capacities.empty() && arguments.method == CodebookMethod::lloyd) {
     throw InvalidInput("--capacities: --method lloyd does not keep any");
   }

@@ -7,7 +7,6 @@
 
 #include "parallel/together.h"
 #include "relax/nearest_sites.h"
-#include "relax/potential.h"
 
 namespace ccvt {
 namespace {
@@ -19,8 +18,6 @@ constexpr std::size_t kBlock = 4096;
 /// a cell that takes at least.
 constexpr double kWidth = 0.04;
 constexpr double kPointsAtBorders = 20;
-/// Points that a border has at the least: cells that do not meet now may come to.
-constexpr double kLeastMass = 1e-3;
 
 /// Blocks a task, when so many have so many points.
 std::size_t grain(std::size_t blocks, std::size_t points) {
@@ -330,74 +327,10 @@ double Borders<Scalar>::gather(SiteNumber site, const PowerDiagram& diagram) {
 }
 
 template <class Scalar>
-std::vector<double> Borders<Scalar>::correction() const {
-  std::vector<double> lack(surplus_);
-  for (double& l : lack) l = -l;
-  return weights_for(lack);
-}
-
-/// How many points leave from each view's cell to its site. When site s takes the step u, and its
-/// weight grows by |u|^2, its power at a point p grows by -2 (p - s) . u; so many points as have
-/// less than the difference to their next owner's leave.
-template <class Scalar>
-std::vector<double> Borders<Scalar>::leaving(std::span<const double> step) const {
-  std::vector<double> leaving(views_.count());
-  for_each_site(arena_, tiling_, [&](SiteNumber s) {
-    const double* const own = views_.at(views_.own(s));
-    for (const View view : views_.of(s)) {
-      const double* const other = views_.at(view);
-      const double* const sum = &at_border_[view * sum_size() + 1];
-      double change = 0;
-      for (std::size_t d = 0; d < dimension_; ++d) {
-        change += (sum[d] - mass(view) * other[d]) * step[views_.site(view) * dimension_ + d] -
-                  (sum[d] - mass(view) * own[d]) * step[s * dimension_ + d];
-      }
-      leaving[view] = change / width_[s];
-    }
-  });
-  share_leaving(leaving);
-  return leaving;
-}
-
-template <class Scalar>
-std::vector<double> Borders<Scalar>::correction(std::span<const double> step) const {
-  const std::vector<double> from = leaving(step);
-  std::vector<double> lack(capacity_.size());
-  for_each_site(arena_, capacity_.size(), kSitesPerGrain, [&](SiteNumber s) {
-    for (const View view : views_.of(s)) lack[s] += from[view] - from[views_.twin(view)];
-  });
-  return weights_for(lack);
-}
-
-/// By how much each weight must grow so that, to first order, sites have so many points more.
-template <class Scalar>
-std::vector<double> Borders<Scalar>::weights_for(std::span<const double> lack) const {
-  const std::size_t sites = capacity_.size();
-  WeightedGraph graph{std::vector<std::size_t>(sites + 1), {}, {}};
-  for (const SiteNumber s : sites_below(sites)) graph.first[s] = views_.own(s) - s;
-  graph.first[sites] = views_.count() - sites;
-  graph.neighbour.resize(graph.first.back());
-  graph.weight.resize(graph.neighbour.size());
-  for_each_site(arena_, sites, kSitesPerGrain, [&](SiteNumber s) {
-    std::size_t edge = graph.first[s];
-    for (const View view : views_.of(s)) {
-      const SiteNumber other = views_.site(view);
-      if (other == s) continue;
-      const double density = (mass(view) + kLeastMass) / (2 * width_[s]) +
-                             (mass(views_.twin(view)) + kLeastMass) / (2 * width_[other]);
-      graph.neighbour[edge] = other;
-      graph.weight[edge++] = static_cast<float>(density);
-    }
-  });
-  return potential(graph, lack, arena_);
-}
-
-template <class Scalar>
 Index Borders<Scalar>::change_owners(Filling<Scalar>& filling) const {
   if (tiling_.ranks() != nullptr) return change_owners_on_ranks(filling);
-  return with_dimension(dimension_, [&]<std::size_t Dimension>() {
-    return change_owners_in<Dimension>(filling);
-  });
+  return with_dimension(
+      dimension_, [&]<std::size_t Dimension>() { return change_owners_in<Dimension>(filling); });
 }
 
 /// `Dimension`: 0 for any. Where it is known, points take their coordinates along: to read these at
@@ -412,12 +345,12 @@ Index Borders<Scalar>::change_owners_in(Filling<Scalar>& filling) const {
       collect_by_site<Leaving>(arena_, capacity_.size(), tile * (1 + kSitesPerGrain / tile),
                                [&](SiteNumber s, std::vector<Leaving>& out, int) {
                                  for_each_leaving(s, [&](Index place, SiteNumber to) {
-                                   Leaving& leaving = out.emplace_back();
-                                   leaving.site = to;
+                                   Leaving& own = out.emplace_back();
+                                   own.site = to;
                                    if constexpr (Dimension > 0) {
-                                     filling.cells.get(s, place, leaving.x.data());
+                                     filling.cells.get(s, place, own.x.data());
                                    }
-                                   leaving.point = filling.take(s, place);
+                                   own.point = filling.take(s, place);
                                  });
                                });
   const auto count = static_cast<Index>(leaving.size());

@@ -76,10 +76,8 @@ io::TableColumns text_columns(const TextRows& rows, const ReadOptions& options) 
 template <class Scalar>
 void parse_point(const TextRows& rows, const std::vector<std::size_t>& columns, Scalar* point) {
   for (const std::size_t at : columns) {
-    const std::string_view field = rows.fields()[at];
-    const char* const wrong = io::parse(field, *point++);
-    if (wrong == nullptr) continue;
-    rows.fail("field " + std::to_string(at + 1) + ": " + io::quoted(field) + " " + wrong);
+    const char* const wrong = io::parse(rows.fields()[at], *point++);
+    if (wrong != nullptr) rows.fail_field(at, wrong);
   }
 }
 
