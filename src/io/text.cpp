@@ -46,14 +46,16 @@ std::string_view without_comment(std::string_view line) {
   return line.substr(0, end);
 }
 
-/// What parts the fields of a line: the first comma or semicolon, or else blanks.
-char separator_of(std::string_view line) {
-  char separator = ' ';
+/// What parts the fields of a line: what parted those before, or a comma, or a semicolon, or else
+/// blanks.
+char separator_of(std::string_view line, char before) {
+  const char preferred = before == ' ' ? ',' : before;
+  char found = ' ';
   visit_unquoted(line, [&](std::size_t, char c) {
-    if (is_separator(c)) separator = c;
-    return !is_separator(c);
+    if (c == preferred || (found == ' ' && is_separator(c))) found = c;
+    return c != preferred;
   });
-  return separator;
+  return found;
 }
 
 bool looks_numeric(std::string_view field) {
@@ -85,13 +87,13 @@ void TextRows::split(std::string_view line) {
   fields_.clear();
   line = trimmed(line);
   if (line.empty()) return;
-  const char separator = separator_of(line);
-  const auto parts = [&](char c) { return separator == ' ' ? is_blank(c) : c == separator; };
+  separator_ = separator_of(line, separator_);
+  const auto parts = [&](char c) { return separator_ == ' ' ? is_blank(c) : c == separator_; };
   std::size_t start = 0;
   const auto end_field = [&](std::size_t end) {
     const std::string_view field = trimmed(line.substr(start, end - start));
     start = end + 1;
-    if (separator == ' ' && field.empty()) return;  // several blanks
+    if (separator_ == ' ' && field.empty()) return;  // several blanks
     fields_.push_back(is_quoted(field) ? field.substr(1, field.size() - 2) : field);
   };
   visit_unquoted(line, [&](std::size_t at, char c) {

@@ -43,6 +43,7 @@ class TextRows {
 
   Lines lines_;
   bool first_ = true;
+  char separator_ = ' ';  ///< of the last line
   std::vector<std::string_view> fields_;
   std::vector<std::string> names_;
 };
