@@ -22,7 +22,8 @@ constexpr std::size_t kExactMergers = 8192;
 /// For each cell the other that it is merged with at the least cost, the first of several: with a
 /// and b points the two cost a b / (a + b) times the squared distance of their centroids [Ward
 /// 1963]. `sites`: the centroids, one after the other; `size`: of each cell. A site alone has
-/// itself. O(n^2 D) up to kExactMergers sites, O(n D) times that beyond.
+/// itself. O(n^2 D) up to kExactMergers sites, O(n D) times that beyond; divided among
+/// the arena's ranks.
 std::vector<Merger> cheapest_mergers(std::span<const double> sites, std::size_t dimension,
                                      std::span<const double> size, const Arena& arena);
 

@@ -10,7 +10,8 @@ namespace ccvt {
 /// Takes sites from where they are least missed to where they gain most: merges pairs of cells and
 /// splits others in two, as long as splitting gains more than merging costs, no cell taking part
 /// twice. What a merger costs is exact for the two cells [Ward 1963]; what a split gains is found
-/// by 2-means in the cell. False when there is nothing to gain. O(m D + n^2 D).
+/// by 2-means in the cell. False when there is nothing to gain. O(m D + n^2 D);
+/// divided among the arena's ranks, which all have all points.
 bool reseat_sites(PointsView<float> points, const std::vector<Index>& owners,
                   std::vector<double>& sites, const Arena& arena = Arena(1));
 

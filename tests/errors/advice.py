@@ -2,8 +2,8 @@
 
 _PARAMETER = ("A value that was given is wrong. The message says which, what it is and what it must "
               "be; headers document the ranges.")
-_RANKS = ("Several processes read and write `.npy` only, and know some of the options. `ccvt` knows "
-          "all.")
+_RANKS = ("Several processes read `.npy`, `.fvecs` and `.bvecs`, write `.npy`, and know some of the "
+          "options. `ccvt` knows all.")
 _USAGE = "The command line does not fit together. `ccvt COMMAND --help` says what does."
 _DAMAGED = ("The file is damaged, cut short or of another kind than its name says. Make it again, or "
             "name it for what it is.")
@@ -51,6 +51,7 @@ ADVICE = {
     "src/mpi/results.h": _RANKS,
     "src/mpi/session.h": "Take more ranks on more machines: each then holds less.",
     "src/mpi/shared_file.cpp": "All ranks need a file system that all of them see, with room.",
+    "src/mpi/quantize.cpp": _RANKS,
     "src/mpi/tessellate.cpp": _RANKS,
     "src/mpi/volume.cpp": _RANKS,
     "src/run_ranks.cpp": "Several ranks start balanced, as up to 8 dimensions do by default.",
@@ -148,6 +149,8 @@ _MPI = "tests/mpi/program.py provokes it, where there is MPI"
 CANNOT_BE_PROVOKED = {
     ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 16 GB together"): _HUGE,
     ("src/mpi/kept.h", "ended by a signal; the same command, or one with other limits, goes on from "): _MPI,
+    ("src/mpi/quantize.cpp", " is for ccvt only; several processes train by lloyd"): _MPI,
+    ("src/mpi/quantize.cpp", "--image-blocks: is for ccvt only, not for several processes"): _MPI,
     ("src/mpi/session.h", "out of memory"): "needs a machine without any left",
     ("src/mpi/tessellate.cpp", ": is for ccvt only, not for several processes"): _MPI,
     ("src/mpi/volume.cpp",
