@@ -34,6 +34,7 @@ ADVICE = {
     "src/cli/standard_streams.cpp": "One input and one output may be `-`; kinds are named as in "
                                     "`npy:-`. Redirect binary files, and set TMPDIR to a directory "
                                     "with room for the whole file.",
+    "src/cli/stipple.cpp": _USAGE,
     "src/cli/streams.cpp": "Whoever reads the standard output has gone, or its disk is full.",
     "src/cli/tessellate.cpp": _USAGE,
     "src/cli/tessellate_masses.cpp": _USAGE,
@@ -94,7 +95,7 @@ ADVICE = {
     "src/io/publication.cpp": "Ask for files only that were written within the Publication.",
     "src/io/sample_table.cpp": "Samples have as many weights and radii as sites; other than two and "
                                "three dimensions go into tables.",
-    "src/io/text.cpp": "Give one number, or one point, a line.",
+    "src/io/text.cpp": "Give one number, or one point, a line, all with as many fields.",
     "src/io/unfinished_file.cpp": "Outputs are regular files in directories that exist and may be "
                                   "written; make room on the disk.",
     "src/io/vecs.cpp": _DAMAGED,
