@@ -123,7 +123,7 @@ bool TextRows::next() {
 void TextRows::fail_field(std::size_t at, const char* wrong) const {
   const std::string_view field = fields_[at];
   const std::string which = "field " + std::to_string(at + 1);
-  if (field.empty()) fail(which + " is empty");
+  if (field.empty()) fail(which + " is empty, but must be a number");
   const auto parts = [](char c) { return is_separator(c) || is_blank(c); };
   if (std::any_of(field.begin(), field.end(), parts) &&
       std::none_of(field.begin(), field.end(), is_letter)) {
