@@ -114,9 +114,10 @@ void compare(const char* name, const Points<float>& points, Index codewords) {
       CodebookOptions options = options_for(method, 0, 1);
       options.threads = threads;
       const auto s = ccvt::train_codebook(points, codewords, options).summary;
-      std::printf("| %s | %d | %s | %d | %d | %.6g | %.4f | %d to %d | %.1g | %.2f | %.2f |\n",
+      std::printf("| %s | %d | %s | %d | %d | %.6g | %.4f | %lld to %lld | %.1g | %.2f | %.2f |\n",
                   name, codewords, to_string(method), threads, s.iterations, s.distortion,
-                  s.usage.imbalance, s.usage.smallest, s.usage.largest, s.gap, s.seconds_seeding,
+                  s.usage.imbalance, static_cast<long long>(s.usage.smallest),
+                  static_cast<long long>(s.usage.largest), s.gap, s.seconds_seeding,
                   s.seconds_total);
       std::fflush(stdout);
     }

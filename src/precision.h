@@ -28,24 +28,34 @@ inline double spacing_in_box(const Box& box, Index points) {
   return box.extent().maxCoeff() / std::pow(points, 1.0 / box.dimension());
 }
 
+/// The numbers of the points, of `count`, that coarse_coordinates() looks at: enough for a median.
+inline std::vector<Index> looked_at(Index count) {
+  constexpr Index kLooked = 1001;
+  const Index looked = std::min(count, kLooked);
+  std::vector<Index> numbers;
+  for (Index k = 0; k < looked; ++k) {
+    const double part = k;
+    numbers.push_back(static_cast<Index>(part * count / looked));
+  }
+  return numbers;
+}
+
 /// What is wrong with points that are `spacing` apart when most are so far from the origin that
 /// `Stored`, the type that they were given in, has steps of more than half of that; or nothing.
 template <class Stored, class Scalar>
 std::string coarse_coordinates(const char* what, PointsView<Scalar> points, double spacing) {
-  constexpr Index kLooked = 1001;  // enough for a median
-  const Index looked = std::min(points.count, kLooked);
+  const std::vector<Index> looked = looked_at(points.count);
   double worst = 0;
   double where = 0;
   int axis = 0;
   std::vector<double> sizes;
   for (int d = 0; d < points.dimension; ++d) {
     sizes.clear();
-    for (Index k = 0; k < looked; ++k) {
-      const double part = k;
-      const double x = points[static_cast<Index>(part * points.count / looked)][d];
+    for (const Index p : looked) {
+      const double x = points[p][d];
       sizes.push_back(std::abs(x));
     }
-    const auto middle = sizes.begin() + looked / 2;
+    const auto middle = sizes.begin() + std::ssize(sizes) / 2;
     std::nth_element(sizes.begin(), middle, sizes.end());
     const auto size = static_cast<Stored>(*middle);
     const double step = std::nextafter(size, std::numeric_limits<Stored>::infinity()) - size;

@@ -11,7 +11,7 @@ namespace ccvt {
 
 template <class Scalar>
 double require_moderate(const char* argument, const PointsView<Scalar>& points, const Arena& arena,
-                        Index first_number) {
+                        std::int64_t first_number) {
   const double largest = largest_coordinate<Scalar>(points.dimension);
   if (points.count == 0) return 0;
   const CoordinateRange<Scalar> range = coordinate_range(points, arena);
@@ -50,8 +50,9 @@ void require_scale(const char* argument, const PointsView<Scalar>& points, const
   require_extent<Scalar>(argument, require_moderate(argument, points, arena));
 }
 
-template double require_moderate(const char*, const PointsView<float>&, const Arena&, Index);
-template double require_moderate(const char*, const PointsView<double>&, const Arena&, Index);
+template double require_moderate(const char*, const PointsView<float>&, const Arena&, std::int64_t);
+template double require_moderate(const char*, const PointsView<double>&, const Arena&,
+                                 std::int64_t);
 template void require_extent<float>(const char*, double);
 template void require_extent<double>(const char*, double);
 template void require_scale(const char*, const PointsView<float>&, const Arena&);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "ccvt/types.h"
 #include "parallel/arena.h"
@@ -42,7 +43,7 @@ double largest_coordinate(int dimension) {
 /// The first point is called argument[first_number].
 template <class Scalar>
 double require_moderate(const char* argument, const PointsView<Scalar>& points,
-                        const Arena& arena = Arena(1), Index first_number = 0);
+                        const Arena& arena = Arena(1), std::int64_t first_number = 0);
 
 /// Throws InvalidInput unless points that extend over `widest` at most are all equal or extend over
 /// kSmallestExtent.

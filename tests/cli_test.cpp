@@ -354,6 +354,7 @@ TEST_CASE("bad input: one line, status 2, nothing written") {
       {"stipple white.png --sites 2 -o o.jpg", {"o.jpg", ".svg, .png, .csv, .txt or .npy"}},
       {"stipple white.png --sites 2 -o o.svg --gamma -1", {"--gamma", "'-1'"}},
       {"stipple white.png --sites 2 -o o.svg --dot-radius 0", {"--dot-radius", "above 0"}},
+      {"stipple white.png --sites 2 -o o.npy --dot-radius 1", {"--dot-radius", "not into .npy"}},
   };
   const auto before = contents(directory);
   for (const Case& c : cases) {

@@ -52,6 +52,12 @@ TEST_CASE("columns: those that a header calls x, y, z or x0, x1 are the coordina
        {"name"}},
       {"\"x\" \"z\" \"id\"\n1 2 3\n", matrix(2, {1, 2}), {"x", "z"}, {"id"}},
       {"x1,w,x0,x3\n1,2,3,4\n", matrix(2, {3, 1}), {"x0", "x1"}, {"w", "x3"}},
+      // What is left out may be any text, or none; quotes keep together what is between them.
+      {"city,x,\"heat, in K\",y\n\"Paris, #1\",\"1\",,2\nNew York; \"NY\",3,n/a,4\n,5, ,6 # last\n",
+       matrix(2, {1, 2, 3, 4, 5, 6}),
+       {"x", "y"},
+       {"city", "heat, in K"}},
+      {"name x y\n'a 1 2\n\"b c\" 3 4\n", matrix(2, {1, 2, 3, 4}), {"x", "y"}, {"name"}},
       // Without x or x0 all are, as in a file without a header.
       {"longitude in degrees, latitude\n1,2\n",
        matrix(2, {1, 2}),

@@ -323,6 +323,10 @@ TEST_CASE("thin refuses what it cannot do, in one line, and leaves files alone")
   CHECK(refusal("p.ply --sites 3 -o q.las").find("unknown extension '.las'") != std::string::npos);
   CHECK(refusal("p.ply --sites 3 --normal-weight -1 -o q.ply").find("--normal-weight") !=
         std::string::npos);
+  put(directory / "plain.csv", "1,2,3\n4,5,6\n7,8,9\n");
+  CHECK(refusal("plain.csv --sites 2 --normal-weight 1 -o q.ply")
+            .find("--normal-weight: plain.csv has no normals") != std::string::npos);
+  CHECK(run(directory, "thin plain.csv -q --sites 2 --normal-weight 0 -o q.csv").status == 0);
   CHECK_FALSE(std::filesystem::exists(directory / "q.ply"));
 }
 

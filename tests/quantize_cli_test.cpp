@@ -75,6 +75,14 @@ TEST_CASE("quantize says beforehand when it may take much memory, and no less th
             "quantize v.npy --codewords 4000 --method lloyd --seeding random "
             "--max-iterations 0 -o c.npy")
             .errors.empty());
+  // Codewords from a file are not drawn, and nothing is bred from them.
+  for (const std::string option : {"--restarts 2", "--effort 2"}) {
+    const Ran drawn =
+        run(directory, "quantize v.npy --codewords 2 --seeding v.npy " + option + " -o c.npy");
+    CHECK(drawn.status == 2);
+    CHECK(drawn.errors.find(option.substr(0, option.find(' ')) + ": codewords from a file") !=
+          std::string::npos);
+  }
   // What is refused for another reason is not refused for its memory.
   const Ran refused = run(directory, "quantize v.npy --codewords 2000000000 -o c.npy");
   CHECK(refused.status == 2);

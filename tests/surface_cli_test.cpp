@@ -86,6 +86,7 @@ TEST_CASE("surface: bad usage and input are refused in one line") {
   CHECK(mentions(errors("surface m.obj --sites 9 -o s.obj"), "s.obj"));
   CHECK(mentions(errors("surface m.obj --sites 9 -o s.ply --density heat"), "no density 'heat'"));
   CHECK(mentions(errors("surface m.obj --sites 9 -o s.ply --normal-weight -1"), "--normal-weight"));
+  CHECK(mentions(errors("surface m.obj --sites 9 -o s.ply --up y"), "--preview"));
   CHECK(mentions(errors("surface flat.obj -q --sites 9 -o s.ply"),
                  "flat.obj: mesh: none of its 1 triangles has an area; needs one"));
   CHECK(mentions(errors("surface m.obj --sites 9 -o m.obj"), "m.obj"));

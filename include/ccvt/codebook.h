@@ -11,6 +11,7 @@
 
 #include "ccvt/columns.h"
 #include "ccvt/export.h"
+#include "ccvt/ranks.h"
 #include "ccvt/summary.h"
 #include "ccvt/types.h"
 
@@ -87,8 +88,8 @@ struct CCVT_EXPORT CodebookOptions {
 
 /// How evenly codes are used.
 struct CodeUsage {
-  Index smallest = 0;
-  Index largest = 0;
+  std::int64_t smallest = 0;
+  std::int64_t largest = 0;
   /// n sum of c^2 / m^2 over the n codes, each used c times: 1 when all are used alike, n when all
   /// vectors have one code. What a search of one list costs, relative to equal lists.
   double imbalance = 0;
@@ -98,6 +99,9 @@ struct CodeUsage {
 
 /// O(m + n). Throws InvalidInput when a code is not in 0..codewords-1, or there is none.
 CCVT_EXPORT CodeUsage code_usage(std::span<const Index> codes, Index codewords);
+/// The same of the codes of all ranks, of which a rank gives its own, perhaps none. 4 n bytes go
+/// from each rank to all.
+CCVT_EXPORT CodeUsage code_usage(Ranks& ranks, std::span<const Index> own, Index codewords);
 
 /// What happened in a training.
 struct CCVT_EXPORT CodebookSummary {
@@ -164,6 +168,13 @@ class CCVT_EXPORT Codebook {
   template <class Scalar>
   [[nodiscard]] std::vector<Index> encode(PointsView<Scalar> vectors, Coding coding, int threads,
                                           const std::function<bool()>& cancelled = {}) const;
+  /// The same of the vectors of all ranks, which make this call together: `own` are those of this
+  /// rank, perhaps none, and follow those of the lower ranks; what it gets are their codes. All
+  /// have the same codebook and `coding`. There may be more than 2^31 vectors in all. What is wrong
+  /// on one rank is thrown on all.
+  template <class Scalar>
+  [[nodiscard]] std::vector<Index> encode(Ranks& ranks, PointsView<Scalar> own,
+                                          Coding coding = Coding::nearest, int threads = 0) const;
 
   /// #dimensions by #codes: the codewords of the codes. Throws InvalidInput for a code that is not
   /// in 0..n-1.
@@ -173,7 +184,7 @@ class CCVT_EXPORT Codebook {
     return vectors;
   }
 
-  /// The mean squared distance of vectors to the codewords of their codes.
+  /// The mean squared distance of vectors to the codewords of their codes; the sum is rounded once.
   template <class Derived>
   [[nodiscard]] double distortion(const Eigen::DenseBase<Derived>& vectors,
                                   std::span<const Index> codes) const {
@@ -181,6 +192,10 @@ class CCVT_EXPORT Codebook {
   }
   template <class Scalar>
   [[nodiscard]] double distortion(PointsView<Scalar> vectors, std::span<const Index> codes) const;
+  /// The same of the vectors of all ranks, as encode() has them.
+  template <class Scalar>
+  [[nodiscard]] double distortion(Ranks& ranks, PointsView<Scalar> own,
+                                  std::span<const Index> codes) const;
 
   /// As files of points: the codewords, one a row, and the weights, one a row. An empty path: not.
   /// Both appear together, see publication.h. load() takes weights as read_numbers() does, also of
@@ -191,6 +206,7 @@ class CCVT_EXPORT Codebook {
                        const std::filesystem::path& weights = {});
 
  private:
+  [[nodiscard]] Coordinates weights_for(Coding coding) const;
   void decode_to(std::span<const Index> codes, std::span<double> vectors) const;
 
   Columns<double> codewords_;
@@ -235,5 +251,26 @@ Training train_codebook_from(const Eigen::DenseBase<Derived>& vectors,
                              const CodebookOptions& options = {}) {
   return train_codebook_from(view_points(vectors), codewords, options);
 }
+
+/// Trains a codebook for the vectors of all ranks, which make this call together, with the same
+/// arguments but for `own`: the vectors of this rank, perhaps none, which follow those of the lower
+/// ranks. Codebook and summary are the same on all, to the bit those of one process with all
+/// vectors; codes are those of a rank's own. Fewer than 2^31 vectors in all.
+///
+///     ccvt::MpiRanks ranks(MPI_COMM_WORLD);
+///     auto [codebook, codes_of_own, summary] = ccvt::train_codebook(
+///         ranks, ccvt::view_points(own), 256, {.method = ccvt::CodebookMethod::lloyd});
+///
+/// Vectors stay where they are; the samples that seeds come from, of some of them, are gathered on
+/// all ranks. `lloyd` only: other methods are InvalidInput. on_iteration and cancelled of each rank
+/// are asked after an iteration; where one wants to end, all do.
+template <class Scalar>
+CCVT_EXPORT Training train_codebook(Ranks& ranks, PointsView<Scalar> own, Index codewords,
+                                    const CodebookOptions& options);
+/// The same from given codewords, which are the same on all ranks, instead of seeds.
+template <class Scalar>
+CCVT_EXPORT Training train_codebook_from(Ranks& ranks, PointsView<Scalar> own,
+                                         const Columns<double>& codewords,
+                                         const CodebookOptions& options);
 
 }  // namespace ccvt

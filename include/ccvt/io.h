@@ -87,8 +87,8 @@ struct ReadOptions {
   /// properties of PLY vertices, or numbers, from 1, in any file. Empty: as the format has it.
   std::vector<std::string> columns = {};
   /// Only the points first_row.. to end_row - 1, of those that there are; none is an empty set. In
-  /// .npy files in C order, without a look at the others: what one of several processes reads.
-  /// Others must be read whole.
+  /// .npy files in C order, .fvecs and .bvecs, without a look at the others: what one of several
+  /// processes reads. Other files must be read whole.
   std::uint64_t first_row = 0;
   std::uint64_t end_row = UINT64_MAX;
 };

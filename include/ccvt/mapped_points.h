@@ -31,7 +31,8 @@ class CCVT_EXPORT MappedPoints {
   MappedPoints& operator=(MappedPoints&&) noexcept;
   ~MappedPoints();
 
-  /// #dimensions by #points, all finite, at least one point; valid while this object lives.
+  /// #dimensions by #points, all finite; valid while this object lives. At least one point, unless
+  /// the options ask for a part of the rows, of which the others are not looked at.
   [[nodiscard]] PointsView<Scalar> view() const;
   /// False: the points are in memory of this object.
   [[nodiscard]] bool mapped() const;

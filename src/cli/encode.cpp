@@ -1,3 +1,5 @@
+#include "cli/encode.h"
+
 #include <array>
 #include <chrono>
 #include <cstdio>
@@ -15,20 +17,28 @@
 
 namespace ccvt::cli {
 
-namespace {
-
-template <class Scalar>
-std::string describe(const Codebook& codebook, PointsView<Scalar> vectors,
-                     const std::vector<Index>& codes, double seconds) {
-  const CodeUsage usage = code_usage(codes, codebook.size());
+std::string describe_codes(std::int64_t vectors, Index codewords, double distortion,
+                           const CodeUsage& usage, double seconds) {
   std::array<char, 300> line{};
   std::snprintf(line.data(), line.size(),
-                "%zu vectors, %d codewords, distortion %.6g, cells of %d to %d, imbalance %.4g, "
-                "entropy %.5g bits, %.3g s\n",
-                codes.size(), codebook.size(), codebook.distortion(vectors, codes), usage.smallest,
-                usage.largest, usage.imbalance, usage.entropy, seconds);
+                "%lld vectors, %d codewords, distortion %.6g, cells of %lld to %lld, imbalance "
+                "%.4g, entropy %.5g bits, %.3g s\n",
+                static_cast<long long>(vectors), codewords, distortion,
+                static_cast<long long>(usage.smallest), static_cast<long long>(usage.largest),
+                usage.imbalance, usage.entropy, seconds);
   return line.data();
 }
+
+void check_outputs(const EncodeArguments& arguments) {
+  Outputs()
+      .add("--output", arguments.output, io::kTableFiles)
+      .add_input("VECTORS", arguments.vectors)
+      .add_input("--codebook", arguments.codebook)
+      .add_input("--weights", arguments.weights)
+      .check();
+}
+
+namespace {
 
 template <class Scalar>
 int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header) {
@@ -47,7 +57,10 @@ int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header)
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::string line =
-      arguments.quiet ? std::string() : describe(codebook, vectors, codes, seconds);
+      arguments.quiet
+          ? std::string()
+          : describe_codes(vectors.count, codebook.size(), codebook.distortion(vectors, codes),
+                           code_usage(codes, codebook.size()), seconds);
   points.check_unchanged();
   Publication outputs;
   write_owners(arguments.output, codes);
@@ -59,12 +72,7 @@ int encode_vectors(const EncodeArguments& arguments, const PointsHeader& header)
 }  // namespace
 
 int run_encode(const EncodeArguments& arguments) {
-  Outputs()
-      .add("--output", arguments.output, io::kTableFiles)
-      .add_input("VECTORS", arguments.vectors)
-      .add_input("--codebook", arguments.codebook)
-      .add_input("--weights", arguments.weights)
-      .check();
+  check_outputs(arguments);
   const PointsHeader header =
       inspect_and_tell(arguments.vectors, arguments.reading, arguments.quiet);
   return header.scalar == ScalarType::float32 ? encode_vectors<float>(arguments, header)

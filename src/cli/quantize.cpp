@@ -1,3 +1,5 @@
+#include "cli/quantize.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,6 +19,7 @@
 #include "cli/blocks.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
+#include "cli/rank_json.h"
 #include "cli/run.h"
 #include "cli/signals.h"
 #include "cli/streams.h"
@@ -31,6 +34,8 @@ constexpr double kWorthTelling = 1024.0 * 1024 * 1024;
 bool seeds_from_file(const QuantizeArguments& arguments) {
   return arguments.seeding != "kmeans++" && arguments.seeding != "random";
 }
+
+}  // namespace
 
 CodebookOptions make_codebook_options(const QuantizeArguments& arguments, Progress& progress) {
   CodebookOptions options;
@@ -52,7 +57,7 @@ CodebookOptions make_codebook_options(const QuantizeArguments& arguments, Progre
 }
 
 void write_summary(const QuantizeArguments& arguments, const CodebookSummary& summary,
-                   std::optional<double> psnr) {
+                   std::optional<double> psnr, const std::optional<RankFigures>& ranks) {
   if (arguments.summary.empty()) return;
   nlohmann::ordered_json json;
   json["version"] = CCVT_VERSION;
@@ -75,9 +80,80 @@ void write_summary(const QuantizeArguments& arguments, const CodebookSummary& su
   if (psnr) json["psnr_db"] = *psnr;
   json["seconds"] = {{"total", summary.seconds_total}, {"seeding", summary.seconds_seeding}};
   json["peak_memory_bytes"] = peak_memory_bytes();
+  if (ranks) json["ranks"] = json_of(*ranks);
   json["warnings"] = summary.warnings;
   write_text(arguments.summary, json.dump(2) + "\n");
 }
+
+std::optional<Points<double>> read_codewords(const QuantizeArguments& arguments) {
+  if (!seeds_from_file(arguments)) return {};
+  Points<double> codewords = read_points<double>(arguments.seeding);
+  if (codewords.cols() != arguments.codewords) {
+    throw InvalidInput(arguments.seeding + ": has " + std::to_string(codewords.cols()) +
+                       " codewords, but --codewords is " + std::to_string(arguments.codewords));
+  }
+  return codewords;
+}
+
+void check_memory(const QuantizeArguments& arguments, const PointsHeader& header,
+                  std::uint64_t vectors) {
+  const std::string name = arguments.vectors.string();
+  const auto codewords = static_cast<Index>(
+      std::min<std::uint64_t>(static_cast<std::uint64_t>(arguments.codewords), header.count));
+  const bool single = header.scalar == ScalarType::float32;
+  const bool mapped = single ? MappedPoints<float>::can_map(arguments.vectors, arguments.reading)
+                             : MappedPoints<double>::can_map(arguments.vectors, arguments.reading);
+  const double bytes =
+      training_bytes({vectors, header.dimension, single ? sizeof(float) : sizeof(double), mapped},
+                     codewords, arguments.method != CodebookMethod::lloyd);
+  const std::string needed = check_bytes(name, vectors, header.dimension, bytes);
+  if (!arguments.quiet && bytes >= kWorthTelling && codewords == arguments.codewords) {
+    std::cerr << one_line("ccvt: " + name + ": training takes up to about " + needed +
+                          " of memory");
+  }
+}
+
+void check_arguments(const QuantizeArguments& arguments) {
+  if (!arguments.image_out.empty() && arguments.image_blocks == 0) {
+    throw InvalidInput("--image-out: needs --image-blocks; see ccvt quantize --help");
+  }
+  if (!arguments.weights_out.empty() && arguments.method != CodebookMethod::exact) {
+    throw InvalidInput("--weights-out: only --method exact finds weights");
+  }
+  if (arguments.gap > 0 && arguments.method != CodebookMethod::exact) {
+    throw InvalidInput("--gap: only --method exact proves one");
+  }
+  if (arguments.effort.value_or(0) > 0 && arguments.method == CodebookMethod::lloyd) {
+    throw InvalidInput("--effort: --method lloyd keeps no capacities to search with");
+  }
+  if (arguments.effort.value_or(0) > 0 && seeds_from_file(arguments)) {
+    throw InvalidInput("--effort: codewords from a file, --seeding, take the place of bred ones");
+  }
+  if (arguments.restarts > 0 && seeds_from_file(arguments)) {
+    throw InvalidInput("--restarts: codewords from a file, --seeding, are not drawn anew");
+  }
+  if (!arguments.capacities.empty() && arguments.method == CodebookMethod::lloyd) {
+    throw InvalidInput("--capacities: --method lloyd does not keep any");
+  }
+  if (arguments.image_blocks > 0 && !arguments.reading.columns.empty()) {
+    throw InvalidInput("--columns: a picture, which --image-blocks reads, has none");
+  }
+}
+
+void check_outputs(const QuantizeArguments& arguments) {
+  Outputs()
+      .add("--output", arguments.output, io::kTableFiles)
+      .add("--codes-out", arguments.codes_out, io::kTableFiles)
+      .add("--weights-out", arguments.weights_out, io::kTableFiles)
+      .add("--image-out", arguments.image_out, io::kPictureFiles)
+      .add("--summary", arguments.summary)
+      .add_input("VECTORS", arguments.vectors)
+      .add_input("--capacities", arguments.capacities)
+      .add_input("--seeding", seeds_from_file(arguments) ? arguments.seeding : "")
+      .check();
+}
+
+namespace {
 
 template <class Scalar>
 Training train(const QuantizeArguments& arguments, const std::string& source,
@@ -89,20 +165,13 @@ Training train(const QuantizeArguments& arguments, const std::string& source,
       Problem<Scalar>(vectors, arguments.codewords, arguments.threads).set_capacities(capacities);
     });
   }
-  Points<double> codewords;
-  if (seeds_from_file(arguments)) {
-    codewords = read_points<double>(arguments.seeding);
-    if (codewords.cols() != arguments.codewords) {
-      throw InvalidInput(arguments.seeding + ": has " + std::to_string(codewords.cols()) +
-                         " codewords, but --codewords is " + std::to_string(arguments.codewords));
-    }
-  }
+  const std::optional<Points<double>> codewords = read_codewords(arguments);
   Progress progress(arguments.quiet);
   CodebookOptions options = make_codebook_options(arguments, progress);
   options.capacities = std::move(capacities);
-  if (seeds_from_file(arguments)) {
+  if (codewords) {
     return blame(arguments.seeding,
-                 [&] { return train_codebook_from(vectors, codewords, options); });
+                 [&] { return train_codebook_from(vectors, *codewords, options); });
   }
   return blame(source, [&] { return train_codebook(vectors, arguments.codewords, options); });
 }
@@ -129,20 +198,10 @@ int finish_training(const QuantizeArguments& arguments, Publication& outputs,
 
 template <class Scalar>
 int quantize_vectors(const QuantizeArguments& arguments, const PointsHeader& header) {
-  const std::string name = arguments.vectors.string();
-  const auto codewords = static_cast<Index>(
-      std::min<std::uint64_t>(static_cast<std::uint64_t>(arguments.codewords), header.count));
-  const bool mapped = MappedPoints<Scalar>::can_map(arguments.vectors, arguments.reading);
-  const double bytes = training_bytes({header.count, header.dimension, sizeof(Scalar), mapped},
-                                      codewords, arguments.method != CodebookMethod::lloyd);
-  const std::string needed = check_bytes(name, header.count, header.dimension, bytes);
-  if (!arguments.quiet && bytes >= kWorthTelling && codewords == arguments.codewords) {
-    std::cerr << one_line("ccvt: " + name + ": training takes up to about " + needed +
-                          " of memory");
-  }
+  check_memory(arguments, header, header.count);
   tell_if_cut_short(arguments.vectors);
   const MappedPoints<Scalar> vectors(arguments.vectors, arguments.reading);
-  const Training training = train(arguments, name, vectors.view());
+  const Training training = train(arguments, arguments.vectors.string(), vectors.view());
   vectors.check_unchanged();
   Publication outputs;
   return finish_training(arguments, outputs, training, {});
@@ -163,39 +222,9 @@ int quantize_picture(const QuantizeArguments& arguments) {
 }  // namespace
 
 int run_quantize(const QuantizeArguments& arguments) {
-  if (!arguments.image_out.empty() && arguments.image_blocks == 0) {
-    throw InvalidInput("--image-out: needs --image-blocks; see ccvt quantize --help");
-  }
-  if (!arguments.weights_out.empty() && arguments.method != CodebookMethod::exact) {
-    throw InvalidInput("--weights-out: only --method exact finds weights");
-  }
-  if (arguments.gap > 0 && arguments.method != CodebookMethod::exact) {
-    throw InvalidInput("--gap: only --method exact proves one");
-  }
-  if (arguments.effort.value_or(0) > 0 && arguments.method == CodebookMethod::lloyd) {
-    throw InvalidInput("--effort: --method lloyd keeps no capacities to search with");
-  }
-  if (arguments.effort.value_or(0) > 0 && seeds_from_file(arguments)) {
-    throw InvalidInput("--effort: codewords from a file, --seeding, take the place of bred ones");
-  }
-  if (!arguments.capacities.empty() && arguments.method == CodebookMethod::lloyd) {
-    throw InvalidInput("--capacities: --method lloyd does not keep any");
-  }
-  const bool picture = arguments.image_blocks > 0;
-  if (picture && !arguments.reading.columns.empty()) {
-    throw InvalidInput("--columns: a picture, which --image-blocks reads, has none");
-  }
-  Outputs()
-      .add("--output", arguments.output, io::kTableFiles)
-      .add("--codes-out", arguments.codes_out, io::kTableFiles)
-      .add("--weights-out", arguments.weights_out, io::kTableFiles)
-      .add("--image-out", arguments.image_out, io::kPictureFiles)
-      .add("--summary", arguments.summary)
-      .add_input("VECTORS", arguments.vectors)
-      .add_input("--capacities", arguments.capacities)
-      .add_input("--seeding", seeds_from_file(arguments) ? arguments.seeding : "")
-      .check();
-  if (picture) return quantize_picture(arguments);
+  check_arguments(arguments);
+  check_outputs(arguments);
+  if (arguments.image_blocks > 0) return quantize_picture(arguments);
   const PointsHeader header =
       inspect_and_tell(arguments.vectors, arguments.reading, arguments.quiet);
   return header.scalar == ScalarType::float32 ? quantize_vectors<float>(arguments, header)

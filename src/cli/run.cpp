@@ -8,6 +8,7 @@
 #include "ccvt/version.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
+#include "cli/rank_json.h"
 #include "cli/signals.h"
 #include "cli/standard_streams.h"
 #include "cli/streams.h"
@@ -66,14 +67,7 @@ std::string summary_json(const std::string& command, const Summary& summary,
     json["put_back"] = {{"sites", put_back->sites}, {"farthest", put_back->farthest}};
   }
   if (masses) json["masses"] = json_of(*masses);
-  if (ranks) {
-    json["ranks"] = {{"count", ranks->ranks},
-                     {"messages", ranks->messages},
-                     {"sent_bytes", ranks->sent_bytes},
-                     {"gathered_bytes", ranks->gathered_bytes},
-                     {"message_seconds", ranks->seconds},
-                     {"largest_peak_memory_bytes", ranks->largest_peak_bytes}};
-  }
+  if (ranks) json["ranks"] = json_of(*ranks);
   json["warnings"] = summary.warnings;
   // JSON has no infinity and no NaN; the library writes null for them.
   return json.dump(2) + "\n";

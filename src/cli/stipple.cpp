@@ -48,6 +48,10 @@ int stipple_file(const StippleArguments& arguments) {
 }  // namespace
 
 int run_stipple(const StippleArguments& arguments) {
+  const std::string extension = lower_extension(arguments.output);
+  if (arguments.dot_radius > 0 && extension != ".svg" && extension != ".png") {
+    throw InvalidInput("--dot-radius: dots are drawn into .svg and .png, not into " + extension);
+  }
   Outputs()
       .add("--output", arguments.output, io::kStippleFiles)
       .add("--summary", arguments.summary)

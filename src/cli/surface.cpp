@@ -78,8 +78,8 @@ CLI::App* add_surface(CLI::App& app, SurfaceArguments& arguments) {
                          text(arguments.normal_weight) + "]",
                      "W", {.least = 0, .most = 100});
   add_common(*command, arguments, io::kSampleFiles, "float32");
-  add_output(*command, "--preview", arguments.preview, "Draw the surface with the samples on it",
-             io::kPictureFiles);
+  auto* const preview = add_output(*command, "--preview", arguments.preview,
+                                   "Draw the surface with the samples on it", io::kPictureFiles);
   add_parsed(
       *command, "--up", arguments.up,
       [](const std::string& name, int& axis) {
@@ -88,7 +88,8 @@ CLI::App* add_surface(CLI::App& app, SurfaceArguments& arguments) {
         axis = static_cast<int>(found);
         return std::string();
       },
-      "Of --preview: which axis points up, x, y or z [z]", "AXIS");
+      "Of --preview: which axis points up, x, y or z [z]", "AXIS")
+      ->needs(preview);
   command->footer(
       "Example: ccvt surface bunny.obj --sites 5000 -o samples.ply --preview bunny.png");
   return command;

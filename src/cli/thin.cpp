@@ -62,7 +62,7 @@ Thinning thin_cloud(const ThinArguments& arguments, const PointCloud& cloud, Ind
   const Points<Scalar> points = cloud.points.eigen().template cast<Scalar>();
   const Points<Scalar> normals = cloud.normals.eigen().template cast<Scalar>();
   ThinOptions options;
-  options.normal_weight = arguments.normal_weight;
+  options.normal_weight = arguments.normal_weight.value_or(options.normal_weight);
   options.equal_counts = arguments.equal_counts;
   return blame(arguments.points, [&] {
     Progress progress(arguments.quiet);
@@ -107,6 +107,10 @@ int run_thin(const ThinArguments& arguments) {
   check_memory(arguments.points.string(), header.count, 2 * header.dimension, sizeof(double),
                header.count * kOtherBytes + std::filesystem::file_size(arguments.points));
   const PointCloud cloud = read_point_cloud(arguments.points, arguments.reading);
+  if (arguments.normal_weight.value_or(0) > 0 && cloud.normals.cols() == 0) {
+    throw InvalidInput("--normal-weight: " + arguments.points.string() +
+                       " has no normals nx, ny, nz that could count");
+  }
   tell(arguments, cloud);
   const Index sites = sites_of(arguments, cloud.points.cols());
   const Thinning result = arguments.scalar.value_or(cloud.scalar) == ScalarType::float32

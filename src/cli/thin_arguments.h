@@ -10,11 +10,11 @@ namespace ccvt::cli {
 
 struct ThinArguments : CommonArguments {
   std::filesystem::path points;
-  ReadOptions reading;  ///< of the points
-  Index sites = 0;      ///< 0: by the ratio
-  double ratio = 0;     ///< points to sites; 0: by the sites
-  double normal_weight = 0.5;
-  bool equal_counts = false;  ///< not each point for the nearest chosen one
+  ReadOptions reading;                  ///< of the points
+  Index sites = 0;                      ///< 0: by the ratio
+  double ratio = 0;                     ///< points to sites; 0: by the sites
+  std::optional<double> normal_weight;  ///< where none is given, the usual one
+  bool equal_counts = false;            ///< not each point for the nearest chosen one
   std::filesystem::path indices_out;
   std::filesystem::path owners_out;
 };

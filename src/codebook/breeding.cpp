@@ -150,8 +150,9 @@ class Breeder {
 std::vector<double> Breeder::seeding(int number) const {
   const auto n = static_cast<Index>(capacities_.size());
   const std::uint64_t seed = mix_bits(breeding_.seed) + static_cast<std::uint64_t>(number);
-  if (breeding_.random) return draw_sites(points_, n, 1, seed, arena_);
-  return share_sites(points_, seed_sites(points_, n, 1, seed, arena_), capacities_, seed, arena_);
+  if (breeding_.random) return draw_sites<float>(points_, n, 1, seed, arena_);
+  return share_sites(points_, seed_sites<float>(points_, n, 1, seed, arena_), capacities_, seed,
+                     arena_);
 }
 
 /// Exact assignments and centroids in turn, to a rough end, or until it is unlikely to get below

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -9,9 +11,11 @@
 #include "ccvt/publication.h"
 #include "cell_sizes.h"
 #include "codebook/encode.h"
+#include "exact_sum.h"
 #include "geometry/squares.h"
 #include "number_text.h"
 #include "numbers.h"
+#include "parallel/together.h"
 #include "scales.h"
 
 namespace ccvt {
@@ -35,36 +39,102 @@ void check_codes(std::span<const Index> codes, Index codewords) {
   }
 }
 
+/// Those of a rank begin with number `first`.
 template <class Scalar>
-void check_vectors(PointsView<Scalar> vectors, int dimension) {
+void check_vectors(PointsView<Scalar> vectors, int dimension, std::int64_t first = 0) {
   if (vectors.dimension != dimension) {
     throw InvalidInput("vectors: have " + std::to_string(vectors.dimension) +
                        " dimensions, but the codewords have " + std::to_string(dimension));
   }
-  require_moderate("vectors", vectors);
+  require_moderate("vectors", vectors, Arena(1), first);
 }
 
-/// Coordinates all within so little that their squares have no digits.
+/// Coordinates all within so little that their squares have no digits, on all ranks.
 template <class Scalar>
-void check_extent(PointsView<Scalar> vectors, const Eigen::Map<const Points<double>>& codewords) {
-  if (vectors.count == 0) return;
+void check_extent(Ranks* ranks, PointsView<Scalar> own,
+                  const Eigen::Map<const Points<double>>& codewords) {
+  if (total(ranks, own.count) == 0) return;
   constexpr double least = 1e-150;
-  double widest = 0;
-  for (int d = 0; d < vectors.dimension; ++d) {
+  std::vector<double> range;  // of each dimension, the lowest and the highest
+  bool apart = false;
+  for (int d = 0; d < own.dimension && !apart; ++d) {
     double lower = codewords.row(d).minCoeff();
     double upper = codewords.row(d).maxCoeff();
-    for (Index p = 0; p < vectors.count && upper - lower < least; ++p) {
-      const double x = vectors[p][d];
+    for (Index p = 0; p < own.count && upper - lower < least; ++p) {
+      const double x = own[p][d];
       lower = std::min(lower, x);
       upper = std::max(upper, x);
     }
-    widest = std::max(widest, upper - lower);
-    if (widest >= least) return;
+    range.insert(range.end(), {lower, upper});
+    apart = upper - lower >= least;
   }
-  if (widest == 0) return;
+  if (any(ranks, apart)) return;
+  const std::size_t width = range.size();
+  range = joined(ranks, std::move(range));
+  double widest = 0;
+  for (std::size_t d = 0; d < width; d += 2) {
+    double lower = range[d];
+    double upper = range[d + 1];
+    for (std::size_t k = d; k < range.size(); k += width) {
+      lower = std::min(lower, range[k]);
+      upper = std::max(upper, range[k + 1]);
+    }
+    widest = std::max(widest, upper - lower);
+  }
+  if (widest == 0 || widest >= least) return;
   throw InvalidInput("vectors: they and the codewords differ by at most " + text(widest) +
                      ": they must be all equal or differ by " + text(least) +
                      " or more somewhere; multiply both by a power of two");
+}
+
+void check_threads(int threads) {
+  if (threads >= 0 && threads <= 4096) return;
+  throw InvalidInput("threads is " + std::to_string(threads) +
+                     ": it must be from 0 (one per processor) to 4096");
+}
+
+/// Of the codes of all ranks; `own` are in 0..codewords-1.
+CodeUsage usage_of(Ranks* ranks, std::span<const Index> own, Index codewords) {
+  const auto n = static_cast<std::size_t>(codewords);
+  std::vector<std::int64_t> count(n, 0);
+  const std::vector<Index> of_ranks = joined(ranks, cell_sizes(own, n));
+  for (std::size_t k = 0; k < of_ranks.size(); ++k) count[k % n] += of_ranks[k];
+  CodeUsage usage;
+  usage.smallest = *std::min_element(count.begin(), count.end());
+  usage.largest = *std::max_element(count.begin(), count.end());
+  const auto all =
+      static_cast<double>(std::accumulate(count.begin(), count.end(), std::int64_t{0}));
+  for (const std::int64_t c : count) {
+    const double share = static_cast<double>(c) / all;
+    usage.imbalance += codewords * share * share;
+    if (c > 0) usage.entropy -= share * std::log2(share);
+  }
+  return usage;
+}
+
+void check_codes_of(std::size_t vectors, std::span<const Index> codes, Index codewords) {
+  if (codes.size() != vectors) {
+    throw InvalidInput("codes: there are " + std::to_string(codes.size()) + " for " +
+                       std::to_string(vectors) + " vectors: one each is needed");
+  }
+  check_codes(codes, codewords);
+}
+
+void check_codewords(Index codewords) {
+  if (codewords >= 1) return;
+  throw InvalidInput("codewords is " + std::to_string(codewords) + ": it must be positive");
+}
+
+/// Of a rank's vectors, or all.
+template <class Scalar>
+ExactSum sum_of_squares(PointsView<Scalar> vectors, std::span<const Index> codes,
+                        const Eigen::Map<const Eigen::MatrixXd>& codewords) {
+  ExactSum sum;
+  for (const PointNumber p : points_below(vectors.count)) {
+    sum.add(
+        squared_difference(vectors[p.index()], codewords.col(codes[p]).data(), vectors.dimension));
+  }
+  return sum;
 }
 
 }  // namespace
@@ -97,22 +167,19 @@ void CodebookOptions::validate() const {
 }
 
 CodeUsage code_usage(std::span<const Index> codes, Index codewords) {
-  if (codewords < 1) {
-    throw InvalidInput("codewords is " + std::to_string(codewords) + ": it must be positive");
-  }
+  check_codewords(codewords);
   if (codes.empty()) throw InvalidInput("codes: there are none");
   check_codes(codes, codewords);
-  const std::vector<Index> count = cell_sizes(codes, static_cast<std::size_t>(codewords));
-  CodeUsage usage;
-  usage.smallest = *std::min_element(count.begin(), count.end());
-  usage.largest = *std::max_element(count.begin(), count.end());
-  const auto total = static_cast<double>(codes.size());
-  for (const Index c : count) {
-    const double share = c / total;
-    usage.imbalance += codewords * share * share;
-    if (c > 0) usage.entropy -= share * std::log2(share);
-  }
-  return usage;
+  return usage_of(nullptr, codes, codewords);
+}
+
+CodeUsage code_usage(Ranks& ranks, std::span<const Index> own, Index codewords) {
+  agree(&ranks, [&] {
+    check_codewords(codewords);
+    check_codes(own, codewords);
+  });
+  if (total(&ranks, std::ssize(own)) == 0) throw InvalidInput("codes: there are none");
+  return usage_of(&ranks, own, codewords);
 }
 
 std::string CodebookSummary::brief() const {
@@ -149,21 +216,43 @@ Codebook::Codebook(Columns<double> codewords, Coordinates weights)
 template <class Scalar>
 std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, int threads,
                                     const std::function<bool()>& cancelled) const try {
-  if (threads < 0 || threads > 4096) {
-    throw InvalidInput("threads is " + std::to_string(threads) +
-                       ": it must be from 0 (one per processor) to 4096");
-  }
+  check_threads(threads);
   check_vectors(vectors, dimension());
-  check_extent(vectors, codewords_.eigen());
-  const Coordinates weights =
-      coding == Coding::weighted ? weights_ : Coordinates::constant(weights_.size(), 0);
+  check_extent(nullptr, vectors, codewords_.eigen());
   Stop stop(cancelled);
+  const Coordinates weights = weights_for(coding);
   return cheapest_sites(vectors,
                         {{codewords_.data(), codewords_.data() + codewords_.size()},
                          {weights.begin(), weights.end()}},
                         Arena(threads, &stop));
 } catch (const Stopped&) {
   throw Cancelled();
+}
+
+template <class Scalar>
+std::vector<Index> Codebook::encode(Ranks& ranks, PointsView<Scalar> own, Coding coding,
+                                    int threads) const {
+  const std::vector<std::int64_t> counts = of_all(&ranks, std::int64_t{own.count});
+  const RankPart part{
+      &ranks, std::accumulate(counts.begin(), counts.begin() + ranks.rank(), std::int64_t{0})};
+  agree(&ranks, [&] {
+    check_threads(threads);
+    check_vectors(own, dimension(), part.first);
+  });
+  check_extent(&ranks, own, codewords_.eigen());
+  std::vector<Index> codes;
+  const Coordinates weights = weights_for(coding);
+  agree(&ranks, [&] {
+    codes = cheapest_sites(own,
+                           {{codewords_.data(), codewords_.data() + codewords_.size()},
+                            {weights.begin(), weights.end()}},
+                           Arena(threads), part);
+  });
+  return codes;
+}
+
+Coordinates Codebook::weights_for(Coding coding) const {
+  return coding == Coding::weighted ? weights_ : Coordinates::constant(weights_.size(), 0);
 }
 
 void Codebook::decode_to(std::span<const Index> codes, std::span<double> vectors) const {
@@ -181,11 +270,23 @@ double Codebook::distortion(PointsView<Scalar> vectors, std::span<const Index> c
                        " vectors: one each is needed, and at least one");
   }
   check_codes(codes, size());
-  double sum = 0;
-  for (const PointNumber p : points_below(vectors.count)) {
-    sum += squared_difference(vectors[p.index()], codewords_.col(codes[p]).data(), dimension());
+  return sum_of_squares(vectors, codes, codewords_.eigen()).value() / vectors.count;
+}
+
+template <class Scalar>
+double Codebook::distortion(Ranks& ranks, PointsView<Scalar> own,
+                            std::span<const Index> codes) const {
+  agree(&ranks, [&] {
+    check_vectors(own, dimension());
+    check_codes_of(static_cast<std::size_t>(own.count), codes, size());
+  });
+  const std::int64_t all = total(&ranks, own.count);
+  if (all == 0) throw InvalidInput("codes: there are none");
+  ExactSum sum;
+  for (const ExactSum& part : of_all(&ranks, sum_of_squares(own, codes, codewords_.eigen()))) {
+    sum.add(part);
   }
-  return sum / vectors.count;
+  return sum.value() / static_cast<double>(all);
 }
 
 void Codebook::save(const std::filesystem::path& codewords,
@@ -215,7 +316,15 @@ template CCVT_EXPORT std::vector<Index> Codebook::encode(PointsView<float>, Codi
                                                          const std::function<bool()>&) const;
 template CCVT_EXPORT std::vector<Index> Codebook::encode(PointsView<double>, Coding, int,
                                                          const std::function<bool()>&) const;
+template CCVT_EXPORT std::vector<Index> Codebook::encode(Ranks&, PointsView<float>, Coding,
+                                                         int) const;
+template CCVT_EXPORT std::vector<Index> Codebook::encode(Ranks&, PointsView<double>, Coding,
+                                                         int) const;
 template CCVT_EXPORT double Codebook::distortion(PointsView<float>, std::span<const Index>) const;
 template CCVT_EXPORT double Codebook::distortion(PointsView<double>, std::span<const Index>) const;
+template CCVT_EXPORT double Codebook::distortion(Ranks&, PointsView<float>,
+                                                 std::span<const Index>) const;
+template CCVT_EXPORT double Codebook::distortion(Ranks&, PointsView<double>,
+                                                 std::span<const Index>) const;
 
 }  // namespace ccvt

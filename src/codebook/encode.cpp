@@ -16,10 +16,10 @@ constexpr std::size_t kProductSites = 128;
 
 template <class Scalar>
 std::vector<Index> cheapest_sites(PointsView<Scalar> points, const WeightedSites& sites,
-                                  const Arena& arena) {
+                                  const Arena& arena, const RankPart& part) {
   const Metric metric(points.dimension, Domain());
   if (points.dimension > kTreeDimensions || sites.count() <= kProductSites) {
-    return Pricer<Scalar>(metric, points, arena).cheapest(sites);
+    return Pricer<Scalar>(metric, points, arena, part).cheapest(sites);
   }
   // One dimension up: |p - s|^2 + (W - w) is a squared distance.
   const std::size_t dimension = sites.dimension;
@@ -44,7 +44,9 @@ std::vector<Index> cheapest_sites(PointsView<Scalar> points, const WeightedSites
   return codes;
 }
 
-template std::vector<Index> cheapest_sites(PointsView<float>, const WeightedSites&, const Arena&);
-template std::vector<Index> cheapest_sites(PointsView<double>, const WeightedSites&, const Arena&);
+template std::vector<Index> cheapest_sites(PointsView<float>, const WeightedSites&, const Arena&,
+                                           const RankPart&);
+template std::vector<Index> cheapest_sites(PointsView<double>, const WeightedSites&, const Arena&,
+                                           const RankPart&);
 
 }  // namespace ccvt

@@ -111,15 +111,15 @@ class Mergers {
 std::vector<Merger> cheapest_mergers(std::span<const double> sites, std::size_t dimension,
                                      std::span<const double> size, const Arena& arena) {
   const Mergers pairs(sites, dimension, size, arena);
-  std::vector<Merger> mergers(size.size());
   PerWorker<Mergers::Scratch> scratch(arena);
-  arena.for_ranges(mergers.size(), kSitesPerGrain,
-                   [&](std::size_t begin, std::size_t end, int worker) {
-                     for (const SiteNumber i : sites_between(begin, end)) {
-                       mergers[i] = pairs.cheapest(i, scratch[worker]);
-                     }
-                   });
-  return mergers;
+  const Buffer<Merger> mergers = collect_together<Merger>(
+      arena, size.size(), kSitesPerGrain,
+      [&](std::size_t begin, std::size_t end, std::vector<Merger>& out, int worker) {
+        for (const SiteNumber i : sites_between(begin, end)) {
+          out.push_back(pairs.cheapest(i, scratch[worker]));
+        }
+      });
+  return {mergers.data(), mergers.data() + mergers.size()};
 }
 
 }  // namespace ccvt

@@ -25,7 +25,7 @@ constexpr std::size_t kComparedMergers = 1024;
 /// and b points the two cost a b / (a + b) times the squared distance of their centroids [Ward
 /// 1963]. `sites`: the centroids, one after the other; `size`: of each cell. A site alone has
 /// itself. O(n^2 D) up to kExactMergers sites, O(n D) times kComparedMergers beyond, and
-/// O(n^1.5 D).
+/// O(n^1.5 D); divided among the arena's ranks.
 std::vector<Merger> cheapest_mergers(std::span<const double> sites, std::size_t dimension,
                                      std::span<const double> size, const Arena& arena);
 

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "cell_sizes.h"
 #include "codebook/mergers.h"
 #include "exact/pricing.h"
 #include "geometry/squares.h"
 #include "numbers.h"
-#include "schedule/tiling.h"
+#include "parallel/loops.h"
+#include "parallel/together.h"
 
 namespace ccvt {
 namespace {
@@ -76,6 +78,28 @@ Split split(PointsView<float> points, std::span<const PointNumber> members) {
   return result;
 }
 
+/// Each rank has found some of them; then all have all.
+void share_splits(Ranks* ranks, std::vector<Split>& splits, const RankRange& own,
+                  std::size_t dimension) {
+  if (ranks == nullptr) return;
+  std::vector<double> found;  // of those that gain: which it is, what it gains, two sites
+  for (std::size_t s = own.begin; s < own.end; ++s) {
+    const Split& split = splits[s];
+    if (split.gain <= 0) continue;
+    found.insert(found.end(), {static_cast<double>(s), split.gain});
+    found.insert(found.end(), split.a.begin(), split.a.end());
+    found.insert(found.end(), split.b.begin(), split.b.end());
+  }
+  found = joined(ranks, std::move(found));
+  const auto width = static_cast<Eigen::Index>(dimension);
+  for (std::size_t k = 0; k < found.size(); k += 2 + 2 * dimension) {
+    Split& split = splits[static_cast<std::size_t>(found[k])];
+    split.gain = found[k + 1];
+    split.a = Eigen::Map<const Eigen::VectorXd>(found.data() + k + 2, width);
+    split.b = Eigen::Map<const Eigen::VectorXd>(found.data() + k + 2 + dimension, width);
+  }
+}
+
 }  // namespace
 
 bool reseat_sites(PointsView<float> points, std::vector<Index>& owners, std::vector<double>& sites,
@@ -87,8 +111,12 @@ bool reseat_sites(PointsView<float> points, std::vector<Index>& owners, std::vec
   const std::vector<Index> sizes = cell_sizes(owners, n);
   const std::vector<double> size(sizes.begin(), sizes.end());
   const auto at = [&](SiteNumber s) { return sites.data() + s * dimension; };
-  for_each_site(arena, n, 1 + kPointsPerGrain * n / owners.size(),
-                [&](SiteNumber i) { splits[i] = split(points, groups.of(i)); });
+  const RankRange own(arena.ranks(), n, 1);
+  arena.for_each(own.end - own.begin, 1 + kPointsPerGrain * n / owners.size(), [&](std::size_t k) {
+    const SiteNumber i(own.begin + k);
+    splits[i] = split(points, groups.of(i));
+  });
+  share_splits(arena.ranks(), splits, own, dimension);
   std::vector<Merger> mergers = cheapest_mergers(sites, dimension, size, arena);
   std::sort(mergers.begin(), mergers.end(), [](const Merger& a, const Merger& b) {
     return a.cost != b.cost ? a.cost < b.cost : a.i < b.i;

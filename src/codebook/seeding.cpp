@@ -7,13 +7,14 @@
 #include <utility>
 
 #include "codebook/centroids.h"
+#include "codebook/divided.h"
 #include "codebook/reseat.h"
 #include "codebook/sample.h"
 #include "exact/pricing.h"
 #include "geometry/as_matrix.h"
-#include "geometry/chosen_points.h"
 #include "geometry/squares.h"
 #include "kernels/products.h"
+#include "parallel/together.h"
 #include "random.h"
 #include "streams.h"
 
@@ -44,16 +45,17 @@ struct Seeds {
   double energy = 0;
 };
 
-/// Lloyd iterations, to a rough end.
-void relax(const Metric& metric, PointsView<float> points, const Arena& arena, Seeds& seeds) {
-  const std::vector<double> weights = no_weights(seeds.sites, points.dimension);
-  const Pricer<float> pricer(metric, points, arena);
+/// Lloyd iterations, to a rough end. Owners are those of a rank's part.
+void relax(const Metric& metric, const Divided<float>& points, const Arena& arena, Seeds& seeds) {
+  const std::vector<double> weights = no_weights(seeds.sites, points.own.dimension);
+  const Pricer<float> pricer(metric, points.own, arena, points.part);
   for (int i = 0; i < kRoughIterations; ++i) {
     const double before = seeds.energy;
     const Prices prices = pricer.price({seeds.sites, weights}, seeds.owners);
     seeds.energy = prices.cheapest_energy;
     if (prices.moved == 0 || (i > 0 && before - seeds.energy < kRough * before)) break;
-    move_to_centroids(metric, points, Grouping(seeds.owners, weights.size()), arena, seeds.sites);
+    move_to_centroids(metric, points.own, Grouping(seeds.owners, weights.size()), arena,
+                      seeds.sites, {}, points.part.ranks);
   }
 }
 
@@ -107,9 +109,10 @@ std::vector<double> plus_plus_in_rounds(PointsView<float> points, Index sites, s
                                         std::uint64_t stream, const Arena& arena) {
   const Metric metric(points.dimension, Domain());
   const auto width = static_cast<std::size_t>(points.dimension);
-  std::vector<double> squared(static_cast<std::size_t>(points.count),
+  const Divided<float> divided(points, arena.ranks());
+  const PointsView<float>& own = divided.own;
+  std::vector<double> squared(static_cast<std::size_t>(own.count),
                               std::numeric_limits<double>::infinity());
-  std::vector<double> sum(squared.size());
   Random random(seed, stream);
   std::vector<double> result;
   std::vector<Index> drawn = {random.index_below(points.count)};
@@ -119,13 +122,14 @@ std::vector<double> plus_plus_in_rounds(PointsView<float> points, Index sites, s
     result.insert(result.end(), added.begin(), added.end());
     left -= static_cast<Index>(drawn.size());
     if (left == 0) return result;
-    const std::vector<Index> nearest = nearest_owners(metric, points, added, arena);
+    const std::vector<Index> nearest = nearest_owners(metric, own, added, arena, divided.part);
     arena.for_each(squared.size(), kPointsPerGrain, [&](std::size_t p) {
       const double* const site = added.data() + static_cast<std::size_t>(nearest[p]) * width;
-      const float* const x = points[static_cast<Index>(p)];
+      const float* const x = own[static_cast<Index>(p)];
       squared[p] = std::min(squared[p], squared_difference(x, site, points.dimension));
     });
-    std::inclusive_scan(squared.begin(), squared.end(), sum.begin());
+    std::vector<double> sum = joined(arena.ranks(), squared);
+    std::inclusive_scan(sum.begin(), sum.end(), sum.begin());
     const auto batch = std::min<std::size_t>(result.size() / width, static_cast<std::size_t>(left));
     drawn.clear();
     for (std::size_t k = 0; k < batch; ++k) {
@@ -141,31 +145,35 @@ std::vector<double> plus_plus_in_rounds(PointsView<float> points, Index sites, s
 }
 
 template <class Scalar>
-double sampled_energy(PointsView<Scalar> points, const std::vector<double>& sites,
+double sampled_energy(const Vectors<Scalar>& points, const std::vector<double>& sites,
                       std::uint64_t seed, const Arena& arena) {
-  const std::vector<double> weights = no_weights(sites, points.dimension);
+  const std::vector<double> weights = no_weights(sites, points.dimension());
   const std::int64_t few = 4 * std::ssize(weights);
-  const Index count = sample_size(std::max(kLeastSample, few), points.count);
+  const Index count = sample_size(std::max(kLeastSample, few), points.count());
   const Points<Scalar> sample =
-      chosen_points(points, draw_distinct(count, points.count, seed, streams::codebook_sample));
-  const Metric metric(points.dimension, Domain());
-  std::vector<Index> owners = nearest_owners(metric, view_points(sample), sites, arena);
-  return Pricer<Scalar>(metric, view_points(sample), arena).price({sites, weights}, owners).energy;
+      points.chosen(draw_distinct(count, points.count(), seed, streams::codebook_sample));
+  const Metric metric(points.dimension(), Domain());
+  const Divided<Scalar> divided(view_points(sample), arena.ranks());
+  std::vector<Index> owners = nearest_owners(metric, divided.own, sites, arena, divided.part);
+  return Pricer<Scalar>(metric, divided.own, arena, divided.part)
+      .price({sites, weights}, owners)
+      .energy;
 }
 
 template <class Scalar>
-std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int restarts,
+std::vector<double> seed_sites(const Vectors<Scalar>& points, Index sites, int restarts,
                                std::uint64_t seed, const Arena& arena) {
   const bool in_rounds =
-      sites > kFewSites && (points.dimension > kGreedyDimensions || sites > kGreedySites);
+      sites > kFewSites && (points.dimension() > kGreedyDimensions || sites > kGreedySites);
   const std::int64_t each = in_rounds ? kSmallSamplePerSite : kSamplePerSite;
   const std::int64_t wanted = std::max(kLeastSample, each * sites);
   if (restarts == 0) restarts = in_rounds ? 1 : kRestarts;
-  const Index count = sample_size(wanted, points.count);
+  const Index count = sample_size(wanted, points.count());
   const Sample sample =
-      sample_of(points, draw_distinct(count, points.count, seed, streams::codebook_sample));
+      points.sample(draw_distinct(count, points.count(), seed, streams::codebook_sample));
   const PointsView<float> view = view_points(sample.points);
-  const Metric metric(points.dimension, Domain());
+  const Metric metric(points.dimension(), Domain());
+  const Divided<float> divided(view, arena.ranks());
   Seeds best;
   best.energy = std::numeric_limits<double>::infinity();
   Seeds seeds;
@@ -175,12 +183,15 @@ std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int resta
       seeds = {};
       seeds.sites = in_rounds ? plus_plus_in_rounds(view, sites, seed, stream, arena)
                               : plus_plus(view, sites, seed, stream, arena);
-      seeds.owners = nearest_owners(metric, view, seeds.sites, arena);
-      relax(metric, view, arena, seeds);
+      seeds.owners = nearest_owners(metric, divided.own, seeds.sites, arena, divided.part);
+      relax(metric, divided, arena, seeds);
       for (int k = 0; k < kReseatings; ++k) {
         Seeds changed = seeds;
-        if (!reseat_sites(view, changed.owners, changed.sites, arena)) break;
-        relax(metric, view, arena, changed);
+        std::vector<Index> owners = joined(arena.ranks(), seeds.owners);
+        if (!reseat_sites(view, owners, changed.sites, arena)) break;
+        const auto own = owners.begin() + static_cast<std::ptrdiff_t>(divided.part.first);
+        changed.owners.assign(own, own + divided.own.count);
+        relax(metric, divided, arena, changed);
         if (changed.energy >= seeds.energy * (1 - kRough)) break;
         seeds = std::move(changed);
       }
@@ -198,17 +209,15 @@ std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int resta
 }
 
 template <class Scalar>
-std::vector<double> draw_sites(PointsView<Scalar> points, Index sites, int restarts,
+std::vector<double> draw_sites(const Vectors<Scalar>& points, Index sites, int restarts,
                                std::uint64_t seed, const Arena& arena) {
   std::vector<double> best;
   double least = std::numeric_limits<double>::infinity();
   std::uint64_t stream = streams::codebook_seeding;
   if (restarts == 0) restarts = kRestarts;
   for (int r = 0; r < restarts; ++r, stream += 256) {
-    std::vector<double> drawn;
-    for (const Index p : draw_distinct(sites, points.count, seed, stream)) {
-      drawn.insert(drawn.end(), points[p], points[p] + points.dimension);
-    }
+    const Points<Scalar> chosen = points.chosen(draw_distinct(sites, points.count(), seed, stream));
+    std::vector<double> drawn(chosen.data(), chosen.data() + chosen.size());
     if (restarts == 1) return drawn;
     if (r == 0) best = drawn;
     try {
@@ -223,15 +232,17 @@ std::vector<double> draw_sites(PointsView<Scalar> points, Index sites, int resta
   return best;
 }
 
-template double sampled_energy(PointsView<float>, const std::vector<double>&, std::uint64_t,
+template double sampled_energy(const Vectors<float>&, const std::vector<double>&, std::uint64_t,
                                const Arena&);
-template double sampled_energy(PointsView<double>, const std::vector<double>&, std::uint64_t,
+template double sampled_energy(const Vectors<double>&, const std::vector<double>&, std::uint64_t,
                                const Arena&);
-template std::vector<double> draw_sites(PointsView<float>, Index, int, std::uint64_t, const Arena&);
-template std::vector<double> draw_sites(PointsView<double>, Index, int, std::uint64_t,
+template std::vector<double> draw_sites(const Vectors<float>&, Index, int, std::uint64_t,
                                         const Arena&);
-template std::vector<double> seed_sites(PointsView<float>, Index, int, std::uint64_t, const Arena&);
-template std::vector<double> seed_sites(PointsView<double>, Index, int, std::uint64_t,
+template std::vector<double> draw_sites(const Vectors<double>&, Index, int, std::uint64_t,
+                                        const Arena&);
+template std::vector<double> seed_sites(const Vectors<float>&, Index, int, std::uint64_t,
+                                        const Arena&);
+template std::vector<double> seed_sites(const Vectors<double>&, Index, int, std::uint64_t,
                                         const Arena&);
 
 }  // namespace ccvt

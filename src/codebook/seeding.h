@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "ccvt/types.h"
+#include "codebook/vectors.h"
 #include "parallel/arena.h"
 
 namespace ccvt {
@@ -18,19 +19,21 @@ constexpr Index kFewSites = 128;
 /// many as pay. One after the other, `dimension` values each. When the arena throws Stopped
 /// meanwhile, the best there are so far, or distinct points; then the stop of the arena is still
 /// on.
+/// Ranks divide what there is to do on the sample, which all of them have.
 template <class Scalar>
-std::vector<double> seed_sites(PointsView<Scalar> points, Index sites, int restarts,
+std::vector<double> seed_sites(const Vectors<Scalar>& points, Index sites, int restarts,
                                std::uint64_t seed, const Arena& arena);
 
 /// Distinct points: of `restarts` draws, 0 being kRestarts, the one of least sampled_energy(). The
-/// best so far when the arena throws Stopped.
+/// best so far when the arena throws Stopped. All ranks draw the same, and
+/// divide the sample.
 template <class Scalar>
-std::vector<double> draw_sites(PointsView<Scalar> points, Index sites, int restarts,
+std::vector<double> draw_sites(const Vectors<Scalar>& points, Index sites, int restarts,
                                std::uint64_t seed, const Arena& arena);
 
 /// The sum of squared distances to the nearest of `sites` over a sample of the points.
 template <class Scalar>
-double sampled_energy(PointsView<Scalar> points, const std::vector<double>& sites,
+double sampled_energy(const Vectors<Scalar>& points, const std::vector<double>& sites,
                       std::uint64_t seed, const Arena& arena);
 
 /// Greedy k-means++ [Arthur, Vassilvitskii 2007]: sites are drawn from the points with
@@ -41,7 +44,7 @@ std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64
 
 /// The same without the greed, in rounds: each draws as many sites as there are already, and then
 /// looks at the distances to all of them at once [as k-means||: Bahmani et al. 2012].
-/// O(m n D), in blocked products.
+/// O(m n D), in blocked products, divided among the arena's ranks.
 std::vector<double> plus_plus_in_rounds(PointsView<float> points, Index sites, std::uint64_t seed,
                                         std::uint64_t stream, const Arena& arena = Arena(1));
 

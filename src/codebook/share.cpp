@@ -105,7 +105,7 @@ std::vector<double> share_sites(PointsView<Scalar> points, const std::vector<dou
       return;
     }
     const Points<Scalar> own = chosen_points(points, members);
-    parts[s] = seed_sites(view_points(own), allotted[s], 1, seed, arena);
+    parts[s] = seed_sites<Scalar>(view_points(own), allotted[s], 1, seed, arena);
   });
   std::vector<double> shared;
   for (const SiteNumber s : order) shared.insert(shared.end(), parts[s].begin(), parts[s].end());

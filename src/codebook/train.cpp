@@ -19,6 +19,7 @@
 #include "exact/move_costs.h"
 #include "exact/pricing.h"
 #include "numbers.h"
+#include "parallel/together.h"
 #include "precision.h"
 
 namespace ccvt {
@@ -28,6 +29,26 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Throws InvalidInput for what several ranks cannot do.
+void require_for_ranks(const CodebookOptions& options) {
+  if (options.method == CodebookMethod::lloyd) return;
+  throw InvalidInput("CodebookOptions::method is " + std::string(to_string(options.method)) +
+                     ": several ranks train by lloyd only");
+}
+
+void check_given(const Columns<double>& codewords, int dimension, const CodebookOptions& options) {
+  if (codewords.rows() != dimension) {
+    throw InvalidInput("codewords: have " + std::to_string(codewords.rows()) +
+                       " dimensions, but the vectors have " + std::to_string(dimension));
+  }
+  if (options.effort.value_or(0) > 0) {
+    throw InvalidInput(
+        "effort is " + std::to_string(*options.effort) +
+        ": it must be 0 where codewords are given, for they take the place of bred ones");
+  }
+  const Codebook checked(codewords);  // throws
 }
 
 }  // namespace
@@ -52,7 +73,7 @@ void Trainer<Scalar>::seed() {
     }
   }
   const auto choose = breeding.random ? draw_sites<Scalar> : seed_sites<Scalar>;
-  sites_ = choose(vectors_, n, options_.restarts, options_.seed, arena_);
+  sites_ = choose(source_, n, options_.restarts, options_.seed, arena_);
 }
 
 /// Reports an iteration; false when training ends with it.
@@ -60,7 +81,7 @@ template <class Scalar>
 bool Trainer<Scalar>::go_on(IterationRecord record) {
   record.iteration = ++summary_.iterations;
   record.seconds = seconds_since(start_);
-  if ((options_.on_iteration && !options_.on_iteration(record)) || stop_.requested()) {
+  if (cancelled(record)) {
     summary_.termination = Termination::cancelled;
   } else if (summary_.iterations >= options_.max_iterations) {
     summary_.termination = Termination::iteration_limit;
@@ -68,10 +89,19 @@ bool Trainer<Scalar>::go_on(IterationRecord record) {
   return !ended();
 }
 
+/// Whether training is to end after this iteration: on all ranks, where one of them is to.
+template <class Scalar>
+bool Trainer<Scalar>::cancelled(const IterationRecord& record) {
+  const bool wished = options_.on_iteration && !options_.on_iteration(record);
+  if (problem_.ranks() == nullptr) return wished || stop_.requested();
+  return any(problem_.ranks(), wished || (options_.cancelled && options_.cancelled()));
+}
+
 template <class Scalar>
 void Trainer<Scalar>::lloyd() {
-  owners_ = nearest_owners(metric_, vectors_, sites_, arena_);
-  const Pricer<Scalar> pricer(metric_, vectors_, arena_);
+  Ranks* const ranks = problem_.ranks();
+  owners_ = nearest_owners(metric_, vectors_, sites_, arena_, source_.part());
+  const Pricer<Scalar> pricer(metric_, vectors_, arena_, source_.part());
   const std::size_t n = weights_.size();
   std::optional<CellBounds> kept;
   if (CellBounds::fit(metric_, n)) kept.emplace(owners_.size(), n);
@@ -83,12 +113,12 @@ void Trainer<Scalar>::lloyd() {
     if (kept && std::isfinite(before)) {
       kept->include_all(owners_, SquaredDistances<Scalar>(metric_, vectors_, sites_), arena_);
     }
-    move_to_centroids(metric_, vectors_, Grouping(owners_, n), arena_, sites_, changed);
+    move_to_centroids(metric_, vectors_, Grouping(owners_, n), arena_, sites_, changed, ranks);
     const std::vector<Index> given = owners_;
     const Prices prices = pricer.price({sites_, weights_}, owners_, kept ? &*kept : nullptr);
-    changed = changed_cells(given, owners_, n);
+    changed = changed_cells(given, owners_, n, ranks);
     const double energy = prices.cheapest_energy;
-    const bool running = go_on(vectors_.count, energy, prices.moved);
+    const bool running = go_on(problem_.point_count(), energy, prices.moved);
     if (prices.moved == 0 || energy >= before * (1 - kTrainingRounding)) {
       summary_.termination = Termination::stable;
     } else if (running && before - energy < options_.tolerance * before) {
@@ -214,15 +244,27 @@ Training Trainer<Scalar>::run(const Columns<double>* codewords) {
                  [&](double weight) { return weight - highest; });
   Codebook codebook(Eigen::Map<const Eigen::MatrixXd>(sites_.data(), vectors_.dimension, n),
                     std::move(weights));
-  summary_.usage = code_usage(owners_, n);
-  summary_.distortion = codebook.distortion(vectors_, owners_);
-  summary_.energy = summary_.distortion * vectors_.count;
-  const std::string warning = coarse_coordinates<Scalar>(
-      "vectors", vectors_,
-      spacing_in_cells(summary_.energy, vectors_.count, n, vectors_.dimension));
-  if (!warning.empty()) summary_.warnings.push_back(warning);
+  sum_up(codebook);
   summary_.seconds_total = seconds_since(start_);
   return {std::move(codebook), std::move(owners_), summary_};
+}
+
+template <class Scalar>
+void Trainer<Scalar>::sum_up(const Codebook& codebook) {
+  const Index n = problem_.site_count();
+  const Index m = problem_.point_count();
+  if (Ranks* const ranks = problem_.ranks(); ranks != nullptr) {
+    summary_.usage = code_usage(*ranks, owners_, n);
+    summary_.distortion = codebook.distortion(*ranks, vectors_, owners_);
+  } else {
+    summary_.usage = code_usage(owners_, n);
+    summary_.distortion = codebook.distortion(vectors_, owners_);
+  }
+  summary_.energy = summary_.distortion * m;
+  const Points<Scalar> looked = source_.chosen(looked_at(m));
+  const std::string warning = coarse_coordinates<Scalar>(
+      "vectors", view_points(looked), spacing_in_cells(summary_.energy, m, n, vectors_.dimension));
+  if (!warning.empty()) summary_.warnings.push_back(warning);
 }
 
 template class Trainer<float>;
@@ -232,28 +274,50 @@ template <class Scalar>
 Training train_codebook(PointsView<Scalar> vectors, Index codewords,
                         const CodebookOptions& options) {
   options.validate();
-  return Trainer<Scalar>(vectors, codewords, options).run(nullptr);
+  return Trainer<Scalar>(Problem<Scalar>(vectors, codewords), options).run(nullptr);
+}
+
+template <class Scalar>
+Training train_codebook(Ranks& ranks, PointsView<Scalar> own, Index codewords,
+                        const CodebookOptions& options) {
+  agree(&ranks, [&] {
+    options.validate();
+    require_for_ranks(options);
+  });
+  return Trainer<Scalar>(Problem<Scalar>(ranks, own, codewords), options).run(nullptr);
 }
 
 template <class Scalar>
 Training train_codebook_from(PointsView<Scalar> vectors, const Columns<double>& codewords,
                              const CodebookOptions& options) {
   options.validate();
-  if (codewords.rows() != vectors.dimension) {
-    throw InvalidInput("codewords: have " + std::to_string(codewords.rows()) +
-                       " dimensions, but the vectors have " + std::to_string(vectors.dimension));
-  }
-  if (options.effort.value_or(0) > 0) {
-    throw InvalidInput(
-        "effort is " + std::to_string(*options.effort) +
-        ": it must be 0 where codewords are given, for they take the place of bred ones");
-  }
-  const Codebook checked(codewords);
-  return Trainer<Scalar>(vectors, checked.size(), options).run(&codewords);
+  check_given(codewords, vectors.dimension, options);
+  const auto n = static_cast<Index>(codewords.cols());
+  return Trainer<Scalar>(Problem<Scalar>(vectors, n), options).run(&codewords);
+}
+
+template <class Scalar>
+Training train_codebook_from(Ranks& ranks, PointsView<Scalar> own, const Columns<double>& codewords,
+                             const CodebookOptions& options) {
+  agree(&ranks, [&] {
+    options.validate();
+    require_for_ranks(options);
+    check_given(codewords, own.dimension, options);
+  });
+  const auto n = static_cast<Index>(codewords.cols());
+  return Trainer<Scalar>(Problem<Scalar>(ranks, own, n), options).run(&codewords);
 }
 
 template CCVT_EXPORT Training train_codebook(PointsView<float>, Index, const CodebookOptions&);
 template CCVT_EXPORT Training train_codebook(PointsView<double>, Index, const CodebookOptions&);
+template CCVT_EXPORT Training train_codebook(Ranks&, PointsView<float>, Index,
+                                             const CodebookOptions&);
+template CCVT_EXPORT Training train_codebook(Ranks&, PointsView<double>, Index,
+                                             const CodebookOptions&);
+template CCVT_EXPORT Training train_codebook_from(Ranks&, PointsView<float>, const Columns<double>&,
+                                                  const CodebookOptions&);
+template CCVT_EXPORT Training train_codebook_from(Ranks&, PointsView<double>,
+                                                  const Columns<double>&, const CodebookOptions&);
 template CCVT_EXPORT Training train_codebook_from(PointsView<float>, const Columns<double>&,
                                                   const CodebookOptions&);
 template CCVT_EXPORT Training train_codebook_from(PointsView<double>, const Columns<double>&,

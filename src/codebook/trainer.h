@@ -2,11 +2,13 @@
 
 #include <chrono>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "ccvt/codebook.h"
 #include "ccvt/problem.h"
 #include "codebook/progress.h"
+#include "codebook/vectors.h"
 #include "geometry/metric.h"
 #include "parallel/arena.h"
 #include "parallel/stop.h"
@@ -20,18 +22,22 @@ constexpr double kTrainingRounding = 1e-13;
 template <class Scalar>
 class Trainer {
  public:
-  Trainer(PointsView<Scalar> vectors, Index codewords, const CodebookOptions& options)
-      : problem_(vectors, codewords),
-        vectors_(vectors),
+  /// Of all vectors, or those of a rank: the problem's.
+  Trainer(Problem<Scalar> problem, const CodebookOptions& options)
+      : problem_(std::move(problem)),
+        source_(problem_),
+        vectors_(source_.own()),
         options_(options),
-        stop_(options.cancelled),
+        // Ranks end together: see cancelled().
+        stop_(problem_.ranks() != nullptr ? Stop() : Stop(options.cancelled)),
         arena_(options.threads, &stop_),
-        metric_(vectors.dimension, Domain()) {
+        metric_(vectors_.dimension, Domain()) {
+    arena_.divide_among(problem_.ranks());
     if (!options.capacities.empty()) problem_.set_capacities(options.capacities);
     summary_.method = options.method;
-    summary_.dimension = vectors.dimension;
-    summary_.vectors = vectors.count;
-    summary_.codewords = codewords;
+    summary_.dimension = vectors_.dimension;
+    summary_.vectors = problem_.point_count();
+    summary_.codewords = problem_.site_count();
     summary_.seed = options.seed;
     summary_.threads_used = arena_.threads();
   }
@@ -52,10 +58,13 @@ class Trainer {
   void exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities, double work);
   bool go_on(IterationRecord record);
   bool go_on(Index vectors, double energy, std::int64_t moved);
+  bool cancelled(const IterationRecord& record);
+  void sum_up(const Codebook& codebook);
   bool ended() const { return summary_.termination != Termination::running; }
 
   Problem<Scalar> problem_;
-  PointsView<Scalar> vectors_;
+  Vectors<Scalar> source_;
+  PointsView<Scalar> vectors_;  ///< of this rank; without ranks, all
   const CodebookOptions& options_;
   Stop stop_;
   Arena arena_;

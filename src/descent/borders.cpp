@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "parallel/together.h"
-#include "relax/potential.h"
+#include "relax/nearest_sites.h"
 
 namespace ccvt {
 namespace {
@@ -18,8 +18,6 @@ constexpr std::size_t kBlock = 4096;
 /// a cell that takes at least.
 constexpr double kWidth = 0.04;
 constexpr double kPointsAtBorders = 20;
-/// Points that a border has at the least: cells that do not meet now may come to.
-constexpr double kLeastMass = 1e-3;
 
 /// Blocks a task, when so many have so many points.
 std::size_t grain(std::size_t blocks, std::size_t points) {
@@ -136,9 +134,7 @@ double Borders<Scalar>::sum_block(const Block& block, const Cells<Scalar>& cells
   own.make_room(kBlock, dimension_);
   const Scalar* stream = cells.block(cell) + begin;
   for (std::size_t d = 0; d < dimension_; ++d, stream += cells.size(cell)) {
-    for (std::size_t k = 0; k < size; ++k) {
-      own.points[d * size + k] = views_.relative(cell, stream[k], d);
-    }
+    views_.relative(cell, d, {stream, size}, &own.points[d * size]);
   }
   const auto count = static_cast<Index>(size);
   const Index found = kernels::contested_places(
@@ -331,89 +327,43 @@ double Borders<Scalar>::gather(SiteNumber site, const PowerDiagram& diagram) {
 }
 
 template <class Scalar>
-std::vector<double> Borders<Scalar>::correction() const {
-  std::vector<double> lack(surplus_);
-  for (double& l : lack) l = -l;
-  return weights_for(lack);
-}
-
-/// How many points leave from each view's cell to its site. When site s takes the step u, and its
-/// weight grows by |u|^2, its power at a point p grows by -2 (p - s) . u; so many points as have
-/// less than the difference to their next owner's leave.
-template <class Scalar>
-std::vector<double> Borders<Scalar>::leaving(std::span<const double> step) const {
-  std::vector<double> leaving(views_.count());
-  for_each_site(arena_, tiling_, [&](SiteNumber s) {
-    const double* const own = views_.at(views_.own(s));
-    for (const View view : views_.of(s)) {
-      const double* const other = views_.at(view);
-      const double* const sum = &at_border_[view * sum_size() + 1];
-      double change = 0;
-      for (std::size_t d = 0; d < dimension_; ++d) {
-        change += (sum[d] - mass(view) * other[d]) * step[views_.site(view) * dimension_ + d] -
-                  (sum[d] - mass(view) * own[d]) * step[s * dimension_ + d];
-      }
-      leaving[view] = change / width_[s];
-    }
-  });
-  share_leaving(leaving);
-  return leaving;
-}
-
-template <class Scalar>
-std::vector<double> Borders<Scalar>::correction(std::span<const double> step) const {
-  const std::vector<double> from = leaving(step);
-  std::vector<double> lack(capacity_.size());
-  for_each_site(arena_, capacity_.size(), kSitesPerGrain, [&](SiteNumber s) {
-    for (const View view : views_.of(s)) lack[s] += from[view] - from[views_.twin(view)];
-  });
-  return weights_for(lack);
-}
-
-/// By how much each weight must grow so that, to first order, sites have so many points more.
-template <class Scalar>
-std::vector<double> Borders<Scalar>::weights_for(std::span<const double> lack) const {
-  const std::size_t sites = capacity_.size();
-  WeightedGraph graph{std::vector<std::size_t>(sites + 1), {}, {}};
-  for (const SiteNumber s : sites_below(sites)) graph.first[s] = views_.own(s) - s;
-  graph.first[sites] = views_.count() - sites;
-  graph.neighbour.resize(graph.first.back());
-  graph.weight.resize(graph.neighbour.size());
-  for_each_site(arena_, sites, kSitesPerGrain, [&](SiteNumber s) {
-    std::size_t edge = graph.first[s];
-    for (const View view : views_.of(s)) {
-      const SiteNumber other = views_.site(view);
-      if (other == s) continue;
-      const double density = (mass(view) + kLeastMass) / (2 * width_[s]) +
-                             (mass(views_.twin(view)) + kLeastMass) / (2 * width_[other]);
-      graph.neighbour[edge] = other;
-      graph.weight[edge++] = static_cast<float>(density);
-    }
-  });
-  return potential(graph, lack, arena_);
-}
-
-template <class Scalar>
 Index Borders<Scalar>::change_owners(Filling<Scalar>& filling) const {
   if (tiling_.ranks() != nullptr) return change_owners_on_ranks(filling);
-  struct Leaving {
-    PointNumber point;
-    SiteNumber to;
-  };
+  return with_dimension(
+      dimension_, [&]<std::size_t Dimension>() { return change_owners_in<Dimension>(filling); });
+}
+
+/// `Dimension`: 0 for any. Where it is known, points take their coordinates along: to read these at
+/// random takes longer.
+template <class Scalar>
+template <std::size_t Dimension>
+Index Borders<Scalar>::change_owners_in(Filling<Scalar>& filling) const {
+  using Leaving = Near<Scalar, Dimension>;
   // Whole tiles: two tasks must not write one journal.
   const auto tile = static_cast<std::size_t>(filling.tiles.sites_per_tile());
   Buffer<Leaving> leaving =
       collect_by_site<Leaving>(arena_, capacity_.size(), tile * (1 + kSitesPerGrain / tile),
                                [&](SiteNumber s, std::vector<Leaving>& out, int) {
                                  for_each_leaving(s, [&](Index place, SiteNumber to) {
-                                   out.push_back({filling.take(s, place), to});
+                                   Leaving& own = out.emplace_back();
+                                   own.site = to;
+                                   if constexpr (Dimension > 0) {
+                                     filling.cells.get(s, place, own.x.data());
+                                   }
+                                   own.point = filling.take(s, place);
                                  });
                                });
   const auto count = static_cast<Index>(leaving.size());
   const auto by_site = group_by_key(arena_, std::move(leaving), capacity_.size(),
-                                    [](const Leaving& l) { return l.to; });
+                                    [](const Leaving& l) { return l.site; });
   for_each_site(arena_, filling.tiles, [&](SiteNumber s) {
-    for (const Leaving& l : by_site[s]) filling.add(s, l.point);
+    for (const Leaving& l : by_site[s]) {
+      if constexpr (Dimension > 0) {
+        filling.add(s, l.point, l.x.data());
+      } else {
+        filling.add(s, l.point);
+      }
+    }
   });
   return count;
 }

@@ -108,6 +108,9 @@ class Borders {
   void share_leaving(std::vector<double>& leaving) const;
   Index change_owners_on_ranks(Filling<Scalar>& filling) const;
 
+  template <std::size_t Dimension>
+  Index change_owners_in(Filling<Scalar>& filling) const;
+
   double gather(SiteNumber site, const PowerDiagram& diagram);
   [[nodiscard]] std::vector<double> leaving(std::span<const double> step) const;
   [[nodiscard]] double mass(View view) const { return mass_[view]; }

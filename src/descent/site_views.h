@@ -63,6 +63,19 @@ class SiteViews {
     const double reference = reference_[cell * dimension_ + d];
     return static_cast<Scalar>(metric_.wrap(x - reference, d));
   }
+  /// The same for a stream of them.
+  void relative(SiteNumber cell, std::size_t d, std::span<const Scalar> x, Scalar* out) const {
+    const Scalar reference = reference_[cell * dimension_ + d];
+    if (metric_.periodic()) {
+      const double extent = metric_.extent()[d];
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        out[k] = static_cast<Scalar>(shortest_difference(double{x[k]} - reference, extent));
+      }
+    } else {
+      // One rounding, as that of a difference of doubles.
+      for (std::size_t k = 0; k < x.size(); ++k) out[k] = x[k] - reference;
+    }
+  }
 
  private:
   void link(std::size_t sites, std::span<const Pair> near);

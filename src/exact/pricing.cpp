@@ -8,6 +8,7 @@
 #include "exact/cell_product.h"
 #include "exact/distances.h"
 #include "exact/packs.h"
+#include "exact/price_sums.h"
 #include "exact/rivals.h"
 #include "exact/site_groups.h"
 #include "geometry/squares.h"
@@ -51,8 +52,7 @@ struct Pricer<Scalar>::Task {
   [[nodiscard]] double weight(SiteNumber site) const { return sites.weight[site]; }
 };
 
-/// A cell, cells near each other, or a part of these, and what pricing it finds; they are merged in
-/// their order.
+/// A cell, cells near each other, or a part of these.
 template <class Scalar>
 struct Pricer<Scalar>::Part {
   SiteNumber site;       ///< of the cell; none where there are several
@@ -62,11 +62,6 @@ struct Pricer<Scalar>::Part {
   std::size_t group = 0;          ///< where there are several
   std::span<double> bounds = {};  ///< those of CellBounds, if any are kept
   double radius = 0;              ///< around the centre
-  double gap = 0;
-  double worst = 0;
-  double energy = 0;
-  double saved = 0;
-  std::int64_t moved = 0;
 };
 
 template <class Scalar>
@@ -77,11 +72,13 @@ struct Pricer<Scalar>::Scratch {
   Rivals rivals;                ///< where cells are taken together
   std::vector<SiteNumber> near;
   CellProduct product;
+  PriceSums sums;
 };
 
 template <class Scalar>
-Pricer<Scalar>::Pricer(const Metric& metric, PointsView<Scalar> points, const Arena& arena)
-    : metric_(metric), points_(points), arena_(arena) {}
+Pricer<Scalar>::Pricer(const Metric& metric, PointsView<Scalar> points, const Arena& arena,
+                       const RankPart& part)
+    : metric_(metric), points_(points), arena_(arena), part_(part) {}
 
 /// The cells, in parts; but for those of which bounds say that no point costs less elsewhere.
 template <class Scalar>
@@ -145,7 +142,7 @@ auto Pricer<Scalar>::parts_around(std::span<const double> centres, const Groupin
 }
 
 template <class Scalar>
-void Pricer<Scalar>::price_parts(const Task& task, std::vector<Part>& parts) const {
+auto Pricer<Scalar>::price_parts(const Task& task, std::vector<Part>& parts) const -> PriceSums {
   PerWorker<Scratch> scratch(arena_);
   arena_.for_ranges(parts.size(), 4, [&](std::size_t begin, std::size_t end, int worker) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -153,6 +150,9 @@ void Pricer<Scalar>::price_parts(const Task& task, std::vector<Part>& parts) con
       price_part(task, parts[k], scratch[worker]);
     }
   });
+  PriceSums sums;
+  for (int worker = 0; worker < arena_.threads(); ++worker) sums.add(scratch[worker].sums);
+  return sums;
 }
 
 /// A cell's bounds are the least of its parts'.
@@ -176,29 +176,31 @@ void Pricer<Scalar>::keep(CellBounds& kept, const std::vector<Part>& parts) {
   }
 }
 
+/// Of all ranks.
 template <class Scalar>
-Prices Pricer<Scalar>::total(const std::vector<Part>& parts) {
-  Prices prices;
-  double saved = 0;
-  for (const Part& part : parts) {
-    prices.gap += part.gap;
-    prices.worst = std::max(prices.worst, part.worst);
-    prices.energy += part.energy;
-    saved += part.saved;
-    prices.moved += part.moved;
-  }
-  prices.cheapest_energy = prices.energy - saved;
-  return prices;
+Prices Pricer<Scalar>::total(PriceSums own) const {
+  if (part_.ranks != nullptr) own.add_ranks(*part_.ranks);
+  return {own.gap.value(), own.worst, own.moved, own.energy.value(),
+          own.energy.less(own.saved).value()};
 }
 
 template <class Scalar>
 Prices Pricer<Scalar>::price(const WeightedSites& sites, std::vector<Index>& owners,
                              CellBounds* kept) const {
+  if (owners.empty()) return total({});
   const std::size_t n = sites.count();
   const bool few = owners.size() < kFewPoints * n;
   if (kept == nullptr && few && n >= kManySites && !metric_.periodic()) {
-    return price_together(sites, owners);
+    return total(price_together(sites, owners));
   }
+  return total(price_cells(sites, owners, kept));
+}
+
+/// Cell by cell.
+template <class Scalar>
+auto Pricer<Scalar>::price_cells(const WeightedSites& sites, std::vector<Index>& owners,
+                                 CellBounds* kept) const -> PriceSums {
+  const std::size_t n = sites.count();
   const Grouping groups(owners, n);
   Task task{sites, owners, kept, kept != nullptr && kept->cover(owners)};
   if (!task.covered) task.packs = packs_of(sites.position, sites.dimension);
@@ -210,23 +212,19 @@ Prices Pricer<Scalar>::price(const WeightedSites& sites, std::vector<Index>& own
     kept->forget(sites.position);
   }
   std::vector<Part> parts = parts_of(task, groups);
-  price_parts(task, parts);
-  Prices prices = total(parts);
+  PriceSums sums = price_parts(task, parts);
   if (kept != nullptr) {
     keep(*kept, parts);
     kept->set_covered(std::move(given));
-    const std::vector<double>& own = kept->own_costs();
-    const double saved = prices.energy - prices.cheapest_energy;
-    prices.energy = sum_of(arena_, own.size(), 4096, [&](std::size_t p) { return own[p]; });
-    prices.cheapest_energy = prices.energy - saved;
+    sums.energy = exact_sum_of(arena_, std::span<const double>(kept->own_costs()));
   }
-  return prices;
+  return sums;
 }
 
 /// Cells near each other at a time.
 template <class Scalar>
-Prices Pricer<Scalar>::price_together(const WeightedSites& sites,
-                                      std::vector<Index>& owners) const {
+auto Pricer<Scalar>::price_together(const WeightedSites& sites, std::vector<Index>& owners) const
+    -> PriceSums {
   const std::size_t most = std::max<std::size_t>(1, kRegionPoints * sites.count() / owners.size());
   const SiteGroups groups(sites, most, arena_);
   const std::vector<Index> group = groups.near.groups();
@@ -238,12 +236,11 @@ Prices Pricer<Scalar>::price_together(const WeightedSites& sites,
 
 /// Points by the centre that they are near.
 template <class Scalar>
-Prices Pricer<Scalar>::price_regions(const Task& task, std::span<const Index> region,
-                                     std::span<const double> centres) const {
+auto Pricer<Scalar>::price_regions(const Task& task, std::span<const Index> region,
+                                   std::span<const double> centres) const -> PriceSums {
   const Grouping regions(region, centres.size() / task.sites.dimension);
   std::vector<Part> parts = parts_around(centres, regions);
-  price_parts(task, parts);
-  return total(parts);
+  return price_parts(task, parts);
 }
 
 template <class Scalar>
@@ -359,13 +356,13 @@ void Pricer<Scalar>::survey(const Task& task, Part& part, Scratch& scratch) cons
   const bool together = part.site == SiteNumber::none();
   scratch.rivals.clear();
   for (std::size_t k = 0; k < squared.size(); ++k) {
-    if (!together) {
-      part.energy += squared[k];
-    } else if (!task.first) {
+    if (together && !task.first) {
       const SiteNumber owner(task.owners[part.members[k]]);
       const double cost = cost_of(part.members[k], task, owner);
-      part.energy += cost;
+      scratch.sums.energy.add(cost);
       scratch.rivals.add(squared[k], cost, task.weight(owner));
+    } else if (!together && task.kept == nullptr) {
+      scratch.sums.energy.add(squared[k]);
     }
     farthest = std::max(farthest, squared[k]);
     if (task.kept != nullptr) task.kept->own_costs()[part.members[k]] = squared[k];
@@ -387,7 +384,7 @@ void Pricer<Scalar>::price_part(const Task& task, Part& part, Scratch& scratch) 
   CellProduct& product = scratch.product;
   if (product.near().size() == 1 && product.near()[0] == part.site) return;
   if (metric_.periodic()) {
-    for (const PointNumber p : members) decide(task, p, product.near(), part);
+    for (const PointNumber p : members) decide(task, p, product.near(), scratch.sums);
     return;
   }
   product.prepare(task.sites, part.centre, part.radius);
@@ -398,7 +395,7 @@ void Pricer<Scalar>::price_part(const Task& task, Part& part, Scratch& scratch) 
     for (std::size_t k = 0; k < some.size(); ++k) {
       const std::vector<SiteNumber>& found = product.cheapest(k);
       if (!task.first && found.size() == 1 && found[0].index() == task.owners[some[k]]) continue;
-      decide(task, some[k], found, part);
+      decide(task, some[k], found, scratch.sums);
     }
     rest = rest.subspan(some.size());
   }
@@ -416,7 +413,7 @@ double Pricer<Scalar>::cost_of(PointNumber point, const Task& task, SiteNumber s
 /// Evaluates the sites found for a point in double.
 template <class Scalar>
 void Pricer<Scalar>::decide(const Task& task, PointNumber point, std::span<const SiteNumber> found,
-                            Part& part) const {
+                            PriceSums& sums) const {
   const auto choice_of = [&](SiteNumber j) {
     const double cost = cost_of(point, task, j);
     return Choice{j, cost, cost - task.weight(j)};
@@ -424,7 +421,7 @@ void Pricer<Scalar>::decide(const Task& task, PointNumber point, std::span<const
   // Ties go round robin, so that points in one place spread over the sites in one place.
   const auto turn = [&](SiteNumber j) {
     const std::size_t n = task.sites.count();
-    return (j + n - point % n) % n;
+    return (j + n - (static_cast<std::size_t>(part_.first) + point) % n) % n;
   };
   const SiteNumber owner(task.owners[point]);
   const Choice own = task.first ? Choice{owner, kNever, kNever} : choice_of(owner);
@@ -437,10 +434,12 @@ void Pricer<Scalar>::decide(const Task& task, PointNumber point, std::span<const
     }
   }
   if (!(cheapest.reduced < own.reduced)) return;
-  part.gap += own.reduced - cheapest.reduced;
-  part.worst = std::max(part.worst, own.reduced - cheapest.reduced);
-  part.saved += own.cost - cheapest.cost;
-  ++part.moved;
+  if (!task.first) {
+    sums.gap.add(own.reduced - cheapest.reduced);
+    sums.worst = std::max(sums.worst, own.reduced - cheapest.reduced);
+    sums.saved.add(own.cost - cheapest.cost);
+    ++sums.moved;
+  }
   task.owners[point] = cheapest.site.index();
 }
 

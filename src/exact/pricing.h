@@ -12,12 +12,15 @@
 #include "geometry/metric.h"
 #include "numbers.h"
 #include "parallel/arena.h"
+#include "parallel/rank_part.h"
 
 namespace ccvt {
 
 class CellProduct;
+struct PriceSums;
 
-/// What pricing all points finds.
+/// What pricing all points finds: of all ranks, where there are several. Sums are rounded
+/// once, so that they hang on the points and the sites alone.
 struct Prices {
   /// By how much the owners given cost more than the cheapest sites: the sum and the largest over
   /// the points of the difference of reduced costs, in double. When every site owns as many points
@@ -43,7 +46,9 @@ struct Prices {
 template <class Scalar>
 class Pricer {
  public:
-  Pricer(const Metric& metric, PointsView<Scalar> points, const Arena& arena);
+  /// `part`: the points are those of a rank. All ranks then make the same calls.
+  Pricer(const Metric& metric, PointsView<Scalar> points, const Arena& arena,
+         const RankPart& part = {});
 
   /// `owners`: of every point, used to group them, replaced by the cheapest site; a point stays
   /// where nothing is cheaper. Same result for any number of threads.
@@ -53,7 +58,7 @@ class Pricer {
   Prices price(const WeightedSites& sites, std::vector<Index>& owners,
                CellBounds* kept = nullptr) const;
 
-  /// The site of least reduced cost for every point.
+  /// The site of least reduced cost for every point; of a rank, for its own: others need not call.
   std::vector<Index> cheapest(const WeightedSites& sites) const;
 
  private:
@@ -62,11 +67,13 @@ class Pricer {
   struct Task;
   std::vector<Part> parts_of(Task& task, const Grouping& groups) const;
   static std::vector<Part> parts_around(std::span<const double> centres, const Grouping& groups);
-  static Prices total(const std::vector<Part>& parts);
-  Prices price_regions(const Task& task, std::span<const Index> region,
-                       std::span<const double> centres) const;
-  Prices price_together(const WeightedSites& sites, std::vector<Index>& owners) const;
-  void price_parts(const Task& task, std::vector<Part>& parts) const;
+  [[nodiscard]] Prices total(PriceSums own) const;
+  PriceSums price_regions(const Task& task, std::span<const Index> region,
+                          std::span<const double> centres) const;
+  PriceSums price_cells(const WeightedSites& sites, std::vector<Index>& owners,
+                        CellBounds* kept) const;
+  PriceSums price_together(const WeightedSites& sites, std::vector<Index>& owners) const;
+  PriceSums price_parts(const Task& task, std::vector<Part>& parts) const;
   static void keep(CellBounds& kept, const std::vector<Part>& parts);
   void price_part(const Task& task, Part& part, Scratch& scratch) const;
   void select_sites(const Task& task, const Part& part, Scratch& scratch) const;
@@ -75,11 +82,12 @@ class Pricer {
   void survey(const Task& task, Part& part, Scratch& scratch) const;
   [[nodiscard]] double cost_of(PointNumber point, const Task& task, SiteNumber site) const;
   void decide(const Task& task, PointNumber point, std::span<const SiteNumber> found,
-              Part& part) const;
+              PriceSums& sums) const;
 
   const Metric& metric_;
   PointsView<Scalar> points_;
   const Arena& arena_;
+  RankPart part_;
 };
 
 extern template class Pricer<float>;

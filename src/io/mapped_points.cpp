@@ -38,13 +38,16 @@ struct MappedPoints<Scalar>::Implementation {
   Points<Scalar> read;
   PointsView<Scalar> view;
 
-  void map(const std::filesystem::path& path, const io::PointLayout& layout) {
+  void map(const std::filesystem::path& path, const io::PointLayout& layout,
+           const io::RowRange& rows) {
     const io::InputFile checked(path);
     file.emplace(path, checked.size());
     const void* const first = file->data() + layout.offset;
-    view = {static_cast<const Scalar*>(first), layout.dimension, layout.count, layout.stride};
-    if (io::is_vecs(path)) io::check_dimensions(checked, file->data(), layout);
-    io::check_finite(checked, view);
+    view = {
+        static_cast<const Scalar*>(first) + static_cast<std::ptrdiff_t>(rows.begin) * layout.stride,
+        layout.dimension, static_cast<Index>(rows.size()), layout.stride};
+    if (io::is_vecs(path)) io::check_dimensions(checked, file->data(), layout, rows);
+    io::check_finite(checked, view, rows.begin);
   }
 };
 
@@ -52,7 +55,8 @@ template <class Scalar>
 MappedPoints<Scalar>::MappedPoints(const std::filesystem::path& path, const ReadOptions& options)
     : implementation_(std::make_unique<Implementation>()) {
   if (const auto layout = layout_of<Scalar>(path, options)) {
-    implementation_->map(path, *layout);
+    implementation_->map(path, *layout,
+                         io::RowRange(options, static_cast<std::uint64_t>(layout->count)));
     return;
   }
   implementation_->read = read_points<Scalar>(path, options);

@@ -63,8 +63,9 @@ class NpyPoints {
       : file_(path), npy_(read_npy_header(file_)) {
     check();
     columns_ = choose_columns(file_, options.columns, {}, extent(1)).at;
-    first_ = std::min<std::uint64_t>(options.first_row, npy_.shape[0]);
-    end_ = std::clamp<std::uint64_t>(options.end_row, first_, npy_.shape[0]);
+    const RowRange asked(options, npy_.shape[0]);
+    first_ = asked.begin;
+    end_ = asked.end;
     if (npy_.fortran_order && rows() < npy_.shape[0]) {
       file_.fail("is in Fortran order; a part of its rows is read of files in C order only");
     }

@@ -44,7 +44,7 @@ double parse_field(const TextRows& rows, std::size_t at, bool any) {
   const std::string_view field = rows.fields()[at];
   const char* const wrong = parse(field, value);
   if (wrong == nullptr || (any && !std::isfinite(value))) return value;
-  rows.fail("field " + std::to_string(at + 1) + ": " + quoted(field) + " " + wrong);
+  rows.fail_field(at, wrong);
 }
 
 /// Numbers one after the other, as columns.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -14,6 +15,15 @@ struct PointLayout {
   Index count = 0;
   std::uint64_t offset = 0;   ///< bytes before the first coordinate
   std::ptrdiff_t stride = 0;  ///< from point to point, in coordinates
+};
+
+/// Of the rows of a file, those that `options` ask for: begin.. to end - 1.
+struct RowRange {
+  RowRange(const ReadOptions& options, std::uint64_t count)
+      : begin(std::min(options.first_row, count)), end(std::clamp(options.end_row, begin, count)) {}
+  [[nodiscard]] std::uint64_t size() const { return end - begin; }
+  std::uint64_t begin;
+  std::uint64_t end;
 };
 
 }  // namespace ccvt::io

@@ -49,8 +49,10 @@ std::string table_extension(const std::filesystem::path& path) {
 
 void refuse_part(const std::filesystem::path& path, const ReadOptions& options,
                  const std::string& extension) {
-  if (extension == ".npy" || (options.first_row == 0 && options.end_row == UINT64_MAX)) return;
-  throw InvalidInput(path.string() + ": a part of the rows is read of .npy files only");
+  if (extension == ".npy" || io::is_vecs(path)) return;
+  if (options.first_row == 0 && options.end_row == UINT64_MAX) return;
+  throw InvalidInput(path.string() +
+                     ": a part of the rows is read of .npy, .fvecs and .bvecs files only");
 }
 
 /// Of a file of points that is read.
@@ -76,10 +78,8 @@ io::TableColumns text_columns(const TextRows& rows, const ReadOptions& options) 
 template <class Scalar>
 void parse_point(const TextRows& rows, const std::vector<std::size_t>& columns, Scalar* point) {
   for (const std::size_t at : columns) {
-    const std::string_view field = rows.fields()[at];
-    const char* const wrong = io::parse(field, *point++);
-    if (wrong == nullptr) continue;
-    rows.fail("field " + std::to_string(at + 1) + ": " + io::quoted(field) + " " + wrong);
+    const char* const wrong = io::parse(rows.fields()[at], *point++);
+    if (wrong != nullptr) rows.fail_field(at, wrong);
   }
 }
 
@@ -112,18 +112,20 @@ void read_text_points(const std::filesystem::path& path, const ReadOptions& opti
 }
 
 /// What a file of vectors or particles holds, where no columns are asked for.
-PointsHeader inspect_vectors(const std::filesystem::path& path, const std::string& extension) {
+PointsHeader inspect_vectors(const std::filesystem::path& path, const std::string& extension,
+                             const ReadOptions& options) {
   if (extension == ".gadget") return io::inspect_gadget_points(path);
   if (extension == ".hdf5") return io::inspect_hdf5_points(path);
-  return io::inspect_vecs(path);
+  return io::inspect_vecs(path, options);
 }
 
 template <class Scalar>
 PointsMap<Scalar> read_all_of(const std::filesystem::path& path, const std::string& extension,
+                              const ReadOptions& options,
                               const detail::Allocation<Scalar>& allocation) {
   if (extension == ".gadget") return io::read_gadget_points(path, allocation);
   if (extension == ".hdf5") return io::read_hdf5_points(path, allocation);
-  return io::read_vecs(path, allocation);
+  return io::read_vecs(path, options, allocation);
 }
 
 /// Those coordinates of vectors or particles that are asked for.
@@ -132,17 +134,18 @@ void read_vectors(const std::filesystem::path& path, const std::string& extensio
                   const ReadOptions& options, const detail::Allocation<Scalar>& allocation) {
   const InputFile file(path);
   if (options.columns.empty()) {
-    return io::check_finite(file, view_points(read_all_of(path, extension, allocation)));
+    const auto points = read_all_of(path, extension, options, allocation);
+    return io::check_finite(file, view_points(points), options.first_row);
   }
   Points<Scalar> all;
-  const auto vectors = read_all_of(path, extension, detail::allocate_in(all));
+  const auto vectors = read_all_of(path, extension, options, detail::allocate_in(all));
   const auto columns =
       io::choose_columns(file, options.columns, {}, static_cast<std::size_t>(vectors.rows()));
   const PointsHeader header = {ScalarType::float32, columns.dimension(),
                                static_cast<std::uint64_t>(vectors.cols())};
   PointsMap<Scalar> chosen = io::allocate(allocation, header);
   chosen = vectors(columns.at, Eigen::all);
-  io::check_finite(file, view_points(chosen));
+  io::check_finite(file, view_points(chosen), options.first_row);
 }
 
 template <class Scalar>
@@ -166,7 +169,7 @@ PointsHeader inspect_points(const std::filesystem::path& path, const ReadOptions
   if (extension == ".ply") return io::inspect_ply_points(path, options);
   if (extension == ".npy") return io::inspect_npy_points(path, options);
   if (io::is_vecs(path) || io::is_among(io::kParticleFiles, extension)) {
-    PointsHeader header = inspect_vectors(path, extension);
+    PointsHeader header = inspect_vectors(path, extension, options);
     const auto columns = io::choose_columns(InputFile(path), options.columns, {},
                                             static_cast<std::size_t>(header.dimension));
     header.dimension = columns.dimension();

@@ -13,42 +13,56 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 bool is_separator(char c) { return c == ',' || c == ';'; }
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
+bool is_quoted(std::string_view field) {
+  return field.size() > 1 && field.front() == '"' && field.back() == '"';
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+/// Calls visit(place, letter) for the letters that are not between quotes, until it says so.
+template <class Visit>
+void visit_unquoted(std::string_view line, const Visit& visit) {
+  bool quoted = false;
+  for (std::size_t at = 0; at < line.size(); ++at) {
+    if (line[at] == '"') quoted = !quoted;
+    if (!quoted && !visit(at, line[at])) return;
+  }
+}
+
+/// A line up to its comment.
+std::string_view without_comment(std::string_view line) {
+  if (line.find('#') == std::string_view::npos) return line;
+  std::size_t end = line.size();
+  visit_unquoted(line, [&](std::size_t at, char c) {
+    if (c == '#') end = at;
+    return c != '#';
+  });
+  return line.substr(0, end);
+}
+
+/// What parts the fields of a line: what parted those before, or a comma, or a semicolon, or else
+/// blanks.
+char separator_of(std::string_view line, char before) {
+  const char preferred = before == ' ' ? ',' : before;
+  char found = ' ';
+  visit_unquoted(line, [&](std::size_t, char c) {
+    if (c == preferred || (found == ' ' && is_separator(c))) found = c;
+    return c != preferred;
+  });
+  return found;
+}
 
 bool looks_numeric(std::string_view field) {
   double value = 0;
-  // A quoted number is refused as one, not taken for a header.
-  if (field.size() > 1 && field.front() == '"' && field.back() == '"') {
-    field = field.substr(1, field.size() - 2);
-  }
   if (!field.empty() && field.front() == '+') field.remove_prefix(1);
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
   return error != std::errc::invalid_argument && end == field.data() + field.size();
-}
-
-/// The names in a header: unlike numbers, they may hold blanks where something else parts them.
-std::vector<std::string> split_names(std::string_view line) {
-  const char separator = line.find(',') != std::string_view::npos   ? ','
-                         : line.find(';') != std::string_view::npos ? ';'
-                                                                    : ' ';
-  std::vector<std::string> names;
-  while (true) {
-    while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
-    while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
-    if (separator == ' ' && line.empty()) return names;
-    std::size_t end = 0;
-    while (end < line.size() && line[end] != separator &&
-           !(separator == ' ' && is_blank(line[end]))) {
-      ++end;
-    }
-    std::string_view name = line.substr(0, end);
-    while (!name.empty() && is_blank(name.back())) name.remove_suffix(1);
-    if (name.size() > 1 && name.front() == '"' && name.back() == '"') {
-      name = name.substr(1, name.size() - 2);
-    }
-    names.emplace_back(name);
-    if (end == line.size()) return names;
-    line.remove_prefix(end + 1);
-  }
 }
 
 template <class Number>
@@ -68,50 +82,54 @@ const char* check_finite(double value) {
 
 TextRows::TextRows(const std::filesystem::path& path) : lines_(path, "a table of numbers") {}
 
-std::string TextRows::split(std::string_view line) {
+/// Text between quotes, of a column that nobody reads, may hold anything.
+void TextRows::split(std::string_view line) {
   fields_.clear();
-  std::string problem;
-  char separator = 0;  // ' ' stands for blanks alone
-  std::size_t at = 0;
-  const auto skip_blanks = [&] {
-    while (at < line.size() && is_blank(line[at])) ++at;
+  line = trimmed(line);
+  if (line.empty()) return;
+  separator_ = separator_of(line, separator_);
+  const auto parts = [&](char c) { return separator_ == ' ' ? is_blank(c) : c == separator_; };
+  std::size_t start = 0;
+  const auto end_field = [&](std::size_t end) {
+    const std::string_view field = trimmed(line.substr(start, end - start));
+    start = end + 1;
+    if (separator_ == ' ' && field.empty()) return;  // several blanks
+    fields_.push_back(is_quoted(field) ? field.substr(1, field.size() - 2) : field);
   };
-  skip_blanks();
-  if (at == line.size()) return problem;
-  for (;;) {
-    const std::size_t start = at;
-    while (at < line.size() && !is_blank(line[at]) && !is_separator(line[at])) ++at;
-    fields_.push_back(line.substr(start, at - start));
-    if (start == at) problem = "field " + std::to_string(fields_.size()) + " is empty";
-    skip_blanks();
-    if (at == line.size()) return problem;
-    const char found = is_separator(line[at]) ? line[at] : ' ';
-    if (separator != 0 && separator != found) {
-      problem = "fields are separated in two ways; use blanks, ',' or ';', and a decimal point";
-    }
-    separator = found;
-    if (found != ' ') ++at;
-    skip_blanks();
-  }
+  visit_unquoted(line, [&](std::size_t at, char c) {
+    if (parts(c)) end_field(at);
+    return true;
+  });
+  end_field(line.size());
 }
 
 bool TextRows::next() {
   std::string_view line;
   while (lines_.next(line)) {
     if (lines_.number() == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
-    line = line.substr(0, line.find('#'));
-    const std::string problem = split(line);
+    split(without_comment(line));
     if (fields_.empty()) continue;
     const bool header = first_ && std::none_of(fields_.begin(), fields_.end(), looks_numeric);
     first_ = false;
     if (header) {
-      names_ = split_names(line);
+      names_.assign(fields_.begin(), fields_.end());
       continue;
     }
-    if (!problem.empty()) fail(problem);
     return true;
   }
   return false;
+}
+
+void TextRows::fail_field(std::size_t at, const char* wrong) const {
+  const std::string_view field = fields_[at];
+  const std::string which = "field " + std::to_string(at + 1);
+  if (field.empty()) fail(which + " is empty, but must be a number");
+  const auto parts = [](char c) { return is_separator(c) || is_blank(c); };
+  if (std::any_of(field.begin(), field.end(), parts) &&
+      std::none_of(field.begin(), field.end(), is_letter)) {
+    fail("fields are separated in two ways; use blanks, ',' or ';', and a decimal point");
+  }
+  fail(which + ": " + quoted(field) + " " + wrong);
 }
 
 const char* parse(std::string_view field, double& value) {

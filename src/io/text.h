@@ -11,7 +11,9 @@
 
 namespace ccvt::io {
 
-/// The rows of fields of a text file, without comments, blank lines and the header.
+/// The rows of fields of a text file, without comments, blank lines and the header. Fields are
+/// parted by commas, or semicolons, or blanks, and may stand between quotes, where these part
+/// nothing.
 class TextRows {
  public:
   explicit TextRows(const std::filesystem::path& path);
@@ -29,16 +31,19 @@ class TextRows {
 
   /// Throws InvalidInput(path: line N: message).
   [[noreturn]] void fail(const std::string& message) const { lines_.fail(message); }
+  /// The same of the field at a place of the row, from 0, that parse() finds something wrong with.
+  [[noreturn]] void fail_field(std::size_t at, const char* wrong) const;
   /// Throws InvalidInput(path: message).
   [[noreturn]] void fail_file(const std::string& message) const { file().fail(message); }
   [[nodiscard]] const InputFile& file() const { return lines_.file(); }
 
  private:
-  /// Fills fields_; returns what is wrong with the line, or nothing.
-  std::string split(std::string_view line);
+  /// Fills fields_.
+  void split(std::string_view line);
 
   Lines lines_;
   bool first_ = true;
+  char separator_ = ' ';  ///< of the last line
   std::vector<std::string_view> fields_;
   std::vector<std::string> names_;
 };

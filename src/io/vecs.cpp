@@ -40,7 +40,7 @@ PointsHeader read_header(InputFile& file, std::size_t item_bytes) {
   return {ScalarType::float32, dimension, count};
 }
 
-void check_dimension(const InputFile& file, Eigen::Index vector, std::int32_t dimension,
+void check_dimension(const InputFile& file, std::uint64_t vector, std::int32_t dimension,
                      std::int32_t first) {
   if (dimension == first) return;
   file.fail("vector " + std::to_string(vector) + " has " + std::to_string(dimension) +
@@ -51,17 +51,24 @@ void check_dimension(const InputFile& file, Eigen::Index vector, std::int32_t di
 bool holds_bytes(const std::filesystem::path& path) { return extension_of(path) == ".bvecs"; }
 
 template <class Stored, class Scalar>
-PointsMap<Scalar> read_records(InputFile& file, const detail::Allocation<Scalar>& allocation) {
-  const PointsHeader header = read_header(file, sizeof(Stored));
+PointsMap<Scalar> read_records(const std::filesystem::path& path, const ReadOptions& options,
+                               const detail::Allocation<Scalar>& allocation) {
+  InputFile file(path);
+  PointsHeader header = read_header(file, sizeof(Stored));
+  const RowRange rows(options, header.count);
+  header.count = rows.size();
   PointsMap<Scalar> points = allocate(allocation, header);
   std::vector<Stored> vector(static_cast<std::size_t>(header.dimension));
+  const std::size_t bytes = vector.size() * sizeof(Stored);
+  std::int32_t dimension = header.dimension;  // of the vector that comes next
+  if (rows.begin > 0 && rows.size() > 0) {
+    file.skip(rows.begin * (bytes + sizeof dimension) - sizeof dimension);
+    file.read(&dimension, sizeof dimension);
+  }
   for (Eigen::Index p = 0; p < points.cols(); ++p) {
-    if (p > 0) {
-      std::int32_t dimension = 0;
-      file.read(&dimension, sizeof dimension);
-      check_dimension(file, p, dimension, header.dimension);
-    }
-    file.read(vector.data(), vector.size() * sizeof(Stored));
+    if (p > 0) file.read(&dimension, sizeof dimension);
+    check_dimension(file, rows.begin + static_cast<std::uint64_t>(p), dimension, header.dimension);
+    file.read(vector.data(), bytes);
     std::copy(vector.begin(), vector.end(), points.col(p).data());
   }
   return points;
@@ -73,38 +80,41 @@ bool is_vecs(const std::filesystem::path& path) {
   return extension_of(path) == ".fvecs" || holds_bytes(path);
 }
 
-PointsHeader inspect_vecs(const std::filesystem::path& path) {
+PointsHeader inspect_vecs(const std::filesystem::path& path, const ReadOptions& options) {
   InputFile file(path);
-  return read_header(file, holds_bytes(path) ? sizeof(std::uint8_t) : sizeof(float));
+  PointsHeader header = read_header(file, holds_bytes(path) ? sizeof(std::uint8_t) : sizeof(float));
+  header.count = RowRange(options, header.count).size();
+  return header;
 }
 
 std::optional<PointLayout> layout_of_vecs(const std::filesystem::path& path) {
   if (holds_bytes(path)) return {};
-  const PointsHeader header = inspect_vecs(path);
+  const PointsHeader header = inspect_vecs(path, {});
   return PointLayout{header.scalar, header.dimension, static_cast<Index>(header.count),
                      sizeof(std::int32_t), std::ptrdiff_t{header.dimension} + 1};
 }
 
-void check_dimensions(const InputFile& file, const std::byte* bytes, const PointLayout& layout) {
+void check_dimensions(const InputFile& file, const std::byte* bytes, const PointLayout& layout,
+                      const RowRange& rows) {
   static_assert(sizeof(std::int32_t) == sizeof(float));
-  for (Index p = 0; p < layout.count; ++p) {
+  const auto stride = static_cast<std::uint64_t>(layout.stride);
+  for (std::uint64_t p = rows.begin; p < rows.end; ++p) {
     std::int32_t dimension = 0;
-    std::memcpy(&dimension, bytes + p * layout.stride * std::ptrdiff_t{sizeof dimension},
-                sizeof dimension);
+    std::memcpy(&dimension, bytes + p * stride * sizeof dimension, sizeof dimension);
     check_dimension(file, p, dimension, layout.dimension);
   }
 }
 
 template <class Scalar>
-PointsMap<Scalar> read_vecs(const std::filesystem::path& path,
+PointsMap<Scalar> read_vecs(const std::filesystem::path& path, const ReadOptions& options,
                             const detail::Allocation<Scalar>& allocation) {
-  InputFile file(path);
-  return holds_bytes(path) ? read_records<std::uint8_t>(file, allocation)
-                           : read_records<float>(file, allocation);
+  return holds_bytes(path) ? read_records<std::uint8_t>(path, options, allocation)
+                           : read_records<float>(path, options, allocation);
 }
 
-template PointsMap<float> read_vecs(const std::filesystem::path&, const detail::Allocation<float>&);
-template PointsMap<double> read_vecs(const std::filesystem::path&,
+template PointsMap<float> read_vecs(const std::filesystem::path&, const ReadOptions&,
+                                    const detail::Allocation<float>&);
+template PointsMap<double> read_vecs(const std::filesystem::path&, const ReadOptions&,
                                      const detail::Allocation<double>&);
 
 }  // namespace ccvt::io

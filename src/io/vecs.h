@@ -17,15 +17,18 @@ namespace ccvt::io {
 [[nodiscard]] bool is_vecs(const std::filesystem::path& path);
 
 /// Both throw InvalidInput unless the file holds at least one vector, all of one dimension, and
-/// nothing else; read_vecs() does not look whether coordinates are finite.
-PointsHeader inspect_vecs(const std::filesystem::path& path);
+/// nothing else; read_vecs() does not look whether coordinates are finite. Of the vectors, those
+/// that `options` ask for are counted, read and looked at.
+PointsHeader inspect_vecs(const std::filesystem::path& path, const ReadOptions& options);
 template <class Scalar>
-PointsMap<Scalar> read_vecs(const std::filesystem::path& path,
+PointsMap<Scalar> read_vecs(const std::filesystem::path& path, const ReadOptions& options,
                             const detail::Allocation<Scalar>& allocation);
 
 /// Of .fvecs; nothing for .bvecs. Looks at the first vector and the size only.
 std::optional<PointLayout> layout_of_vecs(const std::filesystem::path& path);
-/// Of all bytes of a file: throws InvalidInput unless all vectors have the dimension of the first.
-void check_dimensions(const InputFile& file, const std::byte* bytes, const PointLayout& layout);
+/// Of all bytes of a file: throws InvalidInput unless the vectors of `rows` have the dimension of
+/// the first of all.
+void check_dimensions(const InputFile& file, const std::byte* bytes, const PointLayout& layout,
+                      const RowRange& rows);
 
 }  // namespace ccvt::io

@@ -24,12 +24,18 @@ using ccvt::mpi::Session;
 
 constexpr const char* kExamples =
     "Each of the processes that mpirun starts has its part of the points; what comes out is what\n"
-    "ccvt gives, to the bit. The options are those of ccvt; points are read from .npy, and what\n"
-    "there is for each point is written to .npy. Of a volume each reads its layers.\n"
+    "ccvt gives, to the bit. The options are those of ccvt; points are read from .npy, vectors "
+    "from\n"
+    ".fvecs and .bvecs too, and what there is for each of them is written to .npy. Of a volume "
+    "each\n"
+    "reads its layers.\n"
     "\n"
     "Examples:\n"
     "  mpirun -n 4 ccvt-mpi sample --dim 3 --sites 262144 --periodic -o sites.npy\n"
     "  mpirun -n 4 ccvt-mpi tessellate points.npy --sites 1000 -o sites.npy\n"
+    "  mpirun -n 4 ccvt-mpi quantize vectors.fvecs --codewords 1024 --method lloyd -o "
+    "codebook.npy\n"
+    "  mpirun -n 4 ccvt-mpi encode vectors.fvecs --codebook codebook.npy -o codes.npy\n"
     "  mpirun -n 4 ccvt-mpi volume scan.nii --sites 20000 -o samples.ply\n"
     "\n"
     "Exit status: as of ccvt.";
@@ -40,10 +46,14 @@ int run(const Session& session, int argc, char** argv) {
   app.footer(kExamples);
   ccvt::cli::SampleArguments sample;
   ccvt::cli::TessellateArguments tessellate;
+  ccvt::cli::QuantizeArguments quantize;
+  ccvt::cli::EncodeArguments encode;
   ccvt::cli::VolumeArguments volume;
   const ccvt::cli::Commands commands = {
       {add_sample(app, sample), [&] { return run_sample(session, sample); }},
       {add_tessellate(app, tessellate), [&] { return run_tessellate(session, tessellate); }},
+      {add_quantize(app, quantize), [&] { return run_quantize(session, quantize); }},
+      {add_encode(app, encode), [&] { return run_encode(session, encode); }},
       {add_volume(app, volume), [&] { return run_volume(session, volume); }},
   };
   return ccvt::cli::parse_and_run(app, commands, argc, argv, [&](const std::string& text) {

@@ -6,6 +6,14 @@
 
 namespace ccvt::mpi {
 
+std::string describe(const cli::RankFigures& figures) {
+  const auto megabytes = [](auto bytes) { return text(static_cast<double>(bytes) / 1e6, 3); };
+  return std::to_string(figures.ranks) + " ranks sent " + megabytes(figures.sent_bytes) +
+         " MB and gathered " + megabytes(figures.gathered_bytes) + " MB in " +
+         std::to_string(figures.messages) + " messages; the largest held " +
+         megabytes(figures.largest_peak_bytes) + " MB\n";
+}
+
 int finish(const Session& session, const cli::CommonArguments& arguments, const Kept& kept,
            const Summary& summary, const std::function<void()>& write,
            const std::optional<PutBack>& put_back) {
@@ -19,11 +27,7 @@ int finish(const Session& session, const cli::CommonArguments& arguments, const 
     status = cli::finish(arguments, outputs, summary, put_back);
     kept.end(summary);
     if (arguments.quiet) return;
-    const auto megabytes = [](auto bytes) { return text(static_cast<double>(bytes) / 1e6, 3); };
-    cli::print(std::to_string(figures.ranks) + " ranks sent " + megabytes(figures.sent_bytes) +
-               " MB and gathered " + megabytes(figures.gathered_bytes) + " MB in " +
-               std::to_string(figures.messages) + " messages; the largest held " +
-               megabytes(figures.largest_peak_bytes) + " MB\n");
+    cli::print(describe(figures));
   });
   MPI_Bcast(&status, 1, MPI_INT, 0, MPI_COMM_WORLD);
   return status;

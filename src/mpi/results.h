@@ -42,6 +42,9 @@ class OwnersFile {
   std::optional<SharedFile> file_;
 };
 
+/// A line on what ranks have sent each other.
+std::string describe(const cli::RankFigures& figures);
+
 /// The end of a command: the first rank writes sites and summary, publishes all outputs together,
 /// and prints. `write`, which it calls, writes what goes beside the summary, -o last, and publishes
 /// what all ranks have written. The status of all.

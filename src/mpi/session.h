@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <exception>
 #include <new>
 #include <string>
 #include <utility>
 
+#include "ccvt/io.h"
 #include "ccvt/mpi.h"
 #include "ccvt/options.h"
 #include "ccvt/types.h"
@@ -33,6 +35,12 @@ class Session {
     std::int64_t begin;
     std::int64_t end;
     [[nodiscard]] std::int64_t size() const { return end - begin; }
+    /// How to read these of the rows of a file.
+    [[nodiscard]] ReadOptions of(ReadOptions options) const {
+      options.first_row = static_cast<std::uint64_t>(begin);
+      options.end_row = static_cast<std::uint64_t>(end);
+      return options;
+    }
   };
   [[nodiscard]] Share share(std::int64_t count) const {
     const auto place = [&](std::int64_t rank) { return count * rank / ranks_.count(); };

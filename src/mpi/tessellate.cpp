@@ -48,10 +48,7 @@ Inputs<Scalar> read_inputs(const Session::Share& share, const TessellateArgument
                     header.dimension, sizeof(Scalar));
   Inputs<Scalar> read;
   read.domain = cli::make_domain(arguments, header.dimension);
-  ReadOptions part = arguments.reading;
-  part.first_row = static_cast<std::uint64_t>(share.begin);
-  part.end_row = static_cast<std::uint64_t>(share.end);
-  read.points = read_points<Scalar>(arguments.points, part);
+  read.points = read_points<Scalar>(arguments.points, share.of(arguments.reading));
   const auto sites = [&](const std::filesystem::path& file, const char* what) {
     return file.empty() ? Points<Scalar>(header.dimension, 0)
                         : cli::read_sites<Scalar>(file, what, header.dimension);

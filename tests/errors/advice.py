@@ -2,8 +2,8 @@
 
 _PARAMETER = ("A value that was given is wrong. The message says which, what it is and what it must "
               "be; headers document the ranges.")
-_RANKS = ("Several processes read and write `.npy` only, and know some of the options. `ccvt` knows "
-          "all.")
+_RANKS = ("Several processes read `.npy`, `.fvecs` and `.bvecs`, write `.npy`, and know some of the "
+          "options. `ccvt` knows all.")
 _USAGE = "The command line does not fit together. `ccvt COMMAND --help` says what does."
 _DAMAGED = ("The file is damaged, cut short or of another kind than its name says. Make it again, or "
             "name it for what it is.")
@@ -34,6 +34,7 @@ ADVICE = {
     "src/cli/standard_streams.cpp": "One input and one output may be `-`; kinds are named as in "
                                     "`npy:-`. Redirect binary files, and set TMPDIR to a directory "
                                     "with room for the whole file.",
+    "src/cli/stipple.cpp": _USAGE,
     "src/cli/streams.cpp": "Whoever reads the standard output has gone, or its disk is full.",
     "src/cli/tessellate.cpp": _USAGE,
     "src/cli/tessellate_masses.cpp": _USAGE,
@@ -51,6 +52,7 @@ ADVICE = {
     "src/mpi/results.h": _RANKS,
     "src/mpi/session.h": "Take more ranks on more machines: each then holds less.",
     "src/mpi/shared_file.cpp": "All ranks need a file system that all of them see, with room.",
+    "src/mpi/quantize.cpp": _RANKS,
     "src/mpi/tessellate.cpp": _RANKS,
     "src/mpi/volume.cpp": _RANKS,
     "src/run_ranks.cpp": "Several ranks start balanced, as up to 8 dimensions do by default.",
@@ -93,7 +95,7 @@ ADVICE = {
     "src/io/publication.cpp": "Ask for files only that were written within the Publication.",
     "src/io/sample_table.cpp": "Samples have as many weights and radii as sites; other than two and "
                                "three dimensions go into tables.",
-    "src/io/text.cpp": "Give one number, or one point, a line.",
+    "src/io/text.cpp": "Give one number, or one point, a line, all with as many fields.",
     "src/io/unfinished_file.cpp": "Outputs are regular files in directories that exist and may be "
                                   "written; make room on the disk.",
     "src/io/vecs.cpp": _DAMAGED,
@@ -148,6 +150,8 @@ _MPI = "tests/mpi/program.py provokes it, where there is MPI"
 CANNOT_BE_PROVOKED = {
     ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 16 GB together"): _HUGE,
     ("src/mpi/kept.h", "ended by a signal; the same command, or one with other limits, goes on from "): _MPI,
+    ("src/mpi/quantize.cpp", " is for ccvt only; several processes train by lloyd"): _MPI,
+    ("src/mpi/quantize.cpp", "--image-blocks: is for ccvt only, not for several processes"): _MPI,
     ("src/mpi/session.h", "out of memory"): "needs a machine without any left",
     ("src/mpi/tessellate.cpp", ": is for ccvt only, not for several processes"): _MPI,
     ("src/mpi/volume.cpp",

@@ -9,9 +9,11 @@ BIN is the directory of both programs. With --soak, random problems instead.
 import argparse
 import fcntl
 import gzip
+import json
 import os
 import pathlib
 import random
+import re
 import resource
 import signal
 import struct
@@ -147,6 +149,109 @@ def volume_faults():
     pathlib.Path("negative.raw").write_bytes(struct.pack(f"<{len(numbers)}f", *numbers))
     ends(together(3, "volume", "negative.raw", "--shape", "24,20,40", "--type", "float32", *outputs), 2,
          "has values from -4 to 1")
+
+
+def make_vectors(name, rows, dimension):
+    """Clouds of whole numbers, some vectors twice, as .npy of floats, .fvecs and .bvecs."""
+    random.seed(rows)
+    clouds = [[random.randrange(20, 230) for _ in range(dimension)] for _ in range(8)]
+    values = []
+    for row in range(rows):
+        cloud = random.choice(clouds)
+        again = row % 40 == 9
+        values.append(values[row // 2] if again else [x + random.randrange(-20, 21) for x in cloud])
+    header = f"{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {dimension}), }}"
+    header = header.ljust(117) + "\n"
+    pathlib.Path(name + ".npy").write_bytes(
+        b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode()
+        + b"".join(struct.pack(f"<{dimension}f", *row) for row in values))
+    pathlib.Path(name + ".fvecs").write_bytes(
+        b"".join(struct.pack(f"<i{dimension}f", dimension, *row) for row in values))
+    pathlib.Path(name + ".bvecs").write_bytes(
+        b"".join(struct.pack(f"<i{dimension}B", dimension, *row) for row in values))
+
+
+BOOK = [("-o", "book.npy"), ("--codes-out", "codes.npy")]
+
+
+def codebooks():
+    make_vectors("few", 2003, 3)
+    make_vectors("many", 4001, 20)
+    lloyd = ["--method", "lloyd", "--codewords"]
+    compare(["quantize"], BOOK, ["few.npy", *lloyd, "400"])
+    compare(["quantize"], BOOK, ["many.fvecs", *lloyd, "30", "--seed", "5"])
+    compare(["quantize"], BOOK, ["many.bvecs", *lloyd, "600", "--seeding", "random",
+                                 "--max-iterations", "9"], threads=(1,))
+    compare(["quantize"], BOOK, ["many.npy", *lloyd, "10", "--columns", "3,1,7"], threads=(1,))
+    compare(["quantize"], BOOK, ["few.fvecs", *lloyd, "1"], threads=(1,))
+    alone("quantize", "many.npy", "--codewords", "70", "-o", "trained.npy", "--weights-out",
+          "weights.npy")
+    compare(["quantize"], BOOK, ["many.fvecs", *lloyd, "70", "--seeding", "trained.npy"], threads=(1,))
+    for vectors in ("many.npy", "many.fvecs", "many.bvecs"):
+        compare(["encode"], [("-o", "codes.npy")], [vectors, "--codebook", "trained.npy"])
+    compare(["encode"], [("-o", "codes.npy")],
+            ["many.npy", "--codebook", "trained.npy", "--weights", "weights.npy"])
+    alone("quantize", "few.npy", *lloyd, "200", "-o", "trained3.npy")
+    compare(["encode"], [("-o", "codes.npy")], ["few.fvecs", "--codebook", "trained3.npy"])
+    reports()
+
+
+def reports():
+    """What is printed and summed up is the same, but for times and memory."""
+    for command in (["quantize", "many.npy", "--method", "lloyd", "--codewords", "30", "--summary",
+                     "summary.json", "-o", "book.npy"],
+                    ["encode", "many.npy", "--codebook", "trained.npy", "-o", "codes.npy"]):
+        run = subprocess.run([ALONE, *command], capture_output=True, text=True, check=True)
+        expected = without_times(run.stdout)
+        summary = pathlib.Path("summary.json")
+        alone_json = without_times(summary.read_text())
+        run = together(3, *command)
+        lines = run.stdout.splitlines(keepends=True)
+        check(without_times("".join(lines[:-1])) == expected, f"printed: {run.stdout}")
+        check(lines[-1].startswith("3 ranks sent"), f"the last line: {lines[-1]}")
+        check(without_times(summary.read_text()) == alone_json, f"summary of {command[0]}")
+
+
+def without_times(text):
+    if not text.startswith("{"):
+        return re.sub(r", [^ ]* s\n", "\n", text)
+    values = json.loads(text)
+    for key in ("seconds", "peak_memory_bytes", "ranks", "threads"):
+        values.pop(key, None)
+    return values
+
+
+def codebook_faults():
+    outputs = ["-o", "bad-book.npy", "--codes-out", "bad-codes.npy"]
+    lloyd = ["--method", "lloyd", "--codewords", "30"]
+    ends(together(3, "quantize", "many.npy", "--codewords", "30", *outputs), 2,
+         "--method: exact is for ccvt only; several processes train by lloyd")
+    ends(together(2, "quantize", "many.npy", "--codewords", "30", "--method", "pairwise", *outputs), 2,
+         "--method: pairwise is for ccvt only")
+    ends(together(2, "quantize", "many.npy", *lloyd, "--image-blocks", "4", *outputs), 2,
+         "--image-blocks")
+    ends(together(2, "quantize", "many.npy", *lloyd, "-o", "bad-book.npy", "--codes-out",
+                  "bad-codes.csv"), 2, "--codes-out: bad-codes.csv")
+    ends(together(3, "quantize", "many.npy", "--method", "lloyd", "--codewords", "5000", *outputs), 2,
+         "many.npy: ")
+    ends(together(3, "quantize", "many.npy", *lloyd, "--seeding", "trained.npy", *outputs), 2,
+         "trained.npy: has 70 codewords, but --codewords is 30")
+    ends(together(3, "encode", "few.npy", "--codebook", "trained.npy", "-o", "bad-codes.npy"), 2,
+         "few.npy: vectors: have 3 dimensions, but the codewords have 20")
+    ends(together(3, "encode", "many.npy", "--codebook", "trained.npy", "-o", "bad-codes.csv"), 2,
+         "--output: bad-codes.csv")
+    # In the last rank's part only.
+    broken = bytearray(pathlib.Path("many.fvecs").read_bytes())
+    broken[-4:] = b"\x00\x00\xc0\x7f"
+    pathlib.Path("broken.fvecs").write_bytes(broken)
+    broken[-84:-80] = struct.pack("<i", 19)
+    pathlib.Path("other.fvecs").write_bytes(broken)
+    for command in (["quantize", *lloyd, "-o", "bad-book.npy"],
+                    ["encode", "--codebook", "trained.npy", "-o", "bad-codes.npy"]):
+        ends(together(3, command[0], "broken.fvecs", *command[1:]), 2,
+             "row 4000, column 19: nan is not finite")
+        ends(together(3, command[0], "other.fvecs", *command[1:]), 2,
+             "vector 4000 has 19 dimensions, but vector 0 has 20")
 
 
 def supported():
@@ -335,9 +440,11 @@ if given.soak > 0:
 else:
     bits()
     volumes()
+    codebooks()
     faults()
     checkpoints()
     volume_faults()
+    codebook_faults()
     kills()
 print("passed" if failures == 0 else f"{failures} failed")
 sys.exit(failures > 0)

@@ -2,10 +2,12 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "ccvt/codebook.h"
 #include "ccvt/domain.h"
 #include "ccvt/mpi.h"
 #include "ccvt/sampling.h"
@@ -222,4 +224,31 @@ TEST_CASE("ranks: all end when one is cancelled, or the time is over") {
   options.on_iteration = {};
   options.time_limit = 1e-9;
   CHECK(ccvt::tessellate(problem, options).summary.termination == ccvt::Termination::time_limit);
+}
+
+TEST_CASE("ranks: codebooks and codes are those of one process") {
+  ccvt::MpiRanks ranks(MPI_COMM_WORLD);
+  const Index vectors = 12'000;
+  for (const int dimension : {3, 8}) {
+    const ccvt::Points<float> all =
+        ccvt::sample_uniform<float>(Box::unit(dimension), vectors, 3, ccvt::Distribution::white);
+    const Share share(ranks, vectors);
+    const PointsView<float> own{all.data() + share.first * std::ptrdiff_t{dimension}, dimension,
+                                share.end - share.first, dimension};
+    const ccvt::CodebookOptions options{
+        .method = ccvt::CodebookMethod::lloyd, .max_iterations = 12, .threads = 1};
+    const auto expected = ccvt::train_codebook(all, 300, options);
+    const auto result = ccvt::train_codebook(ranks, own, 300, options);
+    const std::vector<Index> codes(expected.codes.begin() + share.first,
+                                   expected.codes.begin() + share.end);
+    CHECK(result.codes == codes);
+    CHECK(result.codebook.codewords() == expected.codebook.codewords());
+    CHECK(result.summary.energy == expected.summary.energy);
+    CHECK(result.summary.iterations == expected.summary.iterations);
+    const std::vector<Index> nearest = expected.codebook.encode(all);
+    const std::vector<Index> own_nearest = result.codebook.encode(ranks, own);
+    CHECK(std::equal(own_nearest.begin(), own_nearest.end(), nearest.begin() + share.first));
+    CHECK(result.codebook.distortion(ranks, own, own_nearest) ==
+          expected.codebook.distortion(all, nearest));
+  }
 }

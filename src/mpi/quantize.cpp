@@ -1,0 +1,103 @@
+#include "cli/quantize.h"
+
+#include <cstdint>
+#include <optional>
+
+#include "ccvt/codebook.h"
+#include "ccvt/io.h"
+#include "ccvt/mapped_points.h"
+#include "ccvt/publication.h"
+#include "cli/outputs.h"
+#include "cli/progress.h"
+#include "cli/run.h"
+#include "cli/signals.h"
+#include "cli/streams.h"
+#include "commands.h"
+#include "results.h"
+
+namespace ccvt::mpi {
+namespace {
+
+using cli::QuantizeArguments;
+
+void require_supported(const QuantizeArguments& arguments) {
+  if (arguments.method != CodebookMethod::lloyd) {
+    throw InvalidInput("--method: " + std::string(to_string(arguments.method)) +
+                       " is for ccvt only; several processes train by lloyd");
+  }
+  if (arguments.image_blocks > 0) {
+    throw InvalidInput("--image-blocks: is for ccvt only, not for several processes");
+  }
+  require_npy("--codes-out", arguments.codes_out);
+}
+
+/// What a rank reads.
+template <class Scalar>
+struct Inputs {
+  std::optional<MappedPoints<Scalar>> vectors;
+  std::optional<Points<double>> codewords;
+};
+
+template <class Scalar>
+Training train(const Session& session, const QuantizeArguments& arguments,
+               const Inputs<Scalar>& inputs) {
+  cli::Progress progress(arguments.quiet);
+  const CodebookOptions options = cli::make_codebook_options(arguments, progress);
+  const PointsView<Scalar> own = inputs.vectors->view();
+  if (inputs.codewords) {
+    return cli::blame(arguments.seeding, [&] {
+      return train_codebook_from(session.ranks(), own, *inputs.codewords, options);
+    });
+  }
+  return cli::blame(arguments.vectors, [&] {
+    return train_codebook(session.ranks(), own, arguments.codewords, options);
+  });
+}
+
+template <class Scalar>
+int quantize(const Session& session, const QuantizeArguments& arguments,
+             const PointsHeader& header) {
+  const Session::Share share = session.share(static_cast<std::int64_t>(header.count));
+  Inputs<Scalar> inputs;
+  session.together([&] {
+    cli::check_memory(arguments, header, static_cast<std::uint64_t>(share.size()));
+    inputs.codewords = cli::read_codewords(arguments);
+    cli::tell_if_cut_short(arguments.vectors);
+    inputs.vectors.emplace(arguments.vectors, share.of(arguments.reading));
+  });
+  const Training training = train(session, arguments, inputs);
+  session.together([&] { inputs.vectors->check_unchanged(); });
+  OwnersFile codes(session, arguments.codes_out, static_cast<std::int64_t>(header.count));
+  codes.write(share.begin, training.codes);
+  const cli::RankFigures figures = session.figures();
+  int status = 0;
+  session.together([&] {
+    if (!session.is_first()) return;
+    Publication outputs;
+    codes.publish();
+    cli::write_summary(arguments, training.summary, {}, figures);
+    training.codebook.save(arguments.output, arguments.weights_out);
+    status = cli::publish(outputs);
+    cli::warn(arguments.quiet, training.summary.warnings);
+    if (!arguments.quiet) cli::print(training.summary.brief() + "\n" + describe(figures));
+  });
+  MPI_Bcast(&status, 1, MPI_INT, 0, MPI_COMM_WORLD);
+  return status;
+}
+
+}  // namespace
+
+int run_quantize(const Session& session, const QuantizeArguments& given) {
+  const QuantizeArguments arguments = session.own(given);
+  PointsHeader header;
+  session.together([&] {
+    cli::check_arguments(arguments);
+    require_supported(arguments);
+    if (session.is_first()) cli::check_outputs(arguments);
+    header = cli::inspect_and_tell(arguments.vectors, arguments.reading, arguments.quiet);
+  });
+  return header.scalar == ScalarType::float32 ? quantize<float>(session, arguments, header)
+                                              : quantize<double>(session, arguments, header);
+}
+
+}  // namespace ccvt::mpi
