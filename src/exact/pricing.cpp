@@ -2,17 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
-#include "exact/cell_product.h"
 #include "exact/distances.h"
 #include "exact/packs.h"
-#include "exact/price_sums.h"
-#include "exact/rivals.h"
-#include "exact/site_groups.h"
+#include "exact/pricing_parts.h"
 #include "geometry/squares.h"
-#include "kernels/nearest.h"
 #include "parallel/loops.h"
 
 namespace ccvt {
@@ -26,7 +21,6 @@ constexpr std::size_t kPartPoints = 2048;
 constexpr std::size_t kManySites = 512;
 constexpr std::size_t kFewPoints = 64;
 constexpr std::size_t kRegionPoints = 512;
-constexpr double kNever = std::numeric_limits<double>::infinity();
 
 struct Choice {
   SiteNumber site;
@@ -35,45 +29,6 @@ struct Choice {
 };
 
 }  // namespace
-
-/// What is asked of a pricing.
-template <class Scalar>
-struct Pricer<Scalar>::Task {
-  WeightedSites sites;
-  std::vector<Index>& owners;
-  CellBounds* kept = nullptr;
-  bool covered = false;  ///< by the bounds kept
-  /// No point has an owner yet: those of its part's group are looked at, or all without groups.
-  bool first = false;
-  const SiteGroups* groups = nullptr;  ///< where cells are taken together
-  std::vector<double> packs = {};      ///< the sites' positions, for the kernels
-  std::vector<double> rows = {};       ///< bounds of the parts of cells that have several
-
-  [[nodiscard]] double weight(SiteNumber site) const { return sites.weight[site]; }
-};
-
-/// A cell, cells near each other, or a part of these.
-template <class Scalar>
-struct Pricer<Scalar>::Part {
-  SiteNumber site;       ///< of the cell; none where there are several
-  const double* centre;  ///< the site's position, or about where the cells' are
-  double weight;         ///< the site's, or 0
-  std::span<const PointNumber> members;
-  std::size_t group = 0;          ///< where there are several
-  std::span<double> bounds = {};  ///< those of CellBounds, if any are kept
-  double radius = 0;              ///< around the centre
-};
-
-template <class Scalar>
-struct Pricer<Scalar>::Scratch {
-  std::vector<double> squared;  ///< of the distance between the centre and each site
-  std::vector<double> least;    ///< of each site, what it costs the cell's points at least
-  std::vector<double> own;      ///< of each point, the squared distance to the centre
-  Rivals rivals;                ///< where cells are taken together
-  std::vector<SiteNumber> near;
-  CellProduct product;
-  PriceSums sums;
-};
 
 template <class Scalar>
 Pricer<Scalar>::Pricer(const Metric& metric, PointsView<Scalar> points, const Arena& arena,
@@ -266,85 +221,6 @@ std::vector<Index> Pricer<Scalar>::cheapest(const WeightedSites& sites) const {
                   groups.centres);
   }
   return owners;
-}
-
-/// Gives the product the sites that some point within the radius of the centre may prefer.
-template <class Scalar>
-void Pricer<Scalar>::select_sites(const Task& task, const Part& part, Scratch& scratch) const {
-  const WeightedSites& sites = task.sites;
-  const int dimension = points_.dimension;
-  scratch.product.clear();
-  if (task.groups != nullptr) {
-    const auto add = [&](SiteNumber j, double squared) {
-      scratch.product.add(j, squared, squared - task.weight(j));
-    };
-    if (task.first) {
-      for (const SiteNumber j : task.groups->of(part.group)) {
-        add(j, squared_difference(part.centre, sites.at(j), dimension));
-      }
-    } else {
-      for (const auto& [j, squared] :
-           scratch.rivals.find(*task.groups, sites.weight, part.centre, dimension)) {
-        add(j, squared);
-      }
-    }
-    return;
-  }
-  scratch.squared.resize(task.packs.size() / sites.dimension);
-  kernels::squared_distances(
-      part.centre, task.packs.data(), static_cast<Index>(scratch.squared.size()) / kernels::kPack,
-      dimension, metric_.periodic() ? metric_.extent() : nullptr, scratch.squared.data());
-  scratch.least.resize(sites.count());
-  // What the farthest point pays at most for its cheapest site, and what others cost at least; a
-  // little more and less than that, for the rounding of these terms.
-  const double relative = rounding_share(dimension);
-  const double underflow = underflow_of(dimension);
-  const double own_weight = part.weight;
-  double ceiling = kNever;
-  for (const SiteNumber j : sites_below(sites.count())) {
-    const double squared = scratch.squared[j];
-    const double constant = squared + own_weight - task.weight(j);
-    const double reach = 2 * part.radius * std::sqrt(squared);
-    const double rounding =
-        relative * (squared + reach + std::abs(own_weight) + std::abs(task.weight(j))) + underflow;
-    scratch.least[j] = constant - reach - rounding;
-    ceiling = std::min(ceiling, constant + reach + rounding);
-    if (!part.bounds.empty()) part.bounds[j] = squared - reach - rounding;
-  }
-  for (const SiteNumber j : sites_below(sites.count())) {
-    if (scratch.least[j] > ceiling) continue;
-    const double squared = scratch.squared[j];
-    scratch.product.add(j, squared, squared + own_weight - task.weight(j));
-  }
-}
-
-/// The same from the bounds kept.
-template <class Scalar>
-void Pricer<Scalar>::select_known(const Task& task, const Part& part, Scratch& scratch) const {
-  task.kept->select(part.site, task.sites.weight, scratch.near);
-  scratch.near.push_back(part.site);
-  scratch.product.clear();
-  for (const SiteNumber j : scratch.near) {
-    const double squared =
-        squared_difference(task.sites.at(part.site), task.sites.at(j), points_.dimension);
-    scratch.product.add(j, squared, squared + task.weight(part.site) - task.weight(j));
-  }
-}
-
-/// To what the products have shown.
-template <class Scalar>
-void Pricer<Scalar>::raise_bounds(const Task& task, const Part& part,
-                                  const CellProduct& product) const {
-  const double own = task.weight(part.site);
-  for (std::size_t n = 0; n < product.near().size(); ++n) {
-    const SiteNumber j = product.near()[n];
-    const double least = product.least(n);
-    const double terms =
-        std::abs(least) + std::abs(own) + std::abs(task.weight(j)) + std::abs(product.constant(n));
-    const double rounding = rounding_share(points_.dimension) * terms;
-    part.bounds[j] = std::max(part.bounds[j], least - (own - task.weight(j)) - rounding -
-                                                  underflow_of(points_.dimension));
-  }
 }
 
 /// What a part costs now, and how far it reaches.
