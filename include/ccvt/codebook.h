@@ -74,6 +74,11 @@ struct CCVT_EXPORT CodebookOptions {
   /// that but for rounding. Capacities are exact whatever it is, and CodebookSummary::gap tells how
   /// near the codes came.
   double gap = 0;
+  /// `exact` trains on so many vectors, drawn at random, and assigns all of them once, in the end:
+  /// codewords are then the centroids of that sample's cells, while codes, capacities and
+  /// CodebookSummary::gap are of all vectors. For millions of them, of which a codeword needs some
+  /// hundred to find its place. At least the number of codewords; 0: on all vectors.
+  Index train_sample = 0;
   /// Called after each iteration, from the thread that trains; false cancels.
   std::function<bool(const IterationRecord&)> on_iteration = {};
   /// Asked several times a second, from the thread that trains; true ends training with the

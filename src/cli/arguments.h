@@ -111,6 +111,7 @@ struct QuantizeArguments : CommonArguments {
   int restarts = 0;
   std::optional<int> effort;
   double gap = 0;
+  Index train_sample = 0;            ///< 0: all vectors
   std::filesystem::path capacities;  ///< empty: equal
   std::filesystem::path codes_out;
   std::filesystem::path weights_out;

@@ -1,3 +1,4 @@
+#include <limits>
 #include <map>
 #include <string>
 
@@ -52,6 +53,10 @@ CLI::App* add_quantize(CLI::App& app, QuantizeArguments& arguments) {
   add_number<double>(*command, "--gap", arguments.gap,
                      "Assignments that cost at most this share more than the cheapest will do [0]",
                      "G", {.least = 0, .most = 1, .open_above = true});
+  add_number<Index>(*command, "--train-sample", arguments.train_sample,
+                    "Train on so many vectors, drawn at random, and assign all once, in the end "
+                    "[all]",
+                    "N", {.least = 1, .most = std::numeric_limits<Index>::max()});
   add_input(*command, "--capacities", arguments.capacities,
             "How many vectors each codeword gets, summing to their number [equal]",
             io::kTableFiles);

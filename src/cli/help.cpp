@@ -60,6 +60,7 @@ std::string_view title_of(const CLI::App& command, const std::string& name) {
       {"--restarts", "Method"},
       {"--effort", "Method"},
       {"--gap", "Method"},
+      {"--train-sample", "Method"},
       {"--max-iterations", "Method"},
       {"--energy-tolerance", "Method"},
       {"--seed", "Method"},

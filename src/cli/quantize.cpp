@@ -48,6 +48,7 @@ CodebookOptions make_codebook_options(const QuantizeArguments& arguments, Progre
   if (arguments.max_iterations) options.max_iterations = *arguments.max_iterations;
   options.tolerance = arguments.energy_tolerance;
   options.gap = arguments.gap;
+  options.train_sample = arguments.train_sample;
   options.on_iteration = [&progress, sites = arguments.codewords](const IterationRecord& record) {
     progress.show(record, sites);
     return true;
@@ -122,6 +123,9 @@ void check_arguments(const QuantizeArguments& arguments) {
   }
   if (arguments.gap > 0 && arguments.method != CodebookMethod::exact) {
     throw InvalidInput("--gap: only --method exact proves one");
+  }
+  if (arguments.train_sample > 0 && arguments.method != CodebookMethod::exact) {
+    throw InvalidInput("--train-sample: only --method exact assigns all vectors in the end");
   }
   if (arguments.effort.value_or(0) > 0 && arguments.method == CodebookMethod::lloyd) {
     throw InvalidInput("--effort: --method lloyd keeps no capacities to search with");

@@ -162,6 +162,9 @@ void CodebookOptions::validate() const {
           "it must be 0 or more");
   require(tolerance >= 0 && tolerance < 1, "tolerance", text(tolerance), "it must be in [0, 1)");
   require(gap >= 0 && gap < 1, "gap", text(gap), "it must be in [0, 1)");
+  require(train_sample >= 0, "train_sample", std::to_string(train_sample), "it must be 0 or more");
+  require(train_sample == 0 || method == CodebookMethod::exact, "train_sample",
+          std::to_string(train_sample), "it must be 0 but for exact");
   require(threads >= 0 && threads <= 4096, "threads", std::to_string(threads),
           "it must be from 0 (one per processor) to 4096");
 }

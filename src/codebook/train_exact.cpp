@@ -48,7 +48,7 @@ void Trainer<Scalar>::start_exact(PointsView<Scalar> vectors, std::vector<Index>
 template <class Scalar>
 void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities,
                                   double work) {
-  const bool finest = vectors.count == vectors_.count;
+  const bool finest = vectors.count == trained_on();
   progress_.begin(vectors.count / work);
   const Index n = problem_.site_count();
   ExactAssignment<Scalar> assignment(metric_, vectors, n, std::move(capacities), arena_,
@@ -79,7 +79,7 @@ void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index>
       changed = changed_cells(given, owners_, weights_.size());
     }
     assigned = true;
-    if (finest) met_ = owners_;
+    if (vectors.count == vectors_.count) met_ = owners_;
     std::int64_t moved = 0;
     for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
     if (!go_on(vectors.count, energy, moved)) break;
@@ -88,11 +88,14 @@ void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index>
   }
 }
 
+/// Level by level, each on a sample; the finest on all vectors, or on the sample asked for.
 template <class Scalar>
 void Trainer<Scalar>::exact() {
   const Index m = vectors_.count;
+  const bool all = trained_on() == m;
   const auto& capacities = options_.capacities;
-  const std::vector<Index> counts = level_sizes(m, problem_.site_count());
+  std::vector<Index> counts = level_sizes(trained_on(), problem_.site_count());
+  if (!all) counts.push_back(trained_on());
   double work = std::accumulate(counts.begin(), counts.end(), 1.0 * m);
   if (!placed_) work += kStartWork * (counts.empty() ? m : counts.front());
   if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
@@ -109,7 +112,11 @@ void Trainer<Scalar>::exact() {
   }
   if (!placed_ && counts.empty() && !ended()) start_exact(vectors_, capacities, work);
   if (summary_.termination == Termination::cancelled) throw Stopped();
-  exact_level(vectors_, capacities, work);
+  if (all) {
+    exact_level(vectors_, capacities, work);
+  } else {
+    owners_ = Pricer<Scalar>(metric_, vectors_, arena_).cheapest({sites_, weights_});
+  }
   if (summary_.termination == Termination::cancelled) throw Stopped();
   prove();
 }

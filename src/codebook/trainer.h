@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -34,6 +36,11 @@ class Trainer {
         metric_(vectors_.dimension, Domain()) {
     arena_.divide_among(problem_.ranks());
     if (!options.capacities.empty()) problem_.set_capacities(options.capacities);
+    if (options.train_sample > 0 && options.train_sample < problem_.site_count()) {
+      throw InvalidInput("train_sample is " + std::to_string(options.train_sample) +
+                         ": it must be 0, or at least the number of codewords, " +
+                         std::to_string(problem_.site_count()));
+    }
     summary_.method = options.method;
     summary_.dimension = vectors_.dimension;
     summary_.vectors = problem_.point_count();
@@ -60,6 +67,11 @@ class Trainer {
   bool go_on(Index vectors, double energy, std::int64_t moved);
   bool cancelled(const IterationRecord& record);
   void sum_up(const Codebook& codebook);
+  /// Vectors of the finest level.
+  [[nodiscard]] Index trained_on() const {
+    return options_.train_sample > 0 ? std::min(options_.train_sample, vectors_.count)
+                                     : vectors_.count;
+  }
   bool ended() const { return summary_.termination != Termination::running; }
 
   Problem<Scalar> problem_;

@@ -45,6 +45,7 @@ ADVICE = {
                                 "data along with the header.",
     "src/codebook/codebook.cpp": _PARAMETER,
     "src/codebook/train.cpp": _PARAMETER,
+    "src/codebook/trainer.h": _PARAMETER,
     "src/domain.cpp": _PARAMETER,
     "src/mpi/kept.h": "Whoever started the ranks ended them, and what has been reached is kept: run the same "
                       "command again.",

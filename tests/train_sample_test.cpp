@@ -1,0 +1,111 @@
+// Codebooks that are trained on some vectors and used for all.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "ccvt/codebook.h"
+#include "random.h"
+#include "support/message.h"
+
+using ccvt::CodebookMethod;
+using ccvt::CodebookOptions;
+using ccvt::Index;
+using ccvt::Points;
+using ccvt::Training;
+using namespace ccvt::test;
+
+namespace {
+
+constexpr Index kCodewords = 40;
+
+/// Clouds of unequal size.
+Points<float> clouds(Index count) {
+  ccvt::Random random(5);
+  const auto uniform = [&] { return static_cast<float>(random.uniform()); };
+  Points<float> centres(3, 12);
+  for (float& x : centres.reshaped()) x = 10 * uniform();
+  Points<float> points(3, count);
+  for (Index p = 0; p < count; ++p) {
+    const float u = uniform();
+    const auto cloud = static_cast<Index>(12 * u * u);
+    for (int d = 0; d < 3; ++d) points(d, p) = centres(d, cloud) + uniform() - uniform();
+  }
+  return points;
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("codebook");
+
+TEST_CASE("A codebook that is trained on a sample has all vectors in cells of equal size") {
+  const Points<float> points = clouds(12'001);
+  const Training whole = ccvt::train_codebook(points, kCodewords, {.effort = 0, .threads = 1});
+  const CodebookOptions options{.effort = 0, .threads = 1, .train_sample = 4000};
+  const Training trained = ccvt::train_codebook(points, kCodewords, options);
+  const auto& summary = trained.summary;
+  CHECK(summary.termination == ccvt::Termination::stable);
+  CHECK(summary.vectors == 12'001);
+  CHECK(trained.codes.size() == 12'001);
+  CHECK(summary.usage.smallest == 300);
+  CHECK(summary.usage.largest == 301);
+  CHECK(summary.gap < 1e-12);
+  CHECK(summary.distortion < 1.1 * whole.summary.distortion);
+  CHECK(summary.distortion > whole.summary.distortion);
+  CHECK(summary.distortion == trained.codebook.distortion(points, trained.codes));
+
+  CodebookOptions more = options;
+  more.threads = 3;
+  const Training again = ccvt::train_codebook(points, kCodewords, more);
+  CHECK(again.codes == trained.codes);
+  CHECK(again.codebook.codewords() == trained.codebook.codewords());
+}
+
+TEST_CASE("No two vectors would cost less with each other's codes, after a sample too") {
+  const Points<float> points = clouds(2000);
+  const Training trained =
+      ccvt::train_codebook(points, kCodewords, {.effort = 0, .train_sample = 500});
+  const auto codewords = trained.codebook.codewords();
+  const auto cost = [&](Index p, Index code) {
+    return (points.col(p).cast<double>() - codewords.col(code)).squaredNorm();
+  };
+  double most = 0;
+  for (Index p = 0; p < 2000; ++p) {
+    for (Index q = 0; q < p; ++q) {
+      const Index a = trained.codes[static_cast<std::size_t>(p)];
+      const Index b = trained.codes[static_cast<std::size_t>(q)];
+      most = std::max(most, cost(p, a) + cost(q, b) - cost(p, b) - cost(q, a));
+    }
+  }
+  CHECK(most < 1e-9);
+}
+
+TEST_CASE("Capacities are those of all vectors, and a sample of all is no sample") {
+  const Points<float> points = clouds(3000);
+  std::vector<Index> capacities(10, 50);
+  capacities.front() = 2550;
+  const Training trained = ccvt::train_codebook(
+      points, 10, {.effort = 0, .capacities = capacities, .train_sample = 600});
+  std::vector<Index> held(10, 0);
+  for (const Index code : trained.codes) ++held[static_cast<std::size_t>(code)];
+  CHECK(held == capacities);
+
+  const Training all = ccvt::train_codebook(points, 10, {.effort = 0});
+  const Training sampled = ccvt::train_codebook(points, 10, {.effort = 0, .train_sample = 5000});
+  CHECK(all.codes == sampled.codes);
+}
+
+TEST_CASE("A sample that says nothing of all codewords is refused, and so are other methods") {
+  const Points<float> points = clouds(100);
+  const auto refused = [&](const CodebookOptions& options) {
+    return message_of([&] { static_cast<void>(ccvt::train_codebook(points, 20, options)); });
+  };
+  CHECK(refused({.train_sample = -1}) == "train_sample is -1: it must be 0 or more");
+  CHECK(refused({.train_sample = 19}) ==
+        "train_sample is 19: it must be 0, or at least the number of codewords, 20");
+  CHECK(refused({.method = CodebookMethod::lloyd, .train_sample = 50}) ==
+        "train_sample is 50: it must be 0 but for exact");
+}
+
+TEST_SUITE_END();
