@@ -310,6 +310,7 @@ void Run<Scalar>::enter_level(std::size_t next) {
   } catch (const Stopped&) {
     return deal(larger, filling.filled);
   } catch (...) {
+    if (ranks() != nullptr) throw;  // no rank has all points, and whoever catches it ends them all
     deal(larger, filling.filled);
     end(Termination::cancelled);
     throw;

@@ -90,8 +90,9 @@ std::uint64_t total_of(const std::vector<std::size_t>& sizes) {
 template <class Scalar>
 RunIdentity Run<Scalar>::identity(const Arena& apart) {
   if (!points_digest) {
-    const std::uint64_t own =
-        digest_of_points(problem.own_points(), problem.first_own_point(), apart);
+    std::uint64_t own = 0;
+    agree(ranks(),
+          [&] { own = digest_of_points(problem.own_points(), problem.first_own_point(), apart); });
     const std::vector<std::uint64_t> all = of_all(ranks(), own);
     points_digest = std::accumulate(all.begin(), all.end(), std::uint64_t{0});
   }
@@ -137,9 +138,10 @@ void Run<Scalar>::save(const std::filesystem::path& file) {
   if (record.ended()) fail(file, "a run that has ended leaves no checkpoint");
   const Arena apart(options.threads);  // not the run's, which may be told to stop
   const RunIdentity own = identity(apart);
-  const std::vector<std::size_t> sizes = record_sizes(state.tiling, state.cells, *relaxer);
+  std::vector<std::size_t> sizes;
   std::optional<CheckpointWriter> out;
   agree(ranks(), [&] {
+    sizes = record_sizes(state.tiling, state.cells, *relaxer);
     if (is_first(ranks())) out.emplace(file, save_common(own).bytes, total_of(sizes));
   });
   agree(ranks(), [&] {
@@ -192,7 +194,11 @@ void Run<Scalar>::load_from(const std::filesystem::path& file, std::optional<Che
   loaded_relaxer->load(reader, state.tiling);
   std::unique_ptr<Descent<Scalar>> loaded_descent;
   if (reader.get<bool>()) {
-    const auto depth = static_cast<Depth>(reader.get<int>());
+    const auto number = reader.get<int>();
+    if (number < static_cast<int>(Depth::even) || number > static_cast<int>(Depth::full)) {
+      throw Damaged();
+    }
+    const auto depth = static_cast<Depth>(number);
     loaded_descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, problem.points(),
                                                        loaded, depth, weights);
     loaded_descent->load(reader);

@@ -3,9 +3,13 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <functional>
 #include <set>
+#include <span>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ccvt/io.h"
@@ -33,6 +37,28 @@ void check_message(int count, const std::function<void(ccvt::Ranks&)>& work,
   REQUIRE(messages.size() == 1);
   CHECK(messages.begin()->find(expected) != std::string::npos);
 }
+
+/// Ranks whose messages fail on all of them at once, from one exchange on.
+class FailingRanks final : public ccvt::Ranks {
+ public:
+  FailingRanks(ccvt::Ranks& ranks, int good) : ranks_(ranks), good_(good) {}
+  [[nodiscard]] int rank() const override { return ranks_.rank(); }
+  [[nodiscard]] int count() const override { return ranks_.count(); }
+  [[nodiscard]] std::vector<Bytes> gather(std::span<const std::byte> own) override {
+    return ranks_.gather(own);
+  }
+  [[nodiscard]] std::vector<Bytes> exchange(std::vector<Bytes> to) override {
+    auto come = ranks_.exchange(std::move(to));
+    if (good_-- <= 0) throw std::length_error("a message is too long");
+    return come;
+  }
+  void send(int to, Bytes message) override { ranks_.send(to, std::move(message)); }
+  [[nodiscard]] Bytes receive(int from) override { return ranks_.receive(from); }
+
+ private:
+  ccvt::Ranks& ranks_;
+  int good_;
+};
 
 }  // namespace
 
@@ -112,6 +138,26 @@ TEST_CASE("ranks: what is wrong with a problem is thrown on all") {
                          {.threads = 1, .initialization = ccvt::Initialization::coherent});
       },
       "options.initialization: is coherent, which is the default beyond 8 dimensions, too");
+}
+
+TEST_CASE("ranks: a message that fails is thrown, whatever it was for") {
+  const Box box = Box::unit(2);
+  const ccvt::Points<float> points = ccvt::sample_uniform<float>(box, 8000, 3);
+  std::set<std::string> messages;
+  int good = 0;
+  for (; messages.count("nothing thrown") == 0; ++good) {
+    REQUIRE(good < 1000);
+    messages = messages_of(2, [&](ccvt::Ranks& ranks) {
+      FailingRanks failing(ranks, good);
+      const auto own = points.middleCols(4000 * ranks.rank(), 4000).eval();
+      ccvt::tessellate(Problem<float>(failing, ccvt::view_points(own), 200), {.threads = 1});
+    });
+    REQUIRE(messages.size() == 1);
+    if (messages.count("nothing thrown") == 0) {
+      CHECK(messages.begin()->find("a message is too long") != std::string::npos);
+    }
+  }
+  CHECK(good > 3);  // points join more than once
 }
 
 TEST_CASE("ranks: a part of the points that are drawn, and of a file's") {

@@ -4,11 +4,19 @@
 
 #include <cstdint>
 #include <list>
+#include <string>
 #include <vector>
 
 #include "ccvt/ranks.h"
 
 namespace ccvt {
+
+/// A message that one rank could not make, send or take in: others wait for it, and cannot be told.
+/// Whoever catches it ends them all, as by MPI_Abort. No std::exception, so that nothing takes it
+/// for an error that all ranks hear of.
+struct MpiFailure {
+  std::string message;
+};
 
 /// The processes of an MPI communicator. Made of it by all of them; MPI is initialized, for calls
 /// from one thread at least (MPI_THREAD_FUNNELED), and not finalized before the last of these is
@@ -17,10 +25,14 @@ namespace ccvt {
 ///     ccvt::MpiRanks ranks(MPI_COMM_WORLD);
 ///     ccvt::Problem<float> problem(ranks, own_points, sites);
 ///     auto [all_sites, owners_of_own_points, summary] = ccvt::tessellate(problem);
+///
+/// Its functions throw MpiFailure. What is thrown while this lives is best caught while it lives,
+/// and ends all ranks unless it was thrown on all: see Ranks. MPI's own errors end the program.
 class MpiRanks final : public Ranks {
  public:
   /// Works on a duplicate of `communicator`.
   explicit MpiRanks(MPI_Comm communicator);
+  /// Waits until what was sent has come; not while an exception passes, when nobody may take it.
   ~MpiRanks() override;
 
   [[nodiscard]] int rank() const override { return rank_; }

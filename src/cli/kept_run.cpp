@@ -36,12 +36,16 @@ bool begins_as_checkpoint(const fs::path& file) {
 
 }  // namespace
 
+fs::path checkpoint_file(const CommonArguments& arguments) {
+  return arguments.checkpoint.empty() ? fs::path() : arguments.checkpoint / kName;
+}
+
 KeptRun::KeptRun(const CommonArguments& arguments, bool holds)
     : directory_(arguments.checkpoint),
       seconds_(arguments.checkpoint_every),
       quiet_(arguments.quiet) {
   if (directory_.empty()) return;
-  file_ = directory_ / kName;
+  file_ = checkpoint_file(arguments);
   if (!holds) return;
   std::error_code error;
   fs::create_directory(directory_, error);

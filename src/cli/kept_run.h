@@ -11,6 +11,9 @@
 
 namespace ccvt::cli {
 
+/// The file that --checkpoint keeps the run in; none without.
+std::filesystem::path checkpoint_file(const CommonArguments& arguments);
+
 /// The directory of --checkpoint, if there is one: held by one process at a time, for as long as
 /// this lives. In it is one file, which the run is kept in.
 class KeptRun {

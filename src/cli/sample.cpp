@@ -80,6 +80,7 @@ void check_outputs(const SampleArguments& arguments) {
       .add("--owners-out", arguments.owners_out, io::kTableFiles)
       .add("--summary", arguments.summary)
       .add_input("--fixed-sites", arguments.fixed_sites)
+      .add_input("--checkpoint", checkpoint_file(arguments))
       .check();
 }
 

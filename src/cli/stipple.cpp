@@ -56,6 +56,7 @@ int run_stipple(const StippleArguments& arguments) {
       .add("--output", arguments.output, io::kStippleFiles)
       .add("--summary", arguments.summary)
       .add_input("IMAGE", arguments.image)
+      .add_input("--checkpoint", checkpoint_file(arguments))
       .check();
   return arguments.scalar == ScalarType::float64 ? stipple_file<double>(arguments)
                                                  : stipple_file<float>(arguments);

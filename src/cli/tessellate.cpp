@@ -133,6 +133,7 @@ void check_outputs(const TessellateArguments& arguments) {
       .add("--shares-out", arguments.mass.shares_out, io::kTableFiles)
       .add("--summary", arguments.summary)
       .add_input("POINTS", arguments.points)
+      .add_input("--checkpoint", checkpoint_file(arguments))
       .add_input("--initial-sites", arguments.initial_sites)
       .add_input("--fixed-sites", arguments.fixed_sites)
       .add_input("--capacities", arguments.capacities)

@@ -58,6 +58,7 @@ int run_volume(const VolumeArguments& arguments) {
       .add("--preview", arguments.preview, io::kPictureFiles)
       .add("--summary", arguments.summary)
       .add_input("FILE", arguments.volume)
+      .add_input("--checkpoint", checkpoint_file(arguments))
       .add_input("--mask", arguments.mask)
       .check();
   const VolumeHeader header = inspect_input(arguments.volume, arguments.layout);

@@ -36,6 +36,15 @@ std::string random_name() {
   throw IoError(target.string() + ": cannot be written: " + reason);
 }
 
+/// So that a new name of a file outlasts a power failure, on file systems that know of this.
+void sync_directory(const fs::path& directory) {
+  const char* const name = directory.empty() ? "." : directory.c_str();
+  const int descriptor = ::open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
 /// So that a change of the working directory does no harm; as it is where there is no other way.
 fs::path absolute_if_possible(const fs::path& path) {
   std::error_code error;
@@ -141,6 +150,7 @@ int UnfinishedFile::take_descriptor() { return std::exchange(descriptor_, -1); }
 void UnfinishedFile::publish() {
   if (std::rename(path_.c_str(), final_.c_str()) != 0) fail(errno);
   drop();
+  sync_directory(final_.parent_path());
 }
 
 void UnfinishedFile::fail(int error) const {

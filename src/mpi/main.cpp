@@ -3,10 +3,13 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <span>
 #include <string>
 
 #include "ccvt/io.h"
 #include "ccvt/metrics.h"
+#include "ccvt/mpi.h"
+#include "ccvt/version.h"
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/run.h"
@@ -61,6 +64,24 @@ int run(const Session& session, int argc, char** argv) {
   });
 }
 
+/// Throws Failure on all ranks unless they were started alike, but for --threads.
+void require_alike(const Session& session, int argc, char** argv) {
+  std::string own = CCVT_VERSION;
+  for (int k = 1; k < argc; ++k) {
+    const std::string argument = argv[k];
+    if (argument == "--threads") ++k;
+    if (argument.rfind("--threads", 0) != 0) own += '\0' + argument;
+  }
+  const auto all = session.ranks().gather(std::as_bytes(std::span(own)));
+  for (std::size_t r = 1; r < all.size(); ++r) {
+    if (all[r] == all[0]) continue;
+    throw ccvt::mpi::Failure{"rank " + std::to_string(r) +
+                                 " was started with other arguments than rank 0, or is of another "
+                                 "version; all need the same, but for --threads",
+                             2};
+  }
+}
+
 void tell(const std::string& message) {
   std::cerr << ccvt::cli::one_line("ccvt-mpi: error: " + message);
 }
@@ -79,6 +100,7 @@ int run_all(const Session& session, int argc, char** argv) {
     return status;
   };
   try {
+    require_alike(session, argc, argv);
     return run(session, argc, argv);
   } catch (const ccvt::mpi::Failure& failure) {
     return report(failure.message, failure.status);
@@ -86,6 +108,8 @@ int run_all(const Session& session, int argc, char** argv) {
     return report(error.what(), 2);
   } catch (const ccvt::IoError& error) {
     return report(error.what(), 1);
+  } catch (const ccvt::MpiFailure& failure) {
+    return end_all("rank " + std::to_string(session.ranks().rank()) + ": " + failure.message, 1);
   } catch (const std::bad_alloc&) {
     return end_all("rank " + std::to_string(session.ranks().rank()) + " is out of memory", 1);
   } catch (const std::exception& error) {

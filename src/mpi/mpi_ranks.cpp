@@ -1,6 +1,8 @@
 #include <climits>
 #include <cstddef>
 #include <cstring>
+#include <exception>
+#include <new>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -43,6 +45,18 @@ std::vector<Ranks::Bytes> unpack(const std::vector<Word>& words,
   return messages;
 }
 
+/// Calls `work`, of which what fails fails on this rank alone.
+template <class Work>
+auto on_this_rank(const Work& work) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    throw MpiFailure{"out of memory for a message"};
+  } catch (const std::exception& error) {
+    throw MpiFailure{error.what()};
+  }
+}
+
 /// Adds the time that it lives.
 class Watch {
  public:
@@ -60,85 +74,99 @@ class Watch {
 
 MpiRanks::MpiRanks(MPI_Comm communicator) {
   MPI_Comm_dup(communicator, &communicator_);
+  MPI_Comm_set_errhandler(communicator_, MPI_ERRORS_ARE_FATAL);
   MPI_Comm_rank(communicator_, &rank_);
   MPI_Comm_size(communicator_, &count_);
 }
 
 MpiRanks::~MpiRanks() {
+  if (std::uncaught_exceptions() > 0) {
+    // MPI may still read what is on its way.
+    static_cast<void>(new (std::nothrow) std::list<Sent>(std::move(sent_)));
+    return;
+  }
   for (Sent& message : sent_) MPI_Wait(&message.request, MPI_STATUS_IGNORE);
   MPI_Comm_free(&communicator_);
 }
 
 std::vector<Ranks::Bytes> MpiRanks::gather(std::span<const std::byte> own) {
-  const Watch watch(traffic_.seconds);
-  const auto ranks = static_cast<std::size_t>(count_);
-  const std::uint64_t size = own.size();
-  std::vector<std::uint64_t> sizes(ranks);
-  MPI_Allgather(&size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, communicator_);
-  std::vector<int> counts;
-  for (const std::uint64_t bytes : sizes) counts.push_back(words_for(bytes));
-  const std::vector<int> places = places_of(counts);
-  std::vector<Word> mine(static_cast<std::size_t>(words_for(own.size())));
-  if (!own.empty()) std::memcpy(mine.data(), own.data(), own.size());
-  std::vector<Word> all(static_cast<std::size_t>(total_of(counts)));
-  MPI_Allgatherv(mine.data(), words_for(own.size()), MPI_UINT64_T, all.data(), counts.data(),
-                 places.data(), MPI_UINT64_T, communicator_);
-  ++traffic_.messages;
-  traffic_.gathered_bytes += static_cast<std::int64_t>(own.size());
-  return unpack(all, sizes, places);
+  return on_this_rank([&] {
+    const Watch watch(traffic_.seconds);
+    const auto ranks = static_cast<std::size_t>(count_);
+    const std::uint64_t size = own.size();
+    std::vector<std::uint64_t> sizes(ranks);
+    MPI_Allgather(&size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, communicator_);
+    std::vector<int> counts;
+    for (const std::uint64_t bytes : sizes) counts.push_back(words_for(bytes));
+    std::vector<Word> all(static_cast<std::size_t>(total_of(counts)));
+    const std::vector<int> places = places_of(counts);
+    std::vector<Word> mine(static_cast<std::size_t>(words_for(own.size())));
+    if (!own.empty()) std::memcpy(mine.data(), own.data(), own.size());
+    MPI_Allgatherv(mine.data(), words_for(own.size()), MPI_UINT64_T, all.data(), counts.data(),
+                   places.data(), MPI_UINT64_T, communicator_);
+    ++traffic_.messages;
+    traffic_.gathered_bytes += static_cast<std::int64_t>(own.size());
+    return unpack(all, sizes, places);
+  });
 }
 
 std::vector<Ranks::Bytes> MpiRanks::exchange(std::vector<Bytes> to) {
-  const Watch watch(traffic_.seconds);
-  const auto ranks = static_cast<std::size_t>(count_);
-  std::vector<std::uint64_t> sizes_out;
-  std::vector<int> counts_out;
-  for (const Bytes& message : to) {
-    sizes_out.push_back(message.size());
-    counts_out.push_back(words_for(message.size()));
-  }
-  std::vector<std::uint64_t> sizes(ranks);
-  MPI_Alltoall(sizes_out.data(), 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, communicator_);
-  std::vector<int> counts;
-  for (const std::uint64_t bytes : sizes) counts.push_back(words_for(bytes));
-  const std::vector<int> places_out = places_of(counts_out);
-  const std::vector<int> places = places_of(counts);
-  std::vector<Word> out(static_cast<std::size_t>(total_of(counts_out)));
-  for (std::size_t r = 0; r < ranks; ++r) {
-    if (!to[r].empty()) std::memcpy(out.data() + places_out[r], to[r].data(), to[r].size());
-    if (std::cmp_equal(r, rank_)) continue;
-    traffic_.messages += to[r].empty() ? 0 : 1;
-    traffic_.sent_bytes += static_cast<std::int64_t>(to[r].size());
-  }
-  to.clear();
-  std::vector<Word> in(static_cast<std::size_t>(total_of(counts)));
-  MPI_Alltoallv(out.data(), counts_out.data(), places_out.data(), MPI_UINT64_T, in.data(),
-                counts.data(), places.data(), MPI_UINT64_T, communicator_);
-  return unpack(in, sizes, places);
+  return on_this_rank([&] {
+    const Watch watch(traffic_.seconds);
+    const auto ranks = static_cast<std::size_t>(count_);
+    std::vector<std::uint64_t> sizes_out;
+    std::vector<int> counts_out;
+    for (const Bytes& message : to) {
+      sizes_out.push_back(message.size());
+      counts_out.push_back(words_for(message.size()));
+    }
+    std::vector<std::uint64_t> sizes(ranks);
+    MPI_Alltoall(sizes_out.data(), 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, communicator_);
+    std::vector<int> counts;
+    for (const std::uint64_t bytes : sizes) counts.push_back(words_for(bytes));
+    std::vector<Word> out(static_cast<std::size_t>(total_of(counts_out)));
+    std::vector<Word> in(static_cast<std::size_t>(total_of(counts)));
+    const std::vector<int> places_out = places_of(counts_out);
+    const std::vector<int> places = places_of(counts);
+    for (std::size_t r = 0; r < ranks; ++r) {
+      if (!to[r].empty()) std::memcpy(out.data() + places_out[r], to[r].data(), to[r].size());
+      if (std::cmp_equal(r, rank_)) continue;
+      traffic_.messages += to[r].empty() ? 0 : 1;
+      traffic_.sent_bytes += static_cast<std::int64_t>(to[r].size());
+    }
+    to.clear();
+    MPI_Alltoallv(out.data(), counts_out.data(), places_out.data(), MPI_UINT64_T, in.data(),
+                  counts.data(), places.data(), MPI_UINT64_T, communicator_);
+    return unpack(in, sizes, places);
+  });
 }
 
 void MpiRanks::send(int to, Bytes message) {
-  const Watch watch(traffic_.seconds);
-  forget_delivered();
-  if (message.size() > INT_MAX) throw std::length_error("ranks: a message has more than 2 GB");
-  ++traffic_.messages;
-  traffic_.sent_bytes += static_cast<std::int64_t>(message.size());
-  Sent& sent = sent_.emplace_back();
-  sent.message = std::move(message);
-  MPI_Isend(sent.message.data(), static_cast<int>(sent.message.size()), MPI_BYTE, to, 0,
-            communicator_, &sent.request);
+  return on_this_rank([&] {
+    const Watch watch(traffic_.seconds);
+    forget_delivered();
+    if (message.size() > INT_MAX) throw std::length_error("ranks: a message has more than 2 GB");
+    ++traffic_.messages;
+    traffic_.sent_bytes += static_cast<std::int64_t>(message.size());
+    Sent& sent = sent_.emplace_back();
+    sent.message = std::move(message);
+    MPI_Isend(sent.message.data(), static_cast<int>(sent.message.size()), MPI_BYTE, to, 0,
+              communicator_, &sent.request);
+  });
 }
 
 Ranks::Bytes MpiRanks::receive(int from) {
-  const Watch watch(traffic_.seconds);
-  MPI_Message message;
-  MPI_Status status;
-  MPI_Mprobe(from, 0, communicator_, &message, &status);
-  int count = 0;
-  MPI_Get_count(&status, MPI_BYTE, &count);
-  Bytes bytes(static_cast<std::size_t>(count));
-  MPI_Mrecv(bytes.data(), count, MPI_BYTE, &message, MPI_STATUS_IGNORE);
-  return bytes;
+  return on_this_rank([&] {
+    const Watch watch(traffic_.seconds);
+    MPI_Message message;
+    MPI_Status status;
+    MPI_Mprobe(from, 0, communicator_, &message, &status);
+    int count = 0;
+    MPI_Get_count(&status, MPI_BYTE, &count);
+    Bytes bytes(static_cast<std::size_t>(count));
+    MPI_Mrecv(bytes.data(), count, MPI_BYTE, &message, MPI_STATUS_IGNORE);
+    return bytes;
+  });
 }
 
 void MpiRanks::forget_delivered() {

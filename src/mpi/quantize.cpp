@@ -60,7 +60,7 @@ int quantize(const Session& session, const QuantizeArguments& arguments,
   const Session::Share share = session.share(static_cast<std::int64_t>(header.count));
   Inputs<Scalar> inputs;
   session.together([&] {
-    cli::check_memory(arguments, header, static_cast<std::uint64_t>(share.size()));
+    cli::check_memory(arguments, header, session.on_machine(share.size()));
     inputs.codewords = cli::read_codewords(arguments);
     cli::tell_if_cut_short(arguments.vectors);
     inputs.vectors.emplace(arguments.vectors, share.of(arguments.reading));

@@ -1,10 +1,33 @@
 #include "results.h"
 
+#include "ccvt/presets.h"
 #include "ccvt/publication.h"
+#include "cli/outputs.h"
 #include "cli/streams.h"
 #include "number_text.h"
 
 namespace ccvt::mpi {
+
+void require_parts(const std::filesystem::path& path) {
+  const std::string extension = cli::lower_extension(path);
+  if (extension == ".npy" || extension == ".fvecs" || extension == ".bvecs") return;
+  throw InvalidInput(path.string() +
+                     ": several processes read files in .npy, .fvecs and .bvecs, each its part");
+}
+
+void require_balanced(const cli::CommonArguments& arguments, const std::string& source,
+                      int dimension) {
+  constexpr int kMostDimensions = 8;
+  if (dimension > kMostDimensions) {
+    throw InvalidInput(source + ": has " + std::to_string(dimension) +
+                       " dimensions; several processes know up to 8");
+  }
+  if (arguments.preset.empty()) return;
+  const Initialization start = find_preset(arguments.preset).options.initialization;
+  if (start == Initialization::automatic || start == Initialization::balanced) return;
+  throw InvalidInput("--preset: '" + arguments.preset +
+                     "' does not start balanced, as several processes do");
+}
 
 std::string describe(const cli::RankFigures& figures) {
   const auto megabytes = [](auto bytes) { return text(static_cast<double>(bytes) / 1e6, 3); };

@@ -22,6 +22,14 @@ inline void require_npy(const std::string& option, const std::filesystem::path& 
                      ": what several processes write together goes into .npy");
 }
 
+/// Throws InvalidInput unless each rank can read its part of such a file.
+void require_parts(const std::filesystem::path& path);
+
+/// Throws InvalidInput unless points of so many dimensions start balanced, as several ranks can.
+/// `source` is what has them.
+void require_balanced(const cli::CommonArguments& arguments, const std::string& source,
+                      int dimension);
+
 /// The owners of each rank's points.
 class OwnersFile {
  public:

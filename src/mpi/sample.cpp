@@ -28,9 +28,10 @@ int sample(const Session& session, const SampleArguments& arguments) {
   session.together([&] {
     if (particles) check_particles(arguments.output, arguments.sites, sizeof(Scalar), load);
     if (all > INT32_MAX) {
-      cli::check_memory(arguments.sites, arguments.points_per_site, arguments.dimension, 0);
+      cli::check_memory(arguments.sites, arguments.points_per_site, arguments.dimension,
+                        sizeof(Scalar));
     }
-    cli::check_memory("--sites", static_cast<std::uint64_t>(share.size()), arguments.dimension,
+    cli::check_memory("--sites", session.on_machine(share.size()), arguments.dimension,
                       sizeof(Scalar));
     points = sample_uniform_part<Scalar>(
         box, static_cast<Index>(all), static_cast<Index>(share.begin),
@@ -78,6 +79,7 @@ int run_sample(const Session& session, const SampleArguments& given) {
   session.together([&] {
     require_npy("--points-out", arguments.points_out);
     require_npy("--owners-out", arguments.owners_out);
+    require_balanced(arguments, "--dim", arguments.dimension);
     if (session.is_first()) check_outputs(arguments);
   });
   ScalarType scalar{};

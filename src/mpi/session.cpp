@@ -8,14 +8,18 @@
 
 namespace ccvt::mpi {
 
-int Session::own_threads() {
+int Session::count_here() {
   MPI_Comm machine = MPI_COMM_NULL;
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
   int ranks_here = 1;
   MPI_Comm_size(machine, &ranks_here);
   MPI_Comm_free(&machine);
+  return ranks_here;
+}
+
+int Session::own_threads() const {
   const auto processors = static_cast<int>(std::thread::hardware_concurrency());
-  return std::max(1, processors / ranks_here);
+  return std::max(1, processors / ranks_here_);
 }
 
 cli::RankFigures Session::figures() const {

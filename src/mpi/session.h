@@ -25,7 +25,7 @@ struct Failure {
 /// What ccvt-mpi knows of its ranks.
 class Session {
  public:
-  explicit Session(MpiRanks& ranks) : ranks_(ranks) {}
+  explicit Session(MpiRanks& ranks) : ranks_(ranks), ranks_here_(count_here()) {}
 
   [[nodiscard]] MpiRanks& ranks() const { return ranks_; }
   [[nodiscard]] bool is_first() const { return ranks_.rank() == 0; }
@@ -56,6 +56,12 @@ class Session {
     return arguments;
   }
 
+  /// Points, or what else a rank has so many of, of all ranks on its machine, if they have as many:
+  /// for what is said of memory.
+  [[nodiscard]] std::uint64_t on_machine(std::int64_t own) const {
+    return static_cast<std::uint64_t>(own) * static_cast<std::uint64_t>(ranks_here_);
+  }
+
   /// Calls `work` on each rank for itself. What it throws on one of them ends all, as a Failure.
   template <class Work>
   void together(const Work& work) const;
@@ -64,9 +70,11 @@ class Session {
   [[nodiscard]] cli::RankFigures figures() const;
 
  private:
-  [[nodiscard]] static int own_threads();
+  [[nodiscard]] static int count_here();
+  [[nodiscard]] int own_threads() const;
 
   MpiRanks& ranks_;
+  int ranks_here_;  ///< on this rank's machine
 };
 
 template <class Work>

@@ -27,6 +27,7 @@ void require_supported(const TessellateArguments& arguments) {
   if (!arguments.mass.file.empty()) refuse("--masses");
   if (!arguments.mass.column.empty()) refuse("--mass-column");
   require_npy("--owners-out", arguments.owners_out);
+  require_parts(arguments.points);
 }
 
 /// What a rank reads: its part of the points, and all else.
@@ -42,10 +43,10 @@ struct Inputs {
 };
 
 template <class Scalar>
-Inputs<Scalar> read_inputs(const Session::Share& share, const TessellateArguments& arguments,
-                           const PointsHeader& header) {
-  cli::check_memory(arguments.points.string(), static_cast<std::uint64_t>(share.size()),
-                    header.dimension, sizeof(Scalar));
+Inputs<Scalar> read_inputs(const Session& session, const Session::Share& share,
+                           const TessellateArguments& arguments, const PointsHeader& header) {
+  cli::check_memory(arguments.points.string(), session.on_machine(share.size()), header.dimension,
+                    sizeof(Scalar));
   Inputs<Scalar> read;
   read.domain = cli::make_domain(arguments, header.dimension);
   read.points = read_points<Scalar>(arguments.points, share.of(arguments.reading));
@@ -91,7 +92,7 @@ int tessellate_file(const Session& session, const TessellateArguments& arguments
   const Kept kept(session, arguments);
   const Session::Share share = session.share(static_cast<std::int64_t>(header.count));
   Inputs<Scalar> read;
-  session.together([&] { read = read_inputs<Scalar>(share, arguments, header); });
+  session.together([&] { read = read_inputs<Scalar>(session, share, arguments, header); });
   const Index sites = arguments.initial_sites.empty()
                           ? arguments.sites
                           : static_cast<Index>(read.initial_sites.cols());
@@ -120,6 +121,7 @@ int run_tessellate(const Session& session, const TessellateArguments& given) {
     require_supported(arguments);
     if (session.is_first()) cli::check_outputs(arguments);
     header = cli::inspect_and_tell(arguments.points, arguments.reading, arguments.quiet);
+    require_balanced(arguments, arguments.points.string(), header.dimension);
   });
   return arguments.scalar.value_or(header.scalar) == ScalarType::float32
              ? tessellate_file<float>(session, arguments, header)

@@ -67,12 +67,13 @@ void check_memory(const Session& session, const VolumeArguments& arguments, cons
                   const LayerRange& layers, std::size_t scalar_bytes) {
   const std::int64_t all = std::int64_t{arguments.sites} * arguments.points_per_site;
   if (all > INT32_MAX) {
-    cli::check_memory(arguments.sites, arguments.points_per_site, 3, 0);
+    cli::check_memory(arguments.sites, arguments.points_per_site, 3, scalar_bytes);
   }
   const std::uint64_t cells = headers.cells_of(layers.end - layers.begin);
   const std::uint64_t of_mask = headers.mask ? 1 + bytes_of(headers.mask->type) : 0;
-  cli::check_memory("--sites", static_cast<std::uint64_t>(session.share(all).size()), 3,
-                    scalar_bytes, cells * (bytes_of(headers.volume.type) + of_mask));
+  cli::check_memory("--sites", session.on_machine(session.share(all).size()), 3, scalar_bytes,
+                    session.on_machine(static_cast<std::int64_t>(
+                        cells * (bytes_of(headers.volume.type) + of_mask))));
 }
 
 Part read(const Session& session, const VolumeArguments& arguments, const Headers& headers,

@@ -211,13 +211,17 @@ def main():
         return Together(str(pathlib.Path(given.mpi[0]).resolve()), given.mpi[1], ranks, 1 + k % 2)
 
     commands = COMMANDS_OF_RANKS if given.mpi else COMMANDS
+    after_a_checkpoint = 0
     for name, line in commands.items():
         with tempfile.TemporaryDirectory() as folder:
             folder = pathlib.Path(folder)
             write_inputs(program, folder, chance)
             resumed = check(Runs(folder, line), ways_of_ranks if given.mpi else ways, given.kills, chance)
+            after_a_checkpoint += resumed
             print(f"{name}: {given.kills} kills, {resumed} after a first checkpoint: the same bits",
                   flush=True)
+    if after_a_checkpoint == 0:
+        sys.exit("all were killed before their first checkpoint: nothing was shown")
     if given.mpi:
         print(f"victims: {Together.victims}; all had ended after {Together.slowest_end:.1f} s at most")
 

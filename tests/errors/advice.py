@@ -49,7 +49,9 @@ ADVICE = {
     "src/domain.cpp": _PARAMETER,
     "src/mpi/kept.h": "Whoever started the ranks ended them, and what has been reached is kept: run the same "
                       "command again.",
+    "src/mpi/main.cpp": "Start all ranks with one command line, and one build of the program.",
     "src/mpi/mpi_ranks.cpp": "Take more ranks: each then sends less at a time.",
+    "src/mpi/results.cpp": _RANKS,
     "src/mpi/results.h": _RANKS,
     "src/mpi/session.h": "Take more ranks on more machines: each then holds less.",
     "src/mpi/shared_file.cpp": "All ranks need a file system that all of them see, with room.",

@@ -276,7 +276,23 @@ def faults():
     ends(together(3, "tessellate", "points.npy", *outputs), 2, "needs --sites")
     ends(together(3, "tessellate", "absent.npy", "--sites", "5", *outputs), 2, "absent.npy")
     ends(together(3, "sample", "--dim", "2", "--sites", "9", "-o", "none/bad.npy"), 2, "none")
-    ends(together(3, "sample", "--dim", "9", "--sites", "9", *outputs), 2, "initialization")
+    ends(together(3, "sample", "--dim", "9", "--sites", "9", *outputs), 2,
+         "--dim: has 9 dimensions; several processes know up to 8")
+    ends(together(2, "sample", "--dim", "2", "--sites", "9", "--preset", "fast-ccvt", *outputs), 2,
+         "--preset: 'fast-ccvt' does not start balanced")
+    pathlib.Path("points.csv").write_text("1,2\n3,4\n")
+    ends(together(2, "tessellate", "points.csv", "--sites", "2", *outputs), 2,
+         "points.csv: several processes read files in .npy, .fvecs and .bvecs")
+    first = ["-n", "1", TOGETHER, "sample", "--dim", "2", "--sites", "9", *outputs]
+    for second in (["--max-iterations", "3"], ["--bogus"], ["--seed", "2"]):
+        command = [given.mpirun, *first, ":", *first, *second]
+        ends(subprocess.run(command, capture_output=True, text=True, timeout=300), 2,
+             "rank 1 was started with other arguments than rank 0")
+    command = [given.mpirun, *first, ":", *first, "--threads", "2"]
+    alike = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    check(alike.returncode == 0, f"threads may differ: {alike.stderr}")
+    for name in ("bad-sites.npy", "bad-owners.npy"):
+        pathlib.Path(name).unlink()
     ends(together(2, "tessellate", "points.npy", "--sites", "40", "--whiten", *outputs), 2,
          "--whiten")
     ends(together(2, "sample", "--dim", "2", "--sites", "9", "-o", "bad-sites.npy", "--owners-out",
