@@ -101,11 +101,12 @@ TEST_CASE("A sample that says nothing of all codewords is refused, and so are ot
   const auto refused = [&](const CodebookOptions& options) {
     return message_of([&] { static_cast<void>(ccvt::train_codebook(points, 20, options)); });
   };
-  CHECK(refused({.train_sample = -1}) == "train_sample is -1: it must be 0 or more");
+  CHECK(refused({.train_sample = -1}) ==
+        "CodebookOptions::train_sample is -1: it must be 0 or more");
   CHECK(refused({.train_sample = 19}) ==
         "train_sample is 19: it must be 0, or at least the number of codewords, 20");
   CHECK(refused({.method = CodebookMethod::lloyd, .train_sample = 50}) ==
-        "train_sample is 50: it must be 0 but for exact");
+        "CodebookOptions::train_sample is 50: it must be 0 but for exact");
 }
 
 TEST_SUITE_END();
