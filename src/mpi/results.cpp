@@ -5,6 +5,7 @@
 #include "cli/outputs.h"
 #include "cli/streams.h"
 #include "number_text.h"
+#include "run.h"
 
 namespace ccvt::mpi {
 
@@ -17,10 +18,10 @@ void require_parts(const std::filesystem::path& path) {
 
 void require_balanced(const cli::CommonArguments& arguments, const std::string& source,
                       int dimension) {
-  constexpr int kMostDimensions = 8;
-  if (dimension > kMostDimensions) {
+  if (dimension > kBalancedDimensions) {
     throw InvalidInput(source + ": has " + std::to_string(dimension) +
-                       " dimensions; several processes know up to 8");
+                       " dimensions; several processes know up to " +
+                       std::to_string(kBalancedDimensions));
   }
   if (arguments.preset.empty()) return;
   const Initialization start = find_preset(arguments.preset).options.initialization;
