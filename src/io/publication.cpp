@@ -55,6 +55,9 @@ void Publication::publish() {
                     "; not written either: " + names(files, i + 1, files.size()));
     }
   }
+  // After all renames: a disk takes milliseconds for it, in which a killed process would leave some
+  // outputs old and some new.
+  for (const io::UnfinishedFile& file : files) file.keep_name();
 }
 
 std::filesystem::path Publication::unpublished(const std::filesystem::path& target) const {
@@ -70,6 +73,7 @@ namespace io {
 void publish(UnfinishedFile file) {
   if (innermost == nullptr) {
     file.publish();
+    file.keep_name();
   } else {
     innermost->files.push_back(std::move(file));
   }

@@ -36,7 +36,6 @@ std::string random_name() {
   throw IoError(target.string() + ": cannot be written: " + reason);
 }
 
-/// So that a new name of a file outlasts a power failure, on file systems that know of this.
 void sync_directory(const fs::path& directory) {
   const char* const name = directory.empty() ? "." : directory.c_str();
   const int descriptor = ::open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -150,8 +149,9 @@ int UnfinishedFile::take_descriptor() { return std::exchange(descriptor_, -1); }
 void UnfinishedFile::publish() {
   if (std::rename(path_.c_str(), final_.c_str()) != 0) fail(errno);
   drop();
-  sync_directory(final_.parent_path());
 }
+
+void UnfinishedFile::keep_name() const { sync_directory(final_.parent_path()); }
 
 void UnfinishedFile::fail(int error) const {
   fail_to_write(target_, std::generic_category().message(error));

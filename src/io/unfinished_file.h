@@ -30,8 +30,11 @@ class CCVT_EXPORT UnfinishedFile {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// The file, open for reading and writing. The caller closes it; to be called once.
   [[nodiscard]] int take_descriptor();
-  /// Renames. Throws IoError.
+  /// Renames, no more: who publishes several has no pause between them. Throws IoError.
   void publish();
+  /// So that the name of a published file outlasts a power failure, where the file system knows of
+  /// this.
+  void keep_name() const;
 
   /// Throws IoError: target cannot be written, for the reason that errno gives.
   [[noreturn]] void fail(int error) const;
