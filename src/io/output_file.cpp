@@ -61,6 +61,7 @@ void OutputFile::commit() {
 void OutputFile::commit_now() {
   close();
   unfinished_.publish();
+  unfinished_.keep_name();
 }
 
 }  // namespace ccvt::io
