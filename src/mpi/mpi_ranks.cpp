@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <climits>
 #include <cstddef>
 #include <cstring>
@@ -44,6 +46,13 @@ std::vector<Ranks::Bytes> unpack(const std::vector<Word>& words,
   }
   return messages;
 }
+
+/// A message of so many bytes, or the size of a longer one.
+constexpr std::size_t kShort = 56;
+struct Short {
+  std::uint64_t size;
+  std::array<std::byte, kShort> bytes;
+};
 
 /// Calls `work`, of which what fails fails on this rank alone.
 template <class Work>
@@ -93,19 +102,36 @@ std::vector<Ranks::Bytes> MpiRanks::gather(std::span<const std::byte> own) {
   return on_this_rank([&] {
     const Watch watch(traffic_.seconds);
     const auto ranks = static_cast<std::size_t>(count_);
-    const std::uint64_t size = own.size();
-    std::vector<std::uint64_t> sizes(ranks);
-    MPI_Allgather(&size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, communicator_);
-    std::vector<int> counts;
-    for (const std::uint64_t bytes : sizes) counts.push_back(words_for(bytes));
-    std::vector<Word> all(static_cast<std::size_t>(total_of(counts)));
-    const std::vector<int> places = places_of(counts);
-    std::vector<Word> mine(static_cast<std::size_t>(words_for(own.size())));
-    if (!own.empty()) std::memcpy(mine.data(), own.data(), own.size());
-    MPI_Allgatherv(mine.data(), words_for(own.size()), MPI_UINT64_T, all.data(), counts.data(),
-                   places.data(), MPI_UINT64_T, communicator_);
     ++traffic_.messages;
     traffic_.gathered_bytes += static_cast<std::int64_t>(own.size());
+    // Most messages are short: they come along with their sizes.
+    Short mine{own.size(), {}};
+    if (!own.empty() && own.size() <= kShort) {
+      std::memcpy(mine.bytes.data(), own.data(), own.size());
+    }
+    std::vector<Short> heads(ranks);
+    MPI_Allgather(&mine, sizeof(Short), MPI_BYTE, heads.data(), sizeof(Short), MPI_BYTE,
+                  communicator_);
+    if (std::all_of(heads.begin(), heads.end(), [](const Short& s) { return s.size <= kShort; })) {
+      std::vector<Bytes> messages;
+      for (const Short& head : heads) {
+        messages.emplace_back(head.bytes.begin(),
+                              head.bytes.begin() + static_cast<std::ptrdiff_t>(head.size));
+      }
+      return messages;
+    }
+    std::vector<std::uint64_t> sizes;
+    std::vector<int> counts;
+    for (const Short& head : heads) {
+      sizes.push_back(head.size);
+      counts.push_back(words_for(head.size));
+    }
+    std::vector<Word> all(static_cast<std::size_t>(total_of(counts)));
+    const std::vector<int> places = places_of(counts);
+    std::vector<Word> words(static_cast<std::size_t>(words_for(own.size())));
+    if (!own.empty()) std::memcpy(words.data(), own.data(), own.size());
+    MPI_Allgatherv(words.data(), words_for(own.size()), MPI_UINT64_T, all.data(), counts.data(),
+                   places.data(), MPI_UINT64_T, communicator_);
     return unpack(all, sizes, places);
   });
 }
