@@ -168,7 +168,7 @@ TEST_CASE("an even draw has every region's share") {
     sites.insert(sites.end(), {points(0, p), points(1, p)});
   }
   const Arena arena(2);
-  const auto drawn = ccvt::draw_evenly(view_points(points), sites, 1000, 3, arena);
+  const auto drawn = ccvt::draw_evenly<double>(view_points(points), sites, 1000, 3, arena);
   CHECK(drawn.size() == 1000);
   CHECK(std::set<Index>(drawn.begin(), drawn.end()).size() == 1000);
   const Eigen::Map<const Eigen::MatrixXd> all(sites.data(), 2, 7);
@@ -181,7 +181,7 @@ TEST_CASE("an even draw has every region's share") {
   for (Index p = 0; p < 6000; ++p) share[static_cast<std::size_t>(region(p))] += 1 / 6.0;
   for (const Index p : drawn) share[static_cast<std::size_t>(region(p))] -= 1;
   for (const double rest : share) CHECK(std::abs(rest) <= 1);
-  auto every = ccvt::draw_evenly(view_points(points), sites, 6000, 3, arena);
+  auto every = ccvt::draw_evenly<double>(view_points(points), sites, 6000, 3, arena);
   std::sort(every.begin(), every.end());
   std::vector<Index> numbers(6000);
   std::iota(numbers.begin(), numbers.end(), 0);

@@ -212,6 +212,36 @@ TEST_CASE("ranks: k-means is that of one process") {
   check_training(Points<float>(clouds<float>(2, 3000, 6).array() + 1e6F), 600, lloyd);
 }
 
+TEST_CASE("ranks: balanced codebooks are those of one process") {
+  const CodebookOptions exact{.effort = 0, .threads = 1, .seed = 3};
+  check_training(clouds<float>(2, 1201, 2), 40, exact);
+  check_training(clouds<float>(16, 1500, 2), 300, exact);
+  // Levels on samples, and what is near enough.
+  CodebookOptions near = exact;
+  near.gap = 1e-3;
+  near.tolerance = 1e-3;
+  near.threads = 2;
+  check_training(clouds<double>(3, 17'011, 2), 20, near);
+  // Bred seeds, at first on a sample.
+  CodebookOptions bred = near;
+  bred.effort = 4;
+  check_training(clouds<float>(2, 17'005, 6), 6, bred);
+  CodebookOptions sampled = near;
+  sampled.train_sample = 900;
+  check_training(clouds<float>(4, 3000, 7), 30, sampled);
+  CodebookOptions given = exact;
+  given.capacities = std::vector<Index>(30, 10);
+  given.capacities[3] = 1201 - 290;
+  check_training(clouds<float>(2, 1201, 2), 30, given);
+  const Points<float> vectors = clouds<float>(4, 1000, 6);
+  check_training(vectors, 50, exact, Points<double>(vectors.leftCols(50).cast<double>()));
+  CodebookOptions none = exact;
+  none.max_iterations = 0;
+  check_training(vectors, 50, none);
+  none.max_iterations = 3;
+  check_training(vectors, 50, none);
+}
+
 TEST_CASE("ranks: what training cannot do is thrown on all") {
   const Points<float> vectors = clouds<float>(2, 300, 1);
   const auto message = [&](const CodebookOptions& options, Index codewords) {
@@ -221,9 +251,9 @@ TEST_CASE("ranks: what training cannot do is thrown on all") {
     REQUIRE(messages.size() == 1);
     return *messages.begin();
   };
-  CHECK(message({}, 5) == "CodebookOptions::method is exact: several ranks train by lloyd only");
   CHECK(message({.method = CodebookMethod::pairwise}, 5) ==
-        "CodebookOptions::method is pairwise: several ranks train by lloyd only");
+        "CodebookOptions::method is pairwise: several ranks train by exact and by lloyd only");
+  CHECK(message({.capacities = std::vector<Index>(5, 50)}, 5).find("250") != std::string::npos);
   CHECK(message({.method = CodebookMethod::lloyd}, 301).find("301") != std::string::npos);
   CHECK(message({.method = CodebookMethod::lloyd, .gap = -1}, 5).find("gap is -1") !=
         std::string::npos);
@@ -231,10 +261,12 @@ TEST_CASE("ranks: what training cannot do is thrown on all") {
 
 TEST_CASE("ranks: one that ends training ends it for all") {
   const Points<float> vectors = clouds<float>(2, 3000, 1);
-  for (const bool asked : {false, true}) {
-    ThreadRanks(3).run([&](ccvt::Ranks& ranks) {
+  for (const auto& [method, asked] :
+       {std::pair(CodebookMethod::lloyd, false), std::pair(CodebookMethod::lloyd, true),
+        std::pair(CodebookMethod::exact, false), std::pair(CodebookMethod::exact, true)}) {
+    ThreadRanks(3).run([&, method = method, asked = asked](ccvt::Ranks& ranks) {
       int heard = 0;
-      CodebookOptions options{.method = CodebookMethod::lloyd, .threads = 1};
+      CodebookOptions options{.method = method, .effort = 0, .threads = 1};
       options.on_iteration = [&](const ccvt::IterationRecord&) {
         ++heard;
         return asked || ranks.rank() != 1 || heard < 3;
@@ -243,6 +275,7 @@ TEST_CASE("ranks: one that ends training ends it for all") {
       const Training training = train_codebook(ranks, own_of(ranks, vectors), 40, options);
       CHECK(training.summary.termination == ccvt::Termination::cancelled);
       CHECK(training.summary.iterations == 3);
+      if (method == CodebookMethod::exact) CHECK(training.summary.usage.largest == 75);
     });
   }
 }

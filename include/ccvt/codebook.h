@@ -263,12 +263,14 @@ Training train_codebook_from(const Eigen::DenseBase<Derived>& vectors,
 /// vectors; codes are those of a rank's own. Fewer than 2^31 vectors in all.
 ///
 ///     ccvt::MpiRanks ranks(MPI_COMM_WORLD);
-///     auto [codebook, codes_of_own, summary] = ccvt::train_codebook(
-///         ranks, ccvt::view_points(own), 256, {.method = ccvt::CodebookMethod::lloyd});
+///     auto [codebook, codes_of_own, summary] =
+///         ccvt::train_codebook(ranks, ccvt::view_points(own), 256);
 ///
-/// Vectors stay where they are; the samples that seeds come from, of some of them, are gathered on
-/// all ranks. `lloyd` only: other methods are InvalidInput. on_iteration and cancelled of each rank
-/// are asked after an iteration; where one wants to end, all do.
+/// Vectors stay where they are; samples are gathered on all ranks: those that seeds come from; for
+/// `exact` what pairs exchange before the first assignment, 32 a codeword or 8192 vectors, all of
+/// them where there are not twice as many; and 1024 a codeword where codebooks are bred. `exact`
+/// and `lloyd` only: `pairwise` is InvalidInput. on_iteration and cancelled of each rank are asked
+/// after an iteration; where one wants to end, all do, `exact` after one more assignment.
 template <class Scalar>
 CCVT_EXPORT Training train_codebook(Ranks& ranks, PointsView<Scalar> own, Index codewords,
                                     const CodebookOptions& options);

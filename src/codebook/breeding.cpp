@@ -64,37 +64,46 @@ constexpr double kAlike = 1e-4;
 template <class Scalar>
 class Source {
  public:
-  Source(PointsView<Scalar> points, Index sites, std::uint64_t seed, const Arena& arena)
-      : points_(points),
+  Source(const Vectors<Scalar>& vectors, Index sites, std::uint64_t seed, const Arena& arena)
+      : count_(vectors.count()),
         sites_(sites),
         arena_(arena),
         seed_(seed),
-        chosen_(draw_distinct(size(kSource), points.count, seed, streams::codebook_sample)),
-        all_(sample_of(points, std::span<const Index>(chosen_))),
-        middles_(plus_plus_in_rounds(
-            view_points(all_.points),
-            static_cast<Index>(std::min<std::int64_t>(size(kFirstSample),
-                                                      regions_per_site(points.dimension) * sites)),
-            seed, streams::codebook_breeding, arena)) {}
+        points_(vectors.own()),
+        chosen_(draw_distinct(size(kSource), count_, seed, streams::codebook_sample)) {
+    if (vectors.part().ranks != nullptr) {
+      gathered_ = vectors.chosen(chosen_);
+      points_ = view_points(gathered_);
+      std::iota(chosen_.begin(), chosen_.end(), 0);
+    }
+    all_ = sample_of(points_, std::span<const Index>(chosen_));
+    const std::int64_t regions = regions_per_site(points_.dimension) * sites;
+    middles_ =
+        plus_plus_in_rounds(view_points(all_.points),
+                            static_cast<Index>(std::min<std::int64_t>(size(kFirstSample), regions)),
+                            seed, streams::codebook_breeding, arena);
+  }
 
   /// So many points a site, the same share of each region.
   [[nodiscard]] Sample sample(std::int64_t per_site) const {
     std::vector<Index> numbers =
-        draw_evenly(view_points(all_.points), middles_, size(per_site), seed_, arena_);
+        draw_evenly<float>(view_points(all_.points), middles_, size(per_site), seed_, arena_);
     for (Index& number : numbers) number = chosen_[static_cast<std::size_t>(number)];
     return sample_of(points_, std::span<const Index>(numbers));
   }
   [[nodiscard]] Index size(std::int64_t per_site) const {
     return static_cast<Index>(
-        std::min<std::int64_t>(points_.count, std::max(kLeastSample, per_site * sites_)));
+        std::min<std::int64_t>(count_, std::max(kLeastSample, per_site * sites_)));
   }
 
  private:
-  PointsView<Scalar> points_;
+  Index count_;  ///< of all ranks
   Index sites_;
   const Arena& arena_;
   std::uint64_t seed_;
-  std::vector<Index> chosen_;
+  Points<Scalar> gathered_;    ///< of several ranks, what samples are taken from
+  PointsView<Scalar> points_;  ///< that, or all
+  std::vector<Index> chosen_;  ///< among `points_`
   Sample all_;
   std::vector<double> middles_;
 };
@@ -359,11 +368,11 @@ int usual_effort(Index sites, int dimension) {
 }
 
 template <class Scalar>
-BredSites breed_sites(PointsView<Scalar> points, std::span<const Index> capacities,
+BredSites breed_sites(const Vectors<Scalar>& points, std::span<const Index> capacities,
                       const Breeding& breeding, const Arena& arena) {
   const auto breeder = [&](Sample sample, std::optional<Breeder>& made) {
     const auto count = static_cast<Index>(sample.points.cols());
-    made.emplace(std::move(sample), share_capacities(capacities, points.count, count), breeding,
+    made.emplace(std::move(sample), share_capacities(capacities, points.count(), count), breeding,
                  arena);
   };
   std::optional<Breeder> first;
@@ -389,9 +398,9 @@ BredSites breed_sites(PointsView<Scalar> points, std::span<const Index> capaciti
   return (best ? last : first)->found().front();
 }
 
-template BredSites breed_sites(PointsView<float>, std::span<const Index>, const Breeding&,
+template BredSites breed_sites(const Vectors<float>&, std::span<const Index>, const Breeding&,
                                const Arena&);
-template BredSites breed_sites(PointsView<double>, std::span<const Index>, const Breeding&,
+template BredSites breed_sites(const Vectors<double>&, std::span<const Index>, const Breeding&,
                                const Arena&);
 
 }  // namespace ccvt

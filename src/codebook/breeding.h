@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ccvt/types.h"
+#include "codebook/vectors.h"
 #include "parallel/arena.h"
 
 namespace ccvt {
@@ -38,9 +39,10 @@ int usual_effort(Index sites, int dimension);
 /// the arena is still on.
 ///
 /// `capacities` sum to the number of points. O((seedings + children) iterations n^2 D), and for the
-/// samples O(n^2 D) too, with a factor of thousands: points times regions.
+/// samples O(n^2 D) too, with a factor of thousands: points times regions. Of several ranks, all
+/// call it with an arena that has none, and each breeds the same, on points that all get.
 template <class Scalar>
-BredSites breed_sites(PointsView<Scalar> points, std::span<const Index> capacities,
+BredSites breed_sites(const Vectors<Scalar>& points, std::span<const Index> capacities,
                       const Breeding& breeding, const Arena& arena);
 
 }  // namespace ccvt

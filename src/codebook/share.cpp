@@ -1,12 +1,16 @@
 #include "codebook/share.h"
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
+#include "cell_sizes.h"
 #include "codebook/centroids.h"
 #include "codebook/linkage.h"
 #include "codebook/seeding.h"
 #include "geometry/chosen_points.h"
 #include "numbers.h"
+#include "parallel/together.h"
 #include "random.h"
 #include "schedule/tiling.h"
 #include "streams.h"
@@ -65,24 +69,39 @@ std::vector<Index> level_sizes(Index vectors, Index codewords) {
 }
 
 template <class Scalar>
-std::vector<Index> draw_evenly(PointsView<Scalar> points, const std::vector<double>& sites,
+std::vector<Index> draw_evenly(const Vectors<Scalar>& points, const std::vector<double>& sites,
                                Index count, std::uint64_t seed, const Arena& arena) {
-  const Metric metric(points.dimension, Domain());
-  const Grouping regions(nearest_owners(metric, points, sites, arena),
-                         sites.size() / static_cast<std::size_t>(points.dimension));
+  const auto& [ranks, first] = points.part();
+  const Metric metric(points.dimension(), Domain());
+  const std::size_t n = sites.size() / static_cast<std::size_t>(points.dimension());
+  const std::vector<Index> owners =
+      nearest_owners(metric, points.own(), sites, arena, points.part());
+  const Grouping regions(owners, n);
+  const std::vector<Index> sizes = joined(ranks, cell_sizes(owners, n));  // of each rank's regions
   Random random(seed, streams::codebook_levels);
-  std::vector<PointNumber> ordered;
-  ordered.reserve(regions.order.size());
-  for (const SiteNumber s : linkage_order(sites, points.dimension, arena)) {
-    const std::size_t begin = ordered.size();
-    ordered.insert(ordered.end(), regions.of(s).begin(), regions.of(s).end());
-    random.shuffle(std::span(ordered).subspan(begin));  // the points' own order may be periodic
-  }
   std::vector<Index> chosen;
-  chosen.reserve(static_cast<std::size_t>(count));
-  for (std::int64_t k = 0; k < count; ++k) {
-    const std::int64_t place = (2 * k + 1) * points.count / (2 * std::int64_t{count});
-    chosen.push_back(ordered[static_cast<std::size_t>(place)].index());
+  std::int64_t before = 0;
+  std::int64_t taken = 0;
+  const auto place = [&] { return (2 * taken + 1) * points.count() / (2 * std::int64_t{count}); };
+  for (const SiteNumber s : linkage_order(sites, points.dimension(), arena)) {
+    Index lower = 0;  // members on lower ranks
+    Index size = 0;
+    for (std::size_t rank = 0; rank * n < sizes.size(); ++rank) {
+      const Index here = sizes[rank * n + s];
+      if (ranks != nullptr && std::cmp_less(rank, ranks->rank())) lower += here;
+      size += here;
+    }
+    std::vector<Index> order(static_cast<std::size_t>(size));
+    std::iota(order.begin(), order.end(), 0);
+    random.shuffle(std::span(order));  // the points' own order may be periodic
+    for (; taken < count && place() < before + size; ++taken) {
+      const Index member = order[static_cast<std::size_t>(place() - before)] - lower;
+      const auto own = regions.of(s);
+      if (member < 0 || std::cmp_greater_equal(member, own.size())) continue;
+      const Index p = own[static_cast<std::size_t>(member)].index();
+      chosen.push_back(static_cast<Index>(first) + p);
+    }
+    before += size;
   }
   return chosen;
 }
@@ -112,9 +131,9 @@ std::vector<double> share_sites(PointsView<Scalar> points, const std::vector<dou
   return shared;
 }
 
-template std::vector<Index> draw_evenly(PointsView<float>, const std::vector<double>&, Index,
+template std::vector<Index> draw_evenly(const Vectors<float>&, const std::vector<double>&, Index,
                                         std::uint64_t, const Arena&);
-template std::vector<Index> draw_evenly(PointsView<double>, const std::vector<double>&, Index,
+template std::vector<Index> draw_evenly(const Vectors<double>&, const std::vector<double>&, Index,
                                         std::uint64_t, const Arena&);
 template std::vector<double> share_sites(PointsView<float>, const std::vector<double>&,
                                          std::span<const Index>, std::uint64_t, const Arena&);

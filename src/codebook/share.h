@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ccvt/types.h"
+#include "codebook/vectors.h"
 #include "parallel/arena.h"
 
 namespace ccvt {
@@ -18,10 +19,10 @@ std::vector<Index> level_sizes(Index vectors, Index codewords);
 
 /// `count` distinct numbers of points, of each region the same share but for rounding: the points
 /// are put into an order by region, random in each, and every (m / count)-th is taken. A region is
-/// the cell of a site, or of several that are near each other. O(m n D) at worst, and what
-/// linkage_order() takes.
+/// the cell of a site, or of several that are near each other. Of several ranks, each gets its own
+/// points' numbers, among all. O(m n D) at worst, and what linkage_order() takes.
 template <class Scalar>
-std::vector<Index> draw_evenly(PointsView<Scalar> points, const std::vector<double>& sites,
+std::vector<Index> draw_evenly(const Vectors<Scalar>& points, const std::vector<double>& sites,
                                Index count, std::uint64_t seed, const Arena& arena);
 
 /// Sites where capacities want them: as many in a region as its points fill. `sites`, one after the

@@ -33,9 +33,9 @@ double seconds_since(Clock::time_point start) {
 
 /// Throws InvalidInput for what several ranks cannot do.
 void require_for_ranks(const CodebookOptions& options) {
-  if (options.method == CodebookMethod::lloyd) return;
-  throw InvalidInput("CodebookOptions::method is " + std::string(to_string(options.method)) +
-                     ": several ranks train by lloyd only");
+  if (options.method != CodebookMethod::pairwise) return;
+  throw InvalidInput(
+      "CodebookOptions::method is pairwise: several ranks train by exact and by lloyd only");
 }
 
 void check_given(const Columns<double>& codewords, int dimension, const CodebookOptions& options) {
@@ -63,7 +63,7 @@ void Trainer<Scalar>::seed() {
   const bool usual = breeding.seedings > 1 && !breeding.random;
   breeding.children = options_.effort.value_or(usual ? usual_effort(n, vectors_.dimension) : 0);
   if (breeding.children > 0 && n > 1 && options_.method != CodebookMethod::lloyd) {
-    BredSites bred = breed_sites(vectors_, problem_.capacities(), breeding, arena_);
+    BredSites bred = bred_sites(breeding);
     if (!bred.sites.empty()) {
       sites_ = std::move(bred.sites);
       if (options_.method == CodebookMethod::exact) weights_ = std::move(bred.weights);
@@ -74,6 +74,15 @@ void Trainer<Scalar>::seed() {
   }
   const auto choose = breeding.random ? draw_sites<Scalar> : seed_sites<Scalar>;
   sites_ = choose(source_, n, options_.restarts, options_.seed, arena_);
+}
+
+/// Of several ranks, each does it all.
+template <class Scalar>
+BredSites Trainer<Scalar>::bred_sites(const Breeding& breeding) {
+  arena_.divide_among(nullptr);
+  BredSites bred = breed_sites(source_, problem_.capacities(), breeding, arena_);
+  arena_.divide_among(problem_.ranks());
+  return bred;
 }
 
 /// Reports an iteration; false when training ends with it.
@@ -140,10 +149,26 @@ bool Trainer<Scalar>::go_on(Index vectors, double energy, std::int64_t moved) {
 }
 
 /// Exchanges between pairs of cells and centroids in turn, from the sites; before that, seeds go
-/// where capacities want them.
+/// where capacities want them. Of several ranks, each does it for all these vectors, and then has
+/// the owners of its own.
 template <class Scalar>
-void Trainer<Scalar>::exchange_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities,
+void Trainer<Scalar>::exchange_pairs(const Vectors<Scalar>& vectors, std::vector<Index> capacities,
                                      double tolerance) {
+  const auto& [ranks, first] = vectors.part();
+  if (ranks == nullptr) {
+    return exchange_all_pairs(vectors.own(), std::move(capacities), tolerance);
+  }
+  const Points<Scalar> all = vectors.all();
+  arena_.divide_among(nullptr);
+  exchange_all_pairs(view_points(all), std::move(capacities), tolerance);
+  arena_.divide_among(ranks);
+  const auto own = owners_.begin() + first;
+  owners_ = std::vector<Index>(own, own + vectors.own().count);
+}
+
+template <class Scalar>
+void Trainer<Scalar>::exchange_all_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities,
+                                         double tolerance) {
   if (!placed_ && options_.seeding == Seeding::kmeans_plus_plus) {
     sites_ = share_sites(vectors, sites_, capacities, options_.seed, arena_);
   }
@@ -156,7 +181,7 @@ void Trainer<Scalar>::exchange_pairs(PointsView<Scalar> vectors, std::vector<Ind
     record.progress = progress_.reach(record.progress);
     return go_on(record);
   };
-  options.cancelled = options_.cancelled;
+  if (problem_.ranks() == nullptr) options.cancelled = options_.cancelled;  // ranks end together
   options.multilevel = false;  // the seeds are better than what a coarse level would make of them
   PairwiseCells cells = pairwise_cells(vectors, sites_, std::move(capacities), options, arena_);
   if (!ended()) summary_.termination = cells.termination;
@@ -168,7 +193,7 @@ void Trainer<Scalar>::exchange_pairs(PointsView<Scalar> vectors, std::vector<Ind
 template <class Scalar>
 void Trainer<Scalar>::pairwise() {
   progress_.begin(1);
-  exchange_pairs(vectors_, problem_.capacities(), options_.tolerance);
+  exchange_pairs(source_, problem_.capacities(), options_.tolerance);
   stop_.off();
 }
 
@@ -198,8 +223,12 @@ void Trainer<Scalar>::settle_for_less() {
   if (options_.method == CodebookMethod::lloyd && all) return;
   owners_ = std::move(met_);
   if (!owners_.empty()) return;
+  std::int64_t before = 0;  // of all ranks' vectors, those dealt out
   for (const SiteNumber s : sites_below(problem_.site_count())) {
-    std::fill_n(std::back_inserter(owners_), problem_.capacities()[s], s.index());
+    const std::int64_t begin = std::max(before, source_.part().first);
+    before += problem_.capacities()[s];
+    const std::int64_t end = std::min(before, source_.part().first + vectors_.count);
+    if (begin < end) std::fill_n(std::back_inserter(owners_), end - begin, s.index());
   }
 }
 
@@ -207,10 +236,10 @@ void Trainer<Scalar>::settle_for_less() {
 template <class Scalar>
 void Trainer<Scalar>::end_cancelled() {
   if (options_.method != CodebookMethod::exact) return settle_for_less();
-  stop_.allow(kTimeToFinish);
+  if (problem_.ranks() == nullptr) stop_.allow(kTimeToFinish);  // ranks would not end alike
   try {
-    if (std::cmp_not_equal(owners_.size(), vectors_.count)) {
-      owners_ = nearest_owners(metric_, vectors_, sites_, arena_);
+    if (any(problem_.ranks(), std::cmp_not_equal(owners_.size(), vectors_.count))) {
+      owners_ = nearest_owners(metric_, vectors_, sites_, arena_, source_.part());
     }
     prove();
   } catch (const Stopped&) {

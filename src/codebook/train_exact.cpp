@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "exact/assignment.h"
 #include "exact/pricing.h"
 #include "geometry/chosen_points.h"
+#include "parallel/together.h"
 #include "streams.h"
 
 namespace ccvt {
@@ -31,12 +33,12 @@ constexpr double kStartWork = 0.5;
 /// What exact assignments start from where no codewords are given. `work`: of all the training, in
 /// vectors of levels.
 template <class Scalar>
-void Trainer<Scalar>::start_exact(PointsView<Scalar> vectors, std::vector<Index> capacities,
+void Trainer<Scalar>::start_exact(const Vectors<Scalar>& vectors, std::vector<Index> capacities,
                                   double work) {
-  progress_.begin(kStartWork * vectors.count / work);
-  if (capacities.empty()) capacities = equal_capacities(vectors.count, problem_.site_count());
+  progress_.begin(kStartWork * vectors.count() / work);
+  if (capacities.empty()) capacities = equal_capacities(vectors.count(), problem_.site_count());
   exchange_pairs(vectors, std::move(capacities), kStartTolerance);
-  if (vectors.count == vectors_.count) met_ = owners_;
+  if (vectors.count() == source_.count()) met_ = owners_;
   if (summary_.termination == Termination::cancelled) throw Stopped();
   if (summary_.termination != Termination::iteration_limit) {
     summary_.termination = Termination::running;
@@ -46,18 +48,20 @@ void Trainer<Scalar>::start_exact(PointsView<Scalar> vectors, std::vector<Index>
 /// Exact assignments and centroids in turn. On the finest level until the assignment is optimal, or
 /// within the gap of that, for the centroids of its own cells.
 template <class Scalar>
-void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities,
+void Trainer<Scalar>::exact_level(const Vectors<Scalar>& vectors, std::vector<Index> capacities,
                                   double work) {
-  const bool finest = vectors.count == trained_on();
-  progress_.begin(vectors.count / work);
+  const Index m = vectors.count();
+  Ranks* const ranks = vectors.part().ranks;
+  const bool finest = m == trained_on();
+  progress_.begin(m / work);
   const Index n = problem_.site_count();
-  ExactAssignment<Scalar> assignment(metric_, vectors, n, std::move(capacities), arena_,
-                                     options_.gap);
+  ExactAssignment<Scalar> assignment(metric_, vectors.own(), n, std::move(capacities), arena_,
+                                     options_.gap, vectors.part());
   using Round = typename ExactAssignment<Scalar>::Round;
-  if (std::cmp_not_equal(owners_.size(), vectors.count)) {
-    owners_ = nearest_owners(metric_, vectors, sites_, arena_);
+  if (any(ranks, std::cmp_not_equal(owners_.size(), vectors.own().count))) {
+    owners_ = nearest_owners(metric_, vectors.own(), sites_, arena_, vectors.part());
   }
-  const double tolerance = finest ? options_.tolerance : kLevelTolerance * n / vectors.count;
+  const double tolerance = finest ? options_.tolerance : kLevelTolerance * n / m;
   double before = std::numeric_limits<double>::infinity();
   bool assigned = false;  // the owners meet the capacities, and the sites are their centroids
   while (!ended()) {
@@ -76,22 +80,37 @@ void Trainer<Scalar>::exact_level(PointsView<Scalar> vectors, std::vector<Index>
     std::vector<std::uint8_t> changed;
     if (assigned) {
       before = energy;
-      changed = changed_cells(given, owners_, weights_.size());
+      changed = changed_cells(given, owners_, weights_.size(), ranks);
     }
     assigned = true;
-    if (vectors.count == vectors_.count) met_ = owners_;
+    if (m == source_.count()) met_ = owners_;
     std::int64_t moved = 0;
     for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
-    if (!go_on(vectors.count, energy, moved)) break;
-    move_to_centroids(metric_, vectors, Grouping(owners_, weights_.size()), arena_, sites_,
-                      changed);
+    if (!go_on(m, energy, total(ranks, moved))) break;
+    move_to_centroids(metric_, vectors.own(), Grouping(owners_, weights_.size()), arena_, sites_,
+                      changed, ranks);
   }
+}
+
+/// A sample to train on; of several ranks, each has the vectors that are its own.
+template <class Scalar>
+Points<Scalar> Trainer<Scalar>::level(Index count) const {
+  std::vector<Index> numbers;
+  if (bred_) {
+    // What was bred fits the shares of the clouds, which a sample that has others would undo.
+    numbers = draw_evenly(source_, sites_, count, options_.seed, arena_);
+    std::sort(numbers.begin(), numbers.end());
+  } else {
+    numbers = draw_distinct(count, source_.count(), options_.seed, streams::codebook_levels);
+  }
+  return chosen_points(vectors_, source_.own_of(numbers));
 }
 
 /// Level by level, each on a sample; the finest on all vectors, or on the sample asked for.
 template <class Scalar>
 void Trainer<Scalar>::exact() {
-  const Index m = vectors_.count;
+  const Index m = source_.count();
+  Ranks* const ranks = problem_.ranks();
   const bool all = trained_on() == m;
   const auto& capacities = options_.capacities;
   std::vector<Index> counts = level_sizes(trained_on(), problem_.site_count());
@@ -102,20 +121,19 @@ void Trainer<Scalar>::exact() {
   for (const Index count : counts) {
     if (ended()) break;
     arena_.check();
-    // What was bred fits the shares of the clouds, which a sample that has others would undo.
-    const Points<Scalar> sample = chosen_points(
-        vectors_, bred_ ? draw_evenly(vectors_, sites_, count, options_.seed, arena_)
-                        : draw_distinct(count, m, options_.seed, streams::codebook_levels));
+    const Points<Scalar> own = level(count);
+    const Vectors<Scalar> sample(view_points(own), ranks);
     const std::vector<Index> shares = share_capacities(capacities, m, count);
-    if (!placed_ && count == counts.front()) start_exact(view_points(sample), shares, work);
-    exact_level(view_points(sample), shares, work);
+    if (!placed_ && count == counts.front()) start_exact(sample, shares, work);
+    exact_level(sample, shares, work);
   }
-  if (!placed_ && counts.empty() && !ended()) start_exact(vectors_, capacities, work);
+  if (!placed_ && counts.empty() && !ended()) start_exact(source_, capacities, work);
   if (summary_.termination == Termination::cancelled) throw Stopped();
   if (all) {
-    exact_level(vectors_, capacities, work);
+    exact_level(source_, capacities, work);
   } else {
-    owners_ = Pricer<Scalar>(metric_, vectors_, arena_).cheapest({sites_, weights_});
+    owners_ =
+        Pricer<Scalar>(metric_, vectors_, arena_, source_.part()).cheapest({sites_, weights_});
   }
   if (summary_.termination == Termination::cancelled) throw Stopped();
   prove();
@@ -125,7 +143,7 @@ void Trainer<Scalar>::exact() {
 template <class Scalar>
 void Trainer<Scalar>::prove() {
   ExactAssignment<Scalar> assignment(metric_, vectors_, problem_.site_count(), options_.capacities,
-                                     arena_, options_.gap);
+                                     arena_, options_.gap, source_.part());
   const Certificate certificate = assignment.solve(sites_, weights_, owners_);
   summary_.gap = certificate.energy > 0 ? std::min(1.0, certificate.gap / certificate.energy) : 0;
 }

@@ -9,6 +9,7 @@
 
 #include "ccvt/codebook.h"
 #include "ccvt/problem.h"
+#include "codebook/breeding.h"
 #include "codebook/progress.h"
 #include "codebook/vectors.h"
 #include "geometry/metric.h"
@@ -59,18 +60,23 @@ class Trainer {
   void settle_for_less();
   void lloyd();
   void pairwise();
-  void exchange_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities, double tolerance);
-  void start_exact(PointsView<Scalar> vectors, std::vector<Index> capacities, double work);
+  BredSites bred_sites(const Breeding& breeding);
+  void exchange_pairs(const Vectors<Scalar>& vectors, std::vector<Index> capacities,
+                      double tolerance);
+  void exchange_all_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities,
+                          double tolerance);
+  void start_exact(const Vectors<Scalar>& vectors, std::vector<Index> capacities, double work);
   void exact();
-  void exact_level(PointsView<Scalar> vectors, std::vector<Index> capacities, double work);
+  void exact_level(const Vectors<Scalar>& vectors, std::vector<Index> capacities, double work);
+  [[nodiscard]] Points<Scalar> level(Index count) const;
   bool go_on(IterationRecord record);
   bool go_on(Index vectors, double energy, std::int64_t moved);
   bool cancelled(const IterationRecord& record);
   void sum_up(const Codebook& codebook);
   /// Vectors of the finest level.
   [[nodiscard]] Index trained_on() const {
-    return options_.train_sample > 0 ? std::min(options_.train_sample, vectors_.count)
-                                     : vectors_.count;
+    return options_.train_sample > 0 ? std::min(options_.train_sample, source_.count())
+                                     : source_.count();
   }
   bool ended() const { return summary_.termination != Termination::running; }
 

@@ -1,8 +1,10 @@
 #include "codebook/vectors.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cstddef>
+#include <cstdint>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "geometry/chosen_points.h"
@@ -10,23 +12,55 @@
 
 namespace ccvt {
 
+namespace {
+
+/// The points of all ranks, one rank's after the other's.
 template <class Scalar>
-Points<Scalar> Vectors<Scalar>::chosen(std::span<const Index> numbers) const {
-  if (part_.ranks == nullptr) return chosen_points(own_, numbers);
-  std::vector<Index> here;  // by their numbers on this rank
-  for (const Index number : numbers) {
-    const std::int64_t place = number - part_.first;
-    if (place >= 0 && place < own_.count) here.push_back(static_cast<Index>(place));
-  }
-  const Points<Scalar> found = chosen_points(own_, here);
-  const std::span<const Scalar> coordinates(found.data(), static_cast<std::size_t>(found.size()));
-  Points<Scalar> all(own_.dimension, static_cast<Eigen::Index>(numbers.size()));
+Points<Scalar> gathered(Ranks& ranks, const Points<Scalar>& own, Index count) {
+  const std::span<const Scalar> coordinates(own.data(), static_cast<std::size_t>(own.size()));
+  Points<Scalar> all(own.rows(), count);
   auto* next = reinterpret_cast<std::byte*>(all.data());
-  // Numbers ascend from rank to rank.
-  for (const Ranks::Bytes& bytes : part_.ranks->gather(std::as_bytes(coordinates))) {
+  for (const Ranks::Bytes& bytes : ranks.gather(std::as_bytes(coordinates))) {
     next = std::copy(bytes.begin(), bytes.end(), next);
   }
   return all;
+}
+
+}  // namespace
+
+template <class Scalar>
+Vectors<Scalar>::Vectors(PointsView<Scalar> own, Ranks* ranks) : own_(own), count_(0) {
+  std::int64_t before = 0;
+  const std::vector<std::int64_t> counts = of_all(ranks, std::int64_t{own.count});
+  for (std::size_t rank = 0; rank < counts.size(); ++rank) {
+    if (ranks != nullptr && std::cmp_less(rank, ranks->rank())) before += counts[rank];
+    count_ += static_cast<Index>(counts[rank]);
+  }
+  part_ = {ranks, before};
+}
+
+template <class Scalar>
+std::vector<Index> Vectors<Scalar>::own_of(std::span<const Index> numbers) const {
+  const auto begin = std::lower_bound(numbers.begin(), numbers.end(), part_.first);
+  const auto end = std::lower_bound(begin, numbers.end(), part_.first + own_.count);
+  std::vector<Index> here(begin, end);
+  for (Index& number : here) number -= static_cast<Index>(part_.first);
+  return here;
+}
+
+template <class Scalar>
+Points<Scalar> Vectors<Scalar>::chosen(std::span<const Index> numbers) const {
+  const Points<Scalar> found = chosen_points(own_, own_of(numbers));
+  if (part_.ranks == nullptr) return found;
+  return gathered(*part_.ranks, found, static_cast<Index>(numbers.size()));
+}
+
+template <class Scalar>
+Points<Scalar> Vectors<Scalar>::all() const {
+  std::vector<Index> own(static_cast<std::size_t>(own_.count));
+  std::iota(own.begin(), own.end(), 0);
+  const Points<Scalar> found = chosen_points(own_, own);
+  return part_.ranks == nullptr ? found : gathered(*part_.ranks, found, count_);
 }
 
 template <class Scalar>

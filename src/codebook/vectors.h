@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "ccvt/problem.h"
 #include "ccvt/types.h"
@@ -19,16 +20,22 @@ class Vectors {
       : own_(problem.own_points()),
         count_(problem.point_count()),
         part_{problem.ranks(), problem.first_own_point()} {}
+  /// Of several ranks, those of this one. All make the same call.
+  Vectors(PointsView<Scalar> own, Ranks* ranks);
 
   [[nodiscard]] Index count() const { return count_; }
   [[nodiscard]] int dimension() const { return own_.dimension; }
   /// Of this rank; without ranks, all.
   [[nodiscard]] const PointsView<Scalar>& own() const { return own_; }
   [[nodiscard]] const RankPart& part() const { return part_; }
+  /// Of these numbers, which ascend, those of this rank, by their numbers here.
+  [[nodiscard]] std::vector<Index> own_of(std::span<const Index> numbers) const;
 
   /// A copy of those with these numbers, which ascend. Of several ranks, all ask for the same, and
   /// all get them all.
   [[nodiscard]] Points<Scalar> chosen(std::span<const Index> numbers) const;
+  /// A copy of all, on all ranks.
+  [[nodiscard]] Points<Scalar> all() const;
   /// The sample of them.
   [[nodiscard]] Sample sample(std::span<const Index> numbers) const;
 

@@ -8,6 +8,7 @@
 
 #include "ccvt/capacity.h"
 #include "cell_sizes.h"
+#include "parallel/together.h"
 
 namespace ccvt {
 namespace {
@@ -20,25 +21,29 @@ constexpr double kUnmet = std::numeric_limits<double>::infinity();
 template <class Scalar>
 ExactAssignment<Scalar>::ExactAssignment(const Metric& metric, PointsView<Scalar> points,
                                          Index sites, std::vector<Index> capacities,
-                                         const Arena& arena, double gap)
+                                         const Arena& arena, double gap, const RankPart& part)
     : metric_(metric),
       points_(points),
       capacities_(std::move(capacities)),
       floating_(capacities_.empty()),
       arena_(arena),
-      pricer_(metric, points, arena),
+      part_(part),
+      count_(static_cast<Index>(total(part.ranks, points.count))),
+      pricer_(metric, points, arena, part),
       gap_(gap) {
-  if (floating_) capacities_ = equal_capacities(points.count, sites);
+  if (floating_) capacities_ = equal_capacities(count_, sites);
   const auto count = static_cast<std::size_t>(sites);
   if (CellBounds::fit(metric, count)) kept_.emplace(static_cast<std::size_t>(points.count), count);
-  fewer_ = points.count / sites;
-  larger_ = points.count % sites;
+  fewer_ = count_ / sites;
+  larger_ = count_ % sites;
   for (Index p = 0; p < points.count; ++p) {
     for (int d = 0; d < points.dimension; ++d) {
       const double x = points[p][d];
       largest_coordinate_ = std::max(largest_coordinate_, std::abs(x));
     }
   }
+  const std::vector<double> largest = of_all(part.ranks, largest_coordinate_);
+  largest_coordinate_ = *std::max_element(largest.begin(), largest.end());
 }
 
 /// Gives the larger capacities to the sites of least weight.
@@ -59,7 +64,7 @@ void ExactAssignment<Scalar>::float_capacities(const std::vector<double>& weight
 template <class Scalar>
 double ExactAssignment<Scalar>::capacity_gap(const std::vector<double>& weights,
                                              const std::vector<Index>& owners) const {
-  const std::vector<Index> sizes = cell_sizes(owners, weights.size());
+  const std::vector<Index> sizes = summed(part_.ranks, cell_sizes(owners, weights.size()));
   // Excesses sum to zero, so weights count by their differences; the sum is better off with those.
   const double lowest = *std::min_element(weights.begin(), weights.end());
   double gap = 0;
@@ -76,7 +81,7 @@ double ExactAssignment<Scalar>::capacity_gap(const std::vector<double>& weights,
 template <class Scalar>
 double ExactAssignment<Scalar>::rounding(double energy, const std::vector<double>& weights) const {
   const auto [low, high] = std::minmax_element(weights.begin(), weights.end());
-  const double m = points_.count;
+  const double m = count_;
   const double distances = largest_coordinate_ * std::sqrt(points_.dimension * m * energy);
   const double underflow = m * points_.dimension * std::numeric_limits<double>::min();
   return 1e-15 * (points_.dimension * energy + m * (*high - *low) + distances) + underflow;
@@ -99,7 +104,7 @@ auto ExactAssignment<Scalar>::improve(std::span<const double> sites, std::vector
     return Round::optimal;
   }
   SquaredDistances<Scalar> costs(metric_, points_, sites);
-  ExchangeGraph graph(capacities_, floating_, owners, weights, costs, kept);
+  ExchangeGraph graph(capacities_, floating_, owners, weights, costs, kept, part_);
   if (kept_) kept_->invalidate();
   graph.settle(arena_);
   if (kept_) kept_->include_all(owners, costs, arena_);

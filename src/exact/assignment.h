@@ -10,6 +10,7 @@
 #include "exact/pricing.h"
 #include "geometry/metric.h"
 #include "parallel/arena.h"
+#include "parallel/rank_part.h"
 
 namespace ccvt {
 
@@ -39,9 +40,11 @@ class ExactAssignment {
  public:
   /// `metric`, `arena` and the points must outlive the object. No capacities: as equal as can be,
   /// with those that are larger by one where it costs least. `gap`: owners will do that are proved
-  /// to cost at most so much more than the cheapest, as a share of what they cost.
+  /// to cost at most so much more than the cheapest, as a share of what they cost. `part`: the
+  /// points, and owners, are those of a rank; all ranks make the same calls.
   ExactAssignment(const Metric& metric, PointsView<Scalar> points, Index sites,
-                  std::vector<Index> capacities, const Arena& arena, double gap = 0);
+                  std::vector<Index> capacities, const Arena& arena, double gap = 0,
+                  const RankPart& part = {});
 
   enum class Round {
     optimal,  ///< the owners given meet the capacities at the least cost, or within the gap of it:
@@ -74,6 +77,8 @@ class ExactAssignment {
   Index fewer_ = 0;   ///< the capacity of a site where they float, or one more
   Index larger_ = 0;  ///< how many sites have one more
   const Arena& arena_;
+  RankPart part_;
+  Index count_;  ///< of the points of all ranks
   Pricer<Scalar> pricer_;
   std::optional<CellBounds> kept_;
   double largest_coordinate_ = 0;

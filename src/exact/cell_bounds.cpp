@@ -150,16 +150,16 @@ void CellBounds::follow(std::span<const double> sites, const Grouping& groups,
   sites_.assign(sites.begin(), sites.end());
 }
 
-void CellBounds::include(SiteNumber site, PointNumber point, std::span<const double> squared) {
+void CellBounds::include(SiteNumber site, PointNumber point, std::span<const double> squared,
+                         double own) {
   covered_[point] = site.index();
-  own_costs_[point] = squared[site];
+  own_costs_[point] = own;
   const double share = rounding_share(dimension_);
-  radius_[site] =
-      std::max(radius_[site], std::sqrt(squared[site] + underflow_of(dimension_)) * (1 + share));
+  radius_[site] = std::max(radius_[site], std::sqrt(own + underflow_of(dimension_)) * (1 + share));
   const std::span<double> bounds = of(site);
   for (std::size_t j = 0; j < count(); ++j) {
-    const double rounding = share * (squared[j] + squared[site]) + underflow_of(dimension_);
-    bounds[j] = std::min(bounds[j], squared[j] - squared[site] - rounding);
+    const double rounding = share * (squared[j] + own) + underflow_of(dimension_);
+    bounds[j] = std::min(bounds[j], squared[j] - own - rounding);
   }
 }
 
@@ -170,17 +170,20 @@ std::span<const double> CellBounds::include(SiteNumber site, std::span<const Poi
     if (covered_[p] != site.index()) came.push_back(p);
   }
   if (came.size() <= kFewPoints) {
-    for (const PointNumber p : came) include(site, p, costs.squared_to_all(p, scratch));
+    for (const PointNumber p : came) {
+      costs.squared({&p, 1}, site, scratch.own);
+      include(site, p, costs.squared_to_all(p, scratch), scratch.own.front());
+    }
     return of(site);
   }
   const std::span<const double> least = costs.bounds(site, came, scratch);
   const std::span<double> bounds = of(site);
   for (std::size_t j = 0; j < count(); ++j) bounds[j] = std::min(bounds[j], least[j]);
   radius_[site] = std::max(radius_[site], scratch.radius);
-  costs.squared(came, site, scratch.position);
+  costs.squared(came, site, scratch.own);
   for (std::size_t k = 0; k < came.size(); ++k) {
     covered_[came[k]] = site.index();
-    own_costs_[came[k]] = scratch.position[k];
+    own_costs_[came[k]] = scratch.own[k];
   }
   return bounds;
 }

@@ -63,8 +63,9 @@ class CellBounds {
   /// The bounds of a cell whose points may have come since: those that did are added.
   std::span<const double> include(SiteNumber site, std::span<const PointNumber> members,
                                   const MoveCosts& costs, MoveCosts::Scratch& scratch);
-  /// A point that comes to a cell, and its squared distances to all sites.
-  void include(SiteNumber site, PointNumber point, std::span<const double> squared);
+  /// A point that comes to a cell, its squared distances to all sites, but for rounding, and to its
+  /// own.
+  void include(SiteNumber site, PointNumber point, std::span<const double> squared, double own);
   /// All points that came anywhere since. `costs`: for the positions that bounds are for.
   void include_all(const std::vector<Index>& owners, const MoveCosts& costs, const Arena& arena);
   void remove(PointNumber point) { covered_[point] = kNowhere; }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <iterator>
 #include <numeric>
+#include <utility>
 
 #include "exact/grouping.h"
 #include "parallel/loops.h"
@@ -18,19 +19,18 @@ constexpr std::size_t kLeastSlots = 64;
 /// Searches for so many surplus points look at most sites: their edges are bounded in parallel.
 constexpr std::int64_t kSitesPerSurplus = 32;
 
-std::size_t slots_of_each(std::size_t sites) { return std::max(kLeastSlots, kSlots / sites); }
-
 }  // namespace
 
 ExchangeGraph::ExchangeGraph(std::vector<Index>& capacities, bool floating,
                              std::vector<Index>& owners, std::vector<double>& weights,
-                             const MoveCosts& costs, CellBounds* kept)
+                             MoveCosts& costs, CellBounds* kept, const RankPart& part)
     : capacities_(capacities),
       floating_(floating),
       owners_(owners),
       weights_(weights),
       costs_(costs),
       kept_(kept),
+      part_(part),
       cells_(capacities.size()),
       own_storage_(kept == nullptr ? owners.size() : 0),
       own_cost_(kept == nullptr ? own_storage_ : kept->own_costs()),
@@ -43,6 +43,8 @@ ExchangeGraph::ExchangeGraph(std::vector<Index>& capacities, bool floating,
     const auto members = groups.of(s);
     cells_[s].members.assign(members.begin(), members.end());
   }
+  count_members();
+  for (const double weight : weights) largest_weight_ = std::max(largest_weight_, std::abs(weight));
   if (!floating) return;
   least_capacity_ = *std::min_element(capacities.begin(), capacities.end());
   hub_weight_ = kNone;
@@ -58,12 +60,17 @@ ExchangeGraph::ExchangeGraph(std::vector<Index>& capacities, bool floating,
   floating_ = highest > -kNone;
 }
 
+std::size_t ExchangeGraph::slots_of_each() const {
+  return std::max(kLeastSlots, kSlots / cells_.size());
+}
+
 void ExchangeGraph::bound_all_edges(const Arena& arena) {
+  if (part_.ranks != nullptr) return bound_all_together(arena);
   PerWorker<Scratch> scratch(arena);
   arena.for_ranges(cells_.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
     for (const SiteNumber s : sites_between(begin, end)) {
       arena.check();
-      bound_edges(s, slots_of_each(cells_.size()), scratch[worker]);
+      bound_edges(s, slots_of_each(), scratch[worker]);
     }
   });
 }
@@ -73,25 +80,29 @@ void ExchangeGraph::push(const Step& step) {
   std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
 }
 
-/// Reaches `to`, if that is the shortest way so far.
+/// Reaches `to`, if that is the shortest way so far, or the lowest of those.
 void ExchangeGraph::relax(const Way& way, SiteNumber to, double distance) {
-  if (settled(to) || !(distance < distance_[to])) return;
+  if (distance > limit_[to]) return;
+  if (distance == limit_[to]) {
+    way_[to] = std::min(way_[to], way);
+    return;
+  }
   if (distance_[to] == kNone) seen_.push_back(to);
-  distance_[to] = distance;
-  if (to != hub()) limit_[to] = distance + weights_[to];
+  distance_[to] = limit_[to] = distance;
   way_[to] = way;
   if (to != hub() && surplus(to) < 0) nearest_ = std::min(nearest_, distance);
   push({distance, to, kSite});
 }
 
-/// Along an edge of a site; never below `least`, whatever rounding has done to a reduced cost.
-void ExchangeGraph::relax_edge(SiteNumber from, std::size_t slot, double least) {
+/// Along an edge of a site; never below the site's distance, whatever rounding has done to a
+/// reduced cost.
+void ExchangeGraph::relax_edge(SiteNumber from, std::size_t slot) {
   const Moves& moves = weigh(from, slot);
   if (moves.cheapest.empty()) return;
   const Move& move = moves.cheapest.front();
   const SiteNumber to = cells_[from].to[slot];
   const double base = distance_[from] + weights_[from];
-  relax({from, move.point}, to, std::max(least, base + move.cost - weights_[to]));
+  relax({from, move.point}, to, std::max(distance_[from], base + move.cost - weights_[to]));
 }
 
 /// The shortest way from `source` to a site with too few points without any other on it: no path
@@ -101,32 +112,38 @@ void ExchangeGraph::reach_directly(SiteNumber source) {
   const double base = weights_[source];
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
     const SiteNumber j = cell.to[slot];
-    if (surplus(j) >= 0 || base + cell.bound[slot] - weights_[j] >= nearest_) continue;
-    relax_edge(source, slot, 0);
+    if (surplus(j) >= 0 || base + cell.bound[slot] - weights_[j] > nearest_) continue;
+    relax_edge(source, slot);
   }
 }
 
+/// Less than the length of any way, as it is rounded, from a site to one whose edge weighs no less
+/// than `reduced` when its weight is taken off.
+double ExchangeGraph::lowered(double base, double reduced) const {
+  return base + reduced - 1e-14 * (std::abs(base) + std::abs(reduced) + largest_weight_);
+}
+
 /// Along all edges of a site, or of the hub, that are known.
-void ExchangeGraph::relax_edges(SiteNumber from, double least) {
+void ExchangeGraph::relax_edges(SiteNumber from) {
+  const double least = distance_[from];
   if (from == hub()) {
-    const double base = distance_[from] + hub_weight_;
+    const double base = least + hub_weight_;
     for (const SiteNumber a : sites_below(cells_.size())) {
       if (has_more(a)) relax({from, kNoPoint}, a, std::max(least, base - weights_[a]));
     }
     return;
   }
   const Cell& cell = cells_[from];
-  const double base = distance_[from] + weights_[from];
+  const double base = least + weights_[from];
   for (std::size_t page = 0; page < cell.page.size(); ++page) {
-    if (base + cell.page[page] >= nearest_) continue;
+    if (lowered(base, cell.page[page]) > nearest_) continue;
     const std::size_t end = std::min((page + 1) * kPage, cell.to.size());
     for (std::size_t slot = page * kPage; slot < end; ++slot) {
       const SiteNumber j = cell.to[slot];
-      const double bound = base + cell.bound[slot];
-      const double distance = bound - weights_[j];
-      if (bound >= limit_[j] || distance >= nearest_) continue;
+      const double distance = base + cell.bound[slot] - weights_[j];
+      if (distance > limit_[j] || distance > nearest_) continue;
       if (is_weighed(cell, slot)) {
-        relax_edge(from, slot, least);
+        relax_edge(from, slot);
       } else {
         push({std::max(least, distance), from, static_cast<std::int32_t>(slot)});
       }
@@ -145,30 +162,14 @@ double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
   settled_.clear();
   heap_.clear();
   nearest_ = kNone;
-  distance_[source] = 0;
+  distance_[source] = limit_[source] = 0;
   push({0, source, kSite});
   for (;;) {
     std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
     const Step step = heap_.back();
     heap_.pop_back();
     const SiteNumber i = step.site;
-    if (step.what >= 0) {
-      // Slots may have changed since: then all edges of the site were pushed again, and this is
-      // one of them too many.
-      const auto slot = static_cast<std::size_t>(step.what);
-      const Cell& cell = cells_[i];
-      const bool shorter = step.distance < std::min(nearest_, distance_[cell.to[slot]]);
-      if (!shorter || settled(cell.to[slot])) continue;
-      if (cell.tight || cell.weighings < costs_.weighings() || is_weighed(cell, slot)) {
-        relax_edge(i, slot, step.distance);
-        continue;
-      }
-      arena.check();
-      tighten(i);
-    } else if (step.what == kRest) {
-      arena.check();
-      bound_edges(i, 2 * cells_[i].to.size(), scratch_);
-    } else {
+    if (step.what == kSite) {
       if (settled(i)) continue;
       limit_[i] = -kNone;
       settled_.push_back(i);
@@ -176,44 +177,64 @@ double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
         if (surplus(i) < 0) return step.distance;
         if (!cells_[i].bounded) {
           arena.check();
-          bound_edges(i, slots_of_each(cells_.size()), scratch_);
+          bound_edges(i, slots_of_each(), scratch_);
         }
         if (i == source) reach_directly(i);
       }
+    } else if (step.what == kRest) {
+      arena.check();
+      bound_edges(i, 2 * cells_[i].to.size(), scratch_);
+    } else {
+      // Slots may have changed since: then all edges of the site were pushed again, and this is
+      // one of them too many.
+      const auto slot = static_cast<std::size_t>(step.what);
+      const Cell& cell = cells_[i];
+      if (step.distance > std::min(nearest_, limit_[cell.to[slot]])) continue;
+      if (cell.tight || cell.weighings < costs_.weighings() || is_weighed(cell, slot)) {
+        relax_edge(i, slot);
+        continue;
+      }
+      arena.check();
+      tighten(i);
     }
-    relax_edges(i, step.distance);
-    if (i == hub() || cells_[i].members.empty() || cells_[i].rest == kNone) continue;
-    const double rest = distance_[i] + weights_[i] + cells_[i].rest;
-    if (rest < nearest_) push({std::max(step.distance, rest), i, kRest});
+    relax_edges(i);
+    if (i == hub() || cells_[i].size == 0 || cells_[i].rest == kNone) continue;
+    const double rest = lowered(distance_[i] + weights_[i], cells_[i].rest);
+    if (rest <= nearest_) push({std::max(distance_[i], rest), i, kRest});
   }
 }
 
 /// With a path of that length, the weight of a settled site falls by the length less its distance.
 void ExchangeGraph::lower_weights(double length) {
   for (const SiteNumber s : settled_) {
-    (s == hub() ? hub_weight_ : weights_[s]) += std::min(0.0, distance_[s] - length);
+    double& weight = s == hub() ? hub_weight_ : weights_[s];
+    weight += std::min(0.0, distance_[s] - length);
+    largest_weight_ = std::max(largest_weight_, std::abs(weight));
   }
 }
 
 void ExchangeGraph::move_along_path(SiteNumber source, SiteNumber target) {
-  for (SiteNumber j = target; j != source;) {
+  std::vector<Mover>& movers = movers_;
+  movers.clear();
+  for (SiteNumber j = target; j != source; j = way_[j].from) {
     const auto [i, point] = way_[j];
     if (j == hub()) {
       ++capacities_[i];
     } else if (i == hub()) {
       --capacities_[j];
     } else {
-      move(point, i, j);
+      movers.push_back({point, PointNumber(point), i, j});
     }
-    j = i;
   }
+  if (part_.ranks != nullptr) place(movers);
+  for (const Mover& mover : movers) move(mover);
   ++augmentations_;
 }
 
-void ExchangeGraph::move(PointNumber point, SiteNumber from, SiteNumber to) {
-  owners_[point] = to.index();
-  remove(point, from);
-  insert(point, from, to);
+void ExchangeGraph::move(const Mover& mover) {
+  if (is_own(mover.place)) owners_[mover.place] = mover.to.index();
+  remove(mover);
+  insert(mover);
 }
 
 void ExchangeGraph::settle(const Arena& arena) {

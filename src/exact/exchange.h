@@ -13,6 +13,8 @@
 #include "exact/move_costs.h"
 #include "numbers.h"
 #include "parallel/arena.h"
+#include "parallel/bytes.h"
+#include "parallel/rank_part.h"
 
 namespace ccvt {
 
@@ -25,7 +27,8 @@ namespace ccvt {
 /// is optimal when capacities are met.
 ///
 /// Of all n^2 edges only those are weighed that a search may take: of the others a lower bound is
-/// known, and it is by bounds that a search looks for them.
+/// known, and it is by bounds that a search looks for them. What it finds is the same whatever the
+/// bounds: of ways that are as short it takes the one of lowest numbers.
 ///
 /// Capacities may float: all are then floor(m / n) or one more, and which sites have one more is
 /// part of the problem. A hub stands for handing that on: site b with less reaches the hub, and the
@@ -35,8 +38,13 @@ class ExchangeGraph {
   /// `owners`, every point's cheapest site, `weights` and floating `capacities` are kept up to date
   /// while points move. Floating ones must be largest where weights are least. `kept`: bounds of
   /// what the cells were before some points came and went; they cover the cells when all settled.
+  ///
+  /// `part`: points, owners and bounds that are kept are those of a rank. All ranks then make the
+  /// same calls, and search the same: for what edges weigh, and for the positions of points that
+  /// move, they ask each other. See exchange_ranks.cpp.
   ExchangeGraph(std::vector<Index>& capacities, bool floating, std::vector<Index>& owners,
-                std::vector<double>& weights, const MoveCosts& costs, CellBounds* kept = nullptr);
+                std::vector<double>& weights, MoveCosts& costs, CellBounds* kept = nullptr,
+                const RankPart& part = {});
 
   ExchangeGraph(const ExchangeGraph&) = delete;
   ExchangeGraph& operator=(const ExchangeGraph&) = delete;
@@ -56,20 +64,21 @@ class ExchangeGraph {
   /// What moving a point along an edge costs.
   struct Move {
     double cost;
-    PointNumber point;
+    Index point;  ///< its number among those of all ranks
     auto operator<=>(const Move&) const = default;
   };
-  /// The cheapest moves along an edge, in ascending order; the others cost `beyond` at least.
+  /// The cheapest moves along an edge, in ascending order; no other is before `beyond`.
   struct Moves {
     std::vector<Move> cheapest;
-    double beyond = kNone;
+    Move beyond = {kNone, 0};
     std::size_t kept = 1;  ///< next time
   };
   struct Cell {
-    std::vector<PointNumber> members;
-    bool bounded = false;       ///< what follows is there
-    bool tight = false;         ///< a product has bounded all edges
-    std::size_t weighings = 0;  ///< of edges
+    Index size = 0;                    ///< of all ranks
+    std::vector<PointNumber> members;  ///< of this one
+    bool bounded = false;              ///< what follows is there
+    bool tight = false;                ///< a product has bounded all edges
+    std::size_t weighings = 0;         ///< of edges
     // Edges, one in each slot.
     std::vector<SiteNumber> to;
     std::vector<double> bound;          ///< what moving a point there costs at least
@@ -90,65 +99,97 @@ class ExchangeGraph {
       return std::tuple(distance, what, site) > std::tuple(other.distance, other.what, other.site);
     }
   };
-  static constexpr std::int32_t kSite = -2;
+  /// Last of those at the same distance: when a site is settled, all ways there that are as short
+  /// have been looked at.
+  static constexpr std::int32_t kSite = std::numeric_limits<std::int32_t>::max();
   static constexpr std::int32_t kRest = -1;
 
   /// How a search came to a site: from another, by moving a point. None moves to or from the hub.
   struct Way {
     SiteNumber from;
-    PointNumber point;
+    Index point;
+    auto operator<=>(const Way&) const = default;
   };
-  static constexpr PointNumber kNoPoint{-1};
+  static constexpr Index kNoPoint = -1;
+  /// A point that moves, and what it is called where its position is asked for.
+  struct Mover {
+    Index point;
+    PointNumber place;
+    SiteNumber from;
+    SiteNumber to;
+  };
 
   /// Points that a site owns beyond its capacity; negative where it lacks some.
   [[nodiscard]] Index surplus(SiteNumber site) const {
-    return static_cast<Index>(cells_[site].members.size()) - capacities_[site];
+    return cells_[site].size - capacities_[site];
   }
+  [[nodiscard]] Index number(PointNumber own) const {
+    return static_cast<Index>(part_.first) + own.index();
+  }
+  [[nodiscard]] bool is_own(PointNumber place) const { return place < owners_.size(); }
   [[nodiscard]] SiteNumber hub() const { return SiteNumber(cells_.size()); }
   [[nodiscard]] bool has_more(SiteNumber site) const { return capacities_[site] > least_capacity_; }
   /// A bound less the weight of the site that an edge leads to.
   struct Edge {
     double reduced;
     SiteNumber to;
+    double bound;
     auto operator<=>(const Edge&) const = default;
   };
   struct Scratch {
     MoveCosts::Scratch costs;
     std::vector<Edge> edges;
+    double rest = kNone;                ///< as in Cell, of those that are not among the edges
     std::vector<std::int32_t> weighed;  ///< of each site, as in Cell
     std::vector<double> own;
     std::vector<SiteNumber> others;
+    std::vector<double> there;
   };
   void bound_all_edges(const Arena& arena);
   void bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
+  void find_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
+  static void keep_nearest(std::size_t edges, Scratch& scratch);
+  void set_edges(SiteNumber site, Scratch& scratch);
   void tighten(SiteNumber site);
   static Moves& moves_of(Cell& cell, std::size_t slot);
   Moves& weigh(SiteNumber site, std::size_t slot);
   double find_path(SiteNumber source, const Arena& arena);
   [[nodiscard]] bool settled(SiteNumber site) const { return limit_[site] == -kNone; }
   [[nodiscard]] static bool is_weighed(const Cell& cell, std::size_t slot);
-  void relax_edge(SiteNumber from, std::size_t slot, double least);
+  void relax_edge(SiteNumber from, std::size_t slot);
   void reach_directly(SiteNumber source);
-  void relax_edges(SiteNumber from, double least);
+  void relax_edges(SiteNumber from);
+  [[nodiscard]] double lowered(double base, double reduced) const;
   void relax(const Way& way, SiteNumber to, double distance);
   void push(const Step& step);
   void lower_weights(double length);
   void move_along_path(SiteNumber source, SiteNumber target);
-  void move(PointNumber point, SiteNumber from, SiteNumber to);
-  void remove(PointNumber point, SiteNumber site);
-  void insert(PointNumber point, SiteNumber from, SiteNumber site);
+  void move(const Mover& mover);
+  void remove(const Mover& mover);
+  void insert(const Mover& mover);
   void add_move(Cell& cell, std::size_t slot, const Move& move);
-  void lower_rest(Cell& cell, SiteNumber site, std::span<const double> squared);
-  void lower_rest(Cell& cell, PointNumber point, SiteNumber from, double before);
+  void lower_rest(Cell& cell, double own, std::span<const double> squared);
+  [[nodiscard]] std::size_t slots_of_each() const;
+  // Of all ranks.
+  void count_members();
+  void bound_all_together(const Arena& arena);
+  void find_edges_together(std::size_t edges, Scratch& scratch) const;
+  static void put_edges(ByteWriter& message, const Scratch& scratch);
+  void join_edges(std::span<ByteReader> ranks, std::size_t edges, Scratch& scratch) const;
+  void weigh_together(Moves& moves, std::size_t kept) const;
+  void place(std::vector<Mover>& movers);
+  void lower_rest(Cell& cell, const Mover& mover, double before, double own);
 
   std::vector<Index>& capacities_;
   bool floating_;
   Index least_capacity_ = 0;
   double hub_weight_ = 0;
+  double largest_weight_ = 0;  ///< of all that weights have been
   std::vector<Index>& owners_;
   std::vector<double>& weights_;
-  const MoveCosts& costs_;
+  MoveCosts& costs_;
   CellBounds* kept_;
+  RankPart part_;
   std::vector<Cell> cells_;
   std::vector<double> own_storage_;
   std::vector<double>& own_cost_;  ///< of each point, in a cell that is bounded
@@ -158,12 +199,13 @@ class ExchangeGraph {
 
   double nearest_ = kNone;  ///< distance of the nearest site with too few points that was reached
   std::vector<double> distance_;
-  /// Distance plus weight: what a way there has to stay below to be shorter. None is, of what is
-  /// settled.
+  /// How long a way there may be to be looked at: no longer than the shortest so far. None is, of
+  /// what is settled.
   std::vector<double> limit_;
   std::vector<Way> way_;
   std::vector<SiteNumber> seen_;
   std::vector<SiteNumber> settled_;
+  std::vector<Mover> movers_;  ///< along the path at hand, from its end
   std::vector<Step> heap_;
 };
 

@@ -14,17 +14,17 @@ namespace {
 constexpr double kMoves = 8;
 constexpr double kMovesPerRoot = 0.5;
 
-std::size_t moves_kept(std::size_t members) {
-  const auto size = static_cast<double>(members);
-  return static_cast<std::size_t>(std::max(kMoves, kMovesPerRoot * std::sqrt(size)));
+std::size_t moves_kept(Index members) {
+  return static_cast<std::size_t>(std::max(kMoves, kMovesPerRoot * std::sqrt(double{1} * members)));
 }
 
 }  // namespace
 
-/// Gives slots to the `edges` of a site that cost least, as far as bounds tell. A site without
-/// points has none yet.
-void ExchangeGraph::bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch) {
-  Cell& cell = cells_[site];
+/// The `edges` of a site that cost least, as far as bounds tell, for points that this rank has.
+void ExchangeGraph::find_edges(SiteNumber site, std::size_t edges, Scratch& scratch) {
+  const Cell& cell = cells_[site];
+  scratch.edges.clear();
+  scratch.rest = kNone;
   if (cell.members.empty()) return;
   if (!cell.bounded && kept_ == nullptr) {
     costs_.squared(cell.members, site, scratch.own);
@@ -32,23 +32,40 @@ void ExchangeGraph::bound_edges(SiteNumber site, std::size_t edges, Scratch& scr
       own_cost_[cell.members[k]] = scratch.own[k];
     }
   }
-  cell.bounded = true;
-  cell.tight |= kept_ == nullptr;
   const std::span<const double> bounds =
       kept_ != nullptr ? kept_->include(site, cell.members, costs_, scratch.costs)
                        : costs_.bounds(site, cell.members, scratch.costs);
-  std::vector<Edge>& others = scratch.edges;
-  others.clear();
   for (const SiteNumber j : sites_below(cells_.size())) {
-    if (j != site) others.push_back({bounds[j] - weights_[j], j});
+    if (j != site) scratch.edges.push_back({bounds[j] - weights_[j], j, bounds[j]});
   }
-  cell.rest = kNone;
-  if (edges < others.size()) {
-    const auto first = others.begin() + static_cast<std::ptrdiff_t>(edges);
-    std::nth_element(others.begin(), first, others.end());
-    cell.rest = first->reduced;
-    others.resize(edges);
-  }
+  keep_nearest(edges, scratch);
+}
+
+void ExchangeGraph::keep_nearest(std::size_t edges, Scratch& scratch) {
+  std::vector<Edge>& nearest = scratch.edges;
+  if (nearest.size() <= edges) return;
+  const auto first = nearest.begin() + static_cast<std::ptrdiff_t>(edges);
+  std::nth_element(nearest.begin(), first, nearest.end());
+  scratch.rest = std::min(scratch.rest, first->reduced);
+  nearest.resize(edges);
+}
+
+/// Gives slots to the `edges` of a site that cost least, as far as bounds tell. A site without
+/// points has none yet.
+void ExchangeGraph::bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch) {
+  if (cells_[site].size == 0) return;
+  find_edges(site, edges, scratch);
+  if (part_.ranks != nullptr) find_edges_together(edges, scratch);
+  set_edges(site, scratch);
+}
+
+/// Gives slots to the edges found.
+void ExchangeGraph::set_edges(SiteNumber site, Scratch& scratch) {
+  Cell& cell = cells_[site];
+  cell.bounded = true;
+  cell.tight |= kept_ == nullptr;
+  cell.rest = scratch.rest;
+  std::vector<Edge>& others = scratch.edges;
   std::sort(others.begin(), others.end());
   // What was weighed stays so.
   scratch.weighed.assign(cells_.size(), kNotWeighed);
@@ -60,11 +77,10 @@ void ExchangeGraph::bound_edges(SiteNumber site, std::size_t edges, Scratch& scr
   cell.weighed.resize(others.size());
   cell.page.resize((others.size() + kPage - 1) / kPage);
   for (std::size_t slot = 0; slot < others.size(); ++slot) {
-    const auto& [reduced, to] = others[slot];
+    const auto& [reduced, to, bound] = others[slot];
     cell.to[slot] = to;
     cell.weighed[slot] = scratch.weighed[to];
-    cell.bound[slot] =
-        is_weighed(cell, slot) ? moves_of(cell, slot).cheapest.front().cost : bounds[to];
+    cell.bound[slot] = is_weighed(cell, slot) ? moves_of(cell, slot).cheapest.front().cost : bound;
     if (slot % kPage == 0) cell.page[slot / kPage] = reduced;
   }
 }
@@ -73,7 +89,9 @@ void ExchangeGraph::bound_edges(SiteNumber site, std::size_t edges, Scratch& scr
 /// weigh, and a search would weigh most of them.
 void ExchangeGraph::tighten(SiteNumber site) {
   Cell& cell = cells_[site];
-  kept_->raise(site, costs_.bounds(site, cell.members, scratch_.costs));
+  if (!cell.members.empty()) {
+    kept_->raise(site, costs_.bounds(site, cell.members, scratch_.costs));
+  }
   bound_edges(site, cell.to.size(), scratch_);
   cell.tight = true;
 }
@@ -102,68 +120,83 @@ ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
   costs_.squared(cell.members, cell.to[slot], squared);
   ++cell.weighings;
   const std::size_t kept = moves.kept;
-  moves.kept = moves_kept(cell.members.size());
+  moves.kept = moves_kept(cell.size);
   std::vector<Move>& cheapest = moves.cheapest;
-  moves.beyond = kNone;
+  moves.beyond = {kNone, 0};
   for (std::size_t k = 0; k < cell.members.size(); ++k) {
     const PointNumber p = cell.members[k];
-    const Move move{squared[k] - own_cost_[p], p};
+    const Move move{squared[k] - own_cost_[p], number(p)};
     if (cheapest.size() == kept) {
-      moves.beyond = std::min(moves.beyond, std::max(move, cheapest.back()).cost);
+      moves.beyond = std::min(moves.beyond, std::max(move, cheapest.back()));
       if (!(move < cheapest.back())) continue;
       cheapest.pop_back();
     }
     cheapest.insert(std::upper_bound(cheapest.begin(), cheapest.end(), move), move);
   }
+  if (kept_ != nullptr && !cheapest.empty()) {
+    kept_->set(site, cell.to[slot], cheapest.front().cost);
+  }
+  if (part_.ranks != nullptr) weigh_together(moves, kept);
   cell.bound[slot] = cheapest.empty() ? kNone : cheapest.front().cost;
-  if (kept_ != nullptr) kept_->set(site, cell.to[slot], cell.bound[slot]);
   return moves;
 }
 
-void ExchangeGraph::remove(PointNumber point, SiteNumber site) {
-  if (kept_ != nullptr) kept_->remove(point);
-  Cell& cell = cells_[site];
-  *std::find(cell.members.begin(), cell.members.end(), point) = cell.members.back();
-  cell.members.pop_back();
+void ExchangeGraph::remove(const Mover& mover) {
+  Cell& cell = cells_[mover.from];
+  --cell.size;
+  if (is_own(mover.place)) {
+    if (kept_ != nullptr) kept_->remove(mover.place);
+    *std::find(cell.members.begin(), cell.members.end(), mover.place) = cell.members.back();
+    cell.members.pop_back();
+  }
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
     if (cell.weighed[slot] == kNotWeighed) continue;
     Moves& moves = moves_of(cell, slot);
-    std::erase_if(moves.cheapest, [point](const Move& m) { return m.point == point; });
-    cell.bound[slot] = moves.cheapest.empty() ? moves.beyond : moves.cheapest.front().cost;
+    std::erase_if(moves.cheapest, [&](const Move& m) { return m.point == mover.point; });
+    cell.bound[slot] = (moves.cheapest.empty() ? moves.beyond : moves.cheapest.front()).cost;
   }
 }
 
-/// `from`: where the point comes from.
-void ExchangeGraph::insert(PointNumber point, SiteNumber from, SiteNumber site) {
+void ExchangeGraph::insert(const Mover& mover) {
+  const auto& [point, place, from, site] = mover;
   Cell& cell = cells_[site];
-  cell.members.push_back(point);
+  ++cell.size;
+  if (is_own(place)) cell.members.push_back(place);
   if (!cell.bounded) return;
   // Without bounds of all edges, those that are in no slot are bounded by those of `from`.
   const bool some = kept_ == nullptr && cell.rest < kNone && cells_[from].rest < kNone;
-  const double before = own_cost_[point];
-  std::span<const double> squared;
-  if (some) {
-    std::vector<SiteNumber>& sites = scratch_.others;
-    sites.assign(1, site);
-    sites.insert(sites.end(), cell.to.begin(), cell.to.end());
-    costs_.squared_to(point, sites, scratch_.own);
-    own_cost_[point] = scratch_.own.front();
-  } else {
-    squared = costs_.squared_to_all(point, scratch_.costs);
-    own_cost_[point] = squared[site];
-  }
-  if (kept_ != nullptr) kept_->include(site, point, squared);
+  // What is weighed is known to the last bit; for the others bounds will do.
+  std::vector<SiteNumber>& sites = scratch_.others;
+  sites.assign({site, from});
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
-    const double there = some ? scratch_.own[slot + 1] : squared[cell.to[slot]];
-    add_move(cell, slot, {there - own_cost_[point], point});
+    if (some || cell.weighed[slot] != kNotWeighed) sites.push_back(cell.to[slot]);
+  }
+  std::vector<double>& exact = scratch_.there;
+  costs_.squared_to(place, sites, exact);
+  const double own = exact[0];
+  const double before = exact[1];
+  std::span<const double> squared;
+  if (!some) squared = costs_.squared_to_all(place, scratch_.costs);
+  if (is_own(place)) {
+    own_cost_[place] = own;
+    if (kept_ != nullptr) kept_->include(site, place, squared, own);
+  }
+  const double* next = exact.data() + 2;
+  for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
+    if (some || cell.weighed[slot] != kNotWeighed) {
+      add_move(cell, slot, {*next++ - own, point});
+    } else {
+      const double there = squared[cell.to[slot]];
+      add_move(cell, slot, {there - own - costs_.rounding(there + own), point});
+    }
   }
   if (cell.rest == kNone) return;
   for (const SiteNumber j : cell.to) in_slot_[j] = 1;
   in_slot_[site] = 1;
   if (some) {
-    lower_rest(cell, point, from, before);
+    lower_rest(cell, mover, before, own);
   } else {
-    lower_rest(cell, site, squared);
+    lower_rest(cell, own, squared);
   }
   for (const SiteNumber j : cell.to) in_slot_[j] = 0;
   in_slot_[site] = 0;
@@ -178,34 +211,37 @@ void ExchangeGraph::add_move(Cell& cell, std::size_t slot, const Move& move) {
   }
   if (cell.weighed[slot] == kNotWeighed) return;
   Moves& moves = moves_of(cell, slot);
-  if (move.cost >= moves.beyond) return;
-  const std::size_t kept = moves_kept(cell.members.size());
+  if (moves.beyond < move) return;
+  const std::size_t kept = moves_kept(cell.size);
   moves.cheapest.insert(std::upper_bound(moves.cheapest.begin(), moves.cheapest.end(), move), move);
   if (moves.cheapest.size() > 2 * kept) {
-    moves.beyond = moves.cheapest[kept].cost;
+    moves.beyond = moves.cheapest[kept];
     moves.cheapest.resize(kept);
   }
 }
 
-/// For a point that has come, of which the squared distances to all sites are known.
-void ExchangeGraph::lower_rest(Cell& cell, SiteNumber site, std::span<const double> squared) {
+/// For a point that has come, and costs `own` here, of which the squared distances to all sites are
+/// known but for rounding.
+void ExchangeGraph::lower_rest(Cell& cell, double own, std::span<const double> squared) {
   for (const SiteNumber j : sites_below(cells_.size())) {
-    if (in_slot_[j] == 0) cell.rest = std::min(cell.rest, squared[j] - squared[site] - weights_[j]);
+    if (in_slot_[j] != 0) continue;
+    const double cost = squared[j] - own - costs_.rounding(squared[j] + own);
+    cell.rest = std::min(cell.rest, cost - weights_[j]);
   }
 }
 
 /// For one that came from another cell, where it cost `before`: what it costs at any site that is
 /// in no slot there either is at least what the rest costs there. O(slots D).
-void ExchangeGraph::lower_rest(Cell& cell, PointNumber point, SiteNumber from, double before) {
+void ExchangeGraph::lower_rest(Cell& cell, const Mover& mover, double before, double own) {
+  const SiteNumber from = mover.from;
   const Cell& other = cells_[from];
-  const double own = own_cost_[point];
-  cell.rest = std::min(cell.rest, other.rest + before - own);
+  cell.rest = std::min(cell.rest, other.rest + before - own - costs_.rounding(before + own));
   if (in_slot_[from] == 0) cell.rest = std::min(cell.rest, before - own - weights_[from]);
   std::vector<SiteNumber>& sites = scratch_.others;
   sites.clear();
   std::copy_if(other.to.begin(), other.to.end(), std::back_inserter(sites),
                [&](SiteNumber j) { return in_slot_[j] == 0; });
-  costs_.squared_to(point, sites, scratch_.own);
+  costs_.squared_to(mover.place, sites, scratch_.own);
   for (std::size_t k = 0; k < sites.size(); ++k) {
     cell.rest = std::min(cell.rest, scratch_.own[k] - own - weights_[sites[k]]);
   }

@@ -9,6 +9,7 @@
 #include "geometry/squares.h"
 #include "kernels/nearest.h"
 #include "kernels/products.h"
+#include "parallel/bytes.h"
 
 namespace ccvt {
 namespace {
@@ -68,7 +69,7 @@ void SquaredDistances<Scalar>::squared(std::span<const PointNumber> points, Site
 template <class Scalar>
 void SquaredDistances<Scalar>::squared_to(PointNumber point, std::span<const SiteNumber> sites,
                                           std::vector<double>& out) const {
-  const Scalar* const x = points_[point.index()];
+  const Scalar* const x = row(point);
   out.resize(sites.size());
   std::transform(sites.begin(), sites.end(), out.begin(), [&](SiteNumber s) {
     return metric_.periodic() ? metric_.squared_distance(x, at(s))
@@ -87,10 +88,45 @@ void SquaredDistances<Scalar>::squares(const double* from, Scratch& scratch) con
 template <class Scalar>
 std::span<const double> SquaredDistances<Scalar>::squared_to_all(PointNumber point,
                                                                  Scratch& scratch) const {
-  const Scalar* x = points_[point.index()];
+  const Scalar* const x = row(point);
   scratch.position.assign(x, x + dimension());
   squares(scratch.position.data(), scratch);
   return std::span(scratch.squared).first(count());
+}
+
+template <class Scalar>
+const Scalar* SquaredDistances<Scalar>::row(PointNumber point) const {
+  const std::ptrdiff_t brought = std::ptrdiff_t{point.index()} - points_.count;
+  return brought < 0 ? points_[point.index()] : brought_.data() + brought * points_.dimension;
+}
+
+template <class Scalar>
+std::vector<PointNumber> SquaredDistances<Scalar>::bring(std::span<const Index> points,
+                                                         const RankPart& part) {
+  std::vector<PointNumber> places;
+  ByteWriter message;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const std::int64_t own = points[k] - part.first;
+    const bool here = own >= 0 && own < points_.count;
+    places.emplace_back(here ? own : std::int64_t{points_.count} + std::ssize(places));
+    if (!here) continue;
+    message.put(std::uint64_t{k});
+    message.put(std::span(points_[places[k].index()], dimension()));
+  }
+  brought_.resize(points.size() * dimension());
+  for (const Ranks::Bytes& bytes : part.ranks->gather(message.bytes)) {
+    ByteReader reader(bytes);
+    while (!reader.done()) {
+      const auto k = reader.get<std::uint64_t>();
+      reader.get(std::span(brought_).subspan(k * dimension(), dimension()));
+    }
+  }
+  return places;
+}
+
+template <class Scalar>
+double SquaredDistances<Scalar>::rounding(double sum) const {
+  return rounding_share(points_.dimension) * sum + underflow_of(points_.dimension);
 }
 
 /// The block of some points of a cell; returns how far the farthest point is from the site.

@@ -7,6 +7,7 @@
 #include "ccvt/types.h"
 #include "geometry/metric.h"
 #include "numbers.h"
+#include "parallel/rank_part.h"
 
 namespace ccvt {
 
@@ -18,6 +19,7 @@ class MoveCosts {
   /// Memory that a caller keeps from call to call; one for each thread.
   struct Scratch {
     std::vector<double> squared;
+    std::vector<double> own;
     std::vector<double> position;
     std::vector<double> bounds;
     // Of a cell: relative to its site, in float, a stream for each dimension; padded.
@@ -28,18 +30,24 @@ class MoveCosts {
     double radius = 0;  ///< of the points of the last bounds(), how far the farthest is at most
   };
 
-  /// |p - s|^2 of some points.
+  /// |p - s|^2 of some points; the same bits as squared_to().
   virtual void squared(std::span<const PointNumber> points, SiteNumber site,
                        std::vector<double>& out) const = 0;
   /// |point - s|^2 of some sites s.
   virtual void squared_to(PointNumber point, std::span<const SiteNumber> sites,
                           std::vector<double>& out) const = 0;
-  /// The same of all sites; in `scratch`.
+  /// The same of all sites, but for rounding; in `scratch`.
   virtual std::span<const double> squared_to_all(PointNumber point, Scratch& scratch) const = 0;
+  /// By how much a sum of such squares may be off.
+  [[nodiscard]] virtual double rounding(double sum) const = 0;
   /// For each site j, no more than the least over `members`, at least one, of |p - j|^2 - |p -
   /// site|^2; in `scratch`. O(members n D).
   virtual std::span<const double> bounds(SiteNumber site, std::span<const PointNumber> members,
                                          Scratch& scratch) const = 0;
+  /// Positions of points of whatever rank, by their numbers among all, for squared_to() and
+  /// squared_to_all(). Returns what they are to be called there; those of other ranks are known
+  /// until the next call. All ranks ask for the same.
+  virtual std::vector<PointNumber> bring(std::span<const Index> points, const RankPart& part) = 0;
   /// squared() of a cell's points takes so many calls, about, until it takes as long as bounds().
   [[nodiscard]] virtual std::size_t weighings() const = 0;
 };
@@ -58,6 +66,8 @@ class SquaredDistances final : public MoveCosts {
   void squared_to(PointNumber point, std::span<const SiteNumber> sites,
                   std::vector<double>& out) const override;
   std::span<const double> squared_to_all(PointNumber point, Scratch& scratch) const override;
+  [[nodiscard]] double rounding(double sum) const override;
+  std::vector<PointNumber> bring(std::span<const Index> points, const RankPart& part) override;
   std::span<const double> bounds(SiteNumber site, std::span<const PointNumber> members,
                                  Scratch& scratch) const override;
   [[nodiscard]] std::size_t weighings() const override;
@@ -70,12 +80,15 @@ class SquaredDistances final : public MoveCosts {
     return sites_.data() + site * dimension();
   }
   [[nodiscard]] std::size_t count() const { return sites_.size() / dimension(); }
+  /// Of a point, or of one that was brought.
+  [[nodiscard]] const Scalar* row(PointNumber point) const;
   void squares(const double* from, Scratch& scratch) const;
   void lower_bounds(SiteNumber site, std::span<const PointNumber> members, Scratch& scratch) const;
   double gather(SiteNumber site, std::span<const PointNumber> members, Scratch& scratch) const;
 
   const Metric& metric_;
   PointsView<Scalar> points_;
+  std::vector<Scalar> brought_;
   std::span<const double> sites_;
   std::vector<double> packs_;  ///< positions, for the kernel
   // Relative to the mean of the sites, in units in which no site is far; padded.

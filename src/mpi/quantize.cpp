@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "ccvt/codebook.h"
 #include "ccvt/io.h"
 #include "ccvt/mapped_points.h"
+#include "ccvt/problem.h"
 #include "ccvt/publication.h"
 #include "cli/outputs.h"
 #include "cli/progress.h"
@@ -21,9 +23,9 @@ namespace {
 using cli::QuantizeArguments;
 
 void require_supported(const QuantizeArguments& arguments) {
-  if (arguments.method != CodebookMethod::lloyd) {
-    throw InvalidInput("--method: " + std::string(to_string(arguments.method)) +
-                       " is for ccvt only; several processes train by lloyd");
+  if (arguments.method == CodebookMethod::pairwise) {
+    throw InvalidInput(
+        "--method: pairwise is for ccvt only; several processes train by exact and by lloyd");
   }
   if (arguments.image_blocks > 0) {
     throw InvalidInput("--image-blocks: is for ccvt only, not for several processes");
@@ -36,14 +38,21 @@ template <class Scalar>
 struct Inputs {
   std::optional<MappedPoints<Scalar>> vectors;
   std::optional<Points<double>> codewords;
+  std::vector<Index> capacities;
 };
 
 template <class Scalar>
 Training train(const Session& session, const QuantizeArguments& arguments,
                const Inputs<Scalar>& inputs) {
   cli::Progress progress(arguments.quiet);
-  const CodebookOptions options = cli::make_codebook_options(arguments, progress);
+  CodebookOptions options = cli::make_codebook_options(arguments, progress);
+  options.capacities = inputs.capacities;
   const PointsView<Scalar> own = inputs.vectors->view();
+  if (!inputs.capacities.empty()) {
+    cli::blame(arguments.capacities, [&] {
+      Problem<Scalar>(session.ranks(), own, arguments.codewords).set_capacities(inputs.capacities);
+    });
+  }
   if (inputs.codewords) {
     return cli::blame(arguments.seeding, [&] {
       return train_codebook_from(session.ranks(), own, *inputs.codewords, options);
@@ -62,6 +71,7 @@ int quantize(const Session& session, const QuantizeArguments& arguments,
   session.together([&] {
     cli::check_memory(arguments, header, session.on_machine(share.size()));
     inputs.codewords = cli::read_codewords(arguments);
+    if (!arguments.capacities.empty()) inputs.capacities = read_indices(arguments.capacities);
     cli::tell_if_cut_short(arguments.vectors);
     inputs.vectors.emplace(arguments.vectors, share.of(arguments.reading));
   });

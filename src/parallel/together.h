@@ -45,6 +45,16 @@ std::vector<T> joined(Ranks* ranks, std::vector<T> own) {
   return own;
 }
 
+/// Sums of the values of all ranks, which have as many: one by one.
+template <class T>
+std::vector<T> summed(Ranks* ranks, std::vector<T> own) {
+  const std::size_t count = own.size();
+  own = joined(ranks, std::move(own));
+  for (std::size_t k = count; k < own.size(); ++k) own[k % count] += own[k];
+  own.resize(count);
+  return own;
+}
+
 /// Sends a message to each rank; what has come from each.
 inline std::vector<Ranks::Bytes> exchanged(Ranks& ranks, std::vector<ByteWriter> messages) {
   std::vector<Ranks::Bytes> bytes;

@@ -153,7 +153,7 @@ _MPI = "tests/mpi/program.py provokes it, where there is MPI"
 CANNOT_BE_PROVOKED = {
     ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 16 GB together"): _HUGE,
     ("src/mpi/kept.h", "ended by a signal; the same command, or one with other limits, goes on from "): _MPI,
-    ("src/mpi/quantize.cpp", " is for ccvt only; several processes train by lloyd"): _MPI,
+    ("src/mpi/quantize.cpp", "--method: pairwise is for ccvt only; several processes train by exact and by lloyd"): _MPI,
     ("src/mpi/quantize.cpp", "--image-blocks: is for ccvt only, not for several processes"): _MPI,
     ("src/mpi/session.h", "out of memory"): "needs a machine without any left",
     ("src/mpi/tessellate.cpp", ": is for ccvt only, not for several processes"): _MPI,

@@ -184,6 +184,14 @@ def codebooks():
                                  "--max-iterations", "9"], threads=(1,))
     compare(["quantize"], BOOK, ["many.npy", *lloyd, "10", "--columns", "3,1,7"], threads=(1,))
     compare(["quantize"], BOOK, ["few.fvecs", *lloyd, "1"], threads=(1,))
+    balanced = [*BOOK, ("--weights-out", "weights.npy")]
+    compare(["quantize"], balanced, ["few.npy", "--codewords", "40"])
+    compare(["quantize"], balanced, ["many.fvecs", "--codewords", "300", "--gap", "1e-3"], threads=(1,))
+    compare(["quantize"], balanced, ["many.bvecs", "--codewords", "30", "--effort", "0",
+                                     "--train-sample", "2000"], threads=(1,))
+    pathlib.Path("capacities.csv").write_text("1\n2000\n1500\n500\n")
+    compare(["quantize"], balanced, ["many.npy", "--codewords", "4", "--capacities", "capacities.csv"],
+            threads=(1,))
     alone("quantize", "many.npy", "--codewords", "70", "-o", "trained.npy", "--weights-out",
           "weights.npy")
     compare(["quantize"], BOOK, ["many.fvecs", *lloyd, "70", "--seeding", "trained.npy"], threads=(1,))
@@ -224,10 +232,11 @@ def without_times(text):
 def codebook_faults():
     outputs = ["-o", "bad-book.npy", "--codes-out", "bad-codes.npy"]
     lloyd = ["--method", "lloyd", "--codewords", "30"]
-    ends(together(3, "quantize", "many.npy", "--codewords", "30", *outputs), 2,
-         "--method: exact is for ccvt only; several processes train by lloyd")
     ends(together(2, "quantize", "many.npy", "--codewords", "30", "--method", "pairwise", *outputs), 2,
-         "--method: pairwise is for ccvt only")
+         "--method: pairwise is for ccvt only; several processes train by exact and by lloyd")
+    pathlib.Path("few.csv").write_text("1\n2000\n1500\n499\n")
+    ends(together(2, "quantize", "many.npy", "--codewords", "4", "--capacities", "few.csv", *outputs), 2,
+         "few.csv: ")
     ends(together(2, "quantize", "many.npy", *lloyd, "--image-blocks", "4", *outputs), 2,
          "--image-blocks")
     ends(together(2, "quantize", "many.npy", *lloyd, "-o", "bad-book.npy", "--codes-out",
@@ -325,11 +334,15 @@ def goes_on(command, outputs, what, kept=KEPT):
     check(list(pathlib.Path("kept").iterdir()) == [], f"{what}: something is left of what was kept")
 
 
-def start_kept(ranks, *arguments):
+def start_kept(ranks, *arguments, options=()):
     """A run that has been kept once; the numbers of its processes, by rank."""
-    run = subprocess.Popen([given.mpirun, "-n", str(ranks), TOGETHER, *arguments],
+    run = subprocess.Popen([given.mpirun, *options, "-n", str(ranks), TOGETHER, *arguments],
                            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     while run.poll() is None and not pathlib.Path("kept/ccvt.checkpoint").exists():
+        time.sleep(0.02)
+    for _ in range(500):
+        if len(processes()) == ranks or run.poll() is not None:
+            break
         time.sleep(0.02)
     found = {}
     for number in processes():
@@ -376,12 +389,18 @@ def checkpoints():
 
 
 def end_by(number, bad, outputs):
-    """mpirun waits for a second and tells the ranks, which are kept once more if there is time. The
-    run is long enough for that."""
+    """mpirun waits a while and tells the ranks, which are kept once more if there is time. The run is
+    long enough for that; nothing else would have kept it again."""
+    version = subprocess.run([given.mpirun, "--version"], capture_output=True, text=True).stdout
+    patient = ["--mca", "odls_base_sigkill_timeout", "10"] if "Open MPI" in version else []
+    checkpoint = pathlib.Path("kept/ccvt.checkpoint")
     for sites in (4000, 16000, 64000):
-        kept = [*sample_of(sites), *EVERY]
+        kept = [*sample_of(sites), "--checkpoint", "kept", "--checkpoint-every", "3600"]
         alone(*sample_of(sites), *files("alone-", *outputs))
-        run, _ = start_kept(2, *kept, *bad)
+        alone(*kept, *files("kept-", *outputs), "--max-iterations", "2")
+        before = checkpoint.read_bytes()
+        run, _ = start_kept(2, *kept, *bad, options=patient)
+        time.sleep(0.3)
         run.send_signal(number)
         errors = run.communicate(timeout=60)[1]
         left = [path for path in pathlib.Path().iterdir() if "bad-" in path.name]
@@ -392,6 +411,9 @@ def end_by(number, bad, outputs):
         check(run.returncode != 0, f"{number.name} to mpirun: it ended well")
         check(left == [], f"{number.name} to mpirun left {left}")
         check(errors.count("ccvt-mpi: error: ") < 2, f"{number.name} to mpirun: {errors}")
+        if patient:
+            check("ended by a signal" in errors, f"{number.name} to mpirun: {errors}")
+            check(checkpoint.read_bytes() != before, f"{number.name} to mpirun: not kept once more")
         return goes_on([ALONE], outputs, f"{number.name} to mpirun", kept)
     check(False, f"{number.name} to mpirun is too late")
 

@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <memory>
+#include <span>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ccvt/codebook.h"
@@ -236,13 +240,16 @@ TEST_CASE("ranks: codebooks and codes are those of one process") {
     const PointsView<float> own{all.data() + share.first * std::ptrdiff_t{dimension}, dimension,
                                 share.end - share.first, dimension};
     const ccvt::CodebookOptions options{
-        .method = ccvt::CodebookMethod::lloyd, .max_iterations = 12, .threads = 1};
+        .method = dimension == 3 ? ccvt::CodebookMethod::lloyd : ccvt::CodebookMethod::exact,
+        .max_iterations = 12,
+        .threads = 1};
     const auto expected = ccvt::train_codebook(all, 300, options);
     const auto result = ccvt::train_codebook(ranks, own, 300, options);
     const std::vector<Index> codes(expected.codes.begin() + share.first,
                                    expected.codes.begin() + share.end);
     CHECK(result.codes == codes);
     CHECK(result.codebook.codewords() == expected.codebook.codewords());
+    CHECK(result.codebook.weights() == expected.codebook.weights());
     CHECK(result.summary.energy == expected.summary.energy);
     CHECK(result.summary.iterations == expected.summary.iterations);
     const std::vector<Index> nearest = expected.codebook.encode(all);
@@ -251,4 +258,44 @@ TEST_CASE("ranks: codebooks and codes are those of one process") {
     CHECK(result.codebook.distortion(ranks, own, own_nearest) ==
           expected.codebook.distortion(all, nearest));
   }
+}
+
+TEST_CASE("a message that is too long for MPI fails on all ranks, which go on") {
+  ccvt::MpiRanks ranks(MPI_COMM_WORLD);
+  const std::byte one{7};
+  // Of so many bytes only the number is looked at.
+  const std::span<const std::byte> huge(&one, std::size_t{1} << 40U);
+  std::string message;
+  try {
+    (void)ranks.gather(ranks.rank() + 1 == ranks.count() ? huge : std::span(&one, 1));
+  } catch (const ccvt::MpiFailure& failure) {
+    message = failure.message;
+  }
+  CHECK(message == "ranks: a message has more than 16 GB");
+  const std::vector<ccvt::Ranks::Bytes> come = ranks.gather(std::span(&one, 1));
+  CHECK(come == std::vector<ccvt::Ranks::Bytes>(static_cast<std::size_t>(ranks.count()), {one}));
+}
+
+TEST_CASE("an exception does not wait for who has not taken a message yet") {
+  auto ranks = std::make_unique<ccvt::MpiRanks>(MPI_COMM_WORLD);
+  if (ranks->count() == 1) return;
+  const int rank = ranks->rank();
+  const ccvt::Ranks::Bytes large(std::size_t{1} << 24U, std::byte{5});
+  ccvt::Ranks::Bytes come;
+  // The first is gone before the second takes what it has sent.
+  const auto leave = [&] {
+    try {
+      const auto own = std::move(ranks);
+      if (rank == 0) own->send(1, large);
+      if (rank == 1) come = own->receive(0);
+      throw std::runtime_error("for a test");
+    } catch (const std::runtime_error& error) {
+      CHECK(error.what() == std::string("for a test"));
+    }
+  };
+  if (rank == 0) leave();
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank > 0) leave();
+  MPI_Barrier(MPI_COMM_WORLD);
+  CHECK((rank != 1 || come == large));
 }
