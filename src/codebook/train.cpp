@@ -148,30 +148,38 @@ bool Trainer<Scalar>::go_on(Index vectors, double energy, std::int64_t moved) {
   return go_on(record);
 }
 
-/// Exchanges between pairs of cells and centroids in turn, from the sites; before that, seeds go
-/// where capacities want them. Of several ranks, each does it for all these vectors, and then has
-/// the owners of its own.
+/// Calls work(points) for all these vectors. Of several ranks, each does it all, and then has the
+/// owners, if there are any, of its own.
 template <class Scalar>
-void Trainer<Scalar>::exchange_pairs(const Vectors<Scalar>& vectors, std::vector<Index> capacities,
-                                     double tolerance) {
+template <class Work>
+void Trainer<Scalar>::with_all(const Vectors<Scalar>& vectors, const Work& work) {
   const auto& [ranks, first] = vectors.part();
-  if (ranks == nullptr) {
-    return exchange_all_pairs(vectors.own(), std::move(capacities), tolerance);
-  }
+  if (ranks == nullptr) return work(vectors.own());
   const Points<Scalar> all = vectors.all();
   arena_.divide_among(nullptr);
-  exchange_all_pairs(view_points(all), std::move(capacities), tolerance);
+  work(view_points(all));
   arena_.divide_among(ranks);
+  if (owners_.empty()) return;
   const auto own = owners_.begin() + first;
   owners_ = std::vector<Index>(own, own + vectors.own().count);
 }
 
+/// Puts seeds where capacities want them; then, if asked for, exchanges between pairs of cells and
+/// centroids in turn.
 template <class Scalar>
-void Trainer<Scalar>::exchange_all_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities,
-                                         double tolerance) {
-  if (!placed_ && options_.seeding == Seeding::kmeans_plus_plus) {
-    sites_ = share_sites(vectors, sites_, capacities, options_.seed, arena_);
-  }
+void Trainer<Scalar>::start_balanced(const Vectors<Scalar>& vectors, std::vector<Index> capacities,
+                                     std::optional<double> pairs_tolerance) {
+  with_all(vectors, [&](PointsView<Scalar> all) {
+    if (!placed_ && options_.seeding == Seeding::kmeans_plus_plus) {
+      sites_ = share_sites(all, sites_, capacities, options_.seed, arena_);
+    }
+    if (pairs_tolerance) exchange_pairs(all, std::move(capacities), *pairs_tolerance);
+  });
+}
+
+template <class Scalar>
+void Trainer<Scalar>::exchange_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities,
+                                     double tolerance) {
   Options options;
   options.threads = options_.threads;
   options.seed = options_.seed;
@@ -193,7 +201,7 @@ void Trainer<Scalar>::exchange_all_pairs(PointsView<Scalar> vectors, std::vector
 template <class Scalar>
 void Trainer<Scalar>::pairwise() {
   progress_.begin(1);
-  exchange_pairs(source_, problem_.capacities(), options_.tolerance);
+  start_balanced(source_, problem_.capacities(), options_.tolerance);
   stop_.off();
 }
 

@@ -25,6 +25,10 @@ constexpr double kLevelTolerance = 0.032;
 /// Exchanges between pairs before the first exact assignment end when an iteration gains less than
 /// this share.
 constexpr double kStartTolerance = 1e-3;
+/// With so many vectors a codeword, or fewer, there are none: what they end at keeps the distortion
+/// up that exact assignments would come down to, by 1 % at 8 vectors a codeword, 8 % at 4 and 20 %
+/// at 2; at 12 and more it makes no difference, and they save time.
+constexpr std::int64_t kFewVectors = 8;
 /// They take about as long as so much of a level on the same vectors.
 constexpr double kStartWork = 0.5;
 
@@ -37,7 +41,9 @@ void Trainer<Scalar>::start_exact(const Vectors<Scalar>& vectors, std::vector<In
                                   double work) {
   progress_.begin(kStartWork * vectors.count() / work);
   if (capacities.empty()) capacities = equal_capacities(vectors.count(), problem_.site_count());
-  exchange_pairs(vectors, std::move(capacities), kStartTolerance);
+  const bool pairs = vectors.count() > kFewVectors * problem_.site_count();
+  start_balanced(vectors, std::move(capacities),
+                 pairs ? std::optional(kStartTolerance) : std::nullopt);
   if (vectors.count() == source_.count()) met_ = owners_;
   if (summary_.termination == Termination::cancelled) throw Stopped();
   if (summary_.termination != Termination::iteration_limit) {

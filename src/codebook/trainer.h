@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -61,10 +62,11 @@ class Trainer {
   void lloyd();
   void pairwise();
   BredSites bred_sites(const Breeding& breeding);
-  void exchange_pairs(const Vectors<Scalar>& vectors, std::vector<Index> capacities,
-                      double tolerance);
-  void exchange_all_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities,
-                          double tolerance);
+  template <class Work>
+  void with_all(const Vectors<Scalar>& vectors, const Work& work);
+  void start_balanced(const Vectors<Scalar>& vectors, std::vector<Index> capacities,
+                      std::optional<double> pairs_tolerance);
+  void exchange_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities, double tolerance);
   void start_exact(const Vectors<Scalar>& vectors, std::vector<Index> capacities, double work);
   void exact();
   void exact_level(const Vectors<Scalar>& vectors, std::vector<Index> capacities, double work);
