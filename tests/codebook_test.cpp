@@ -165,6 +165,16 @@ TEST_CASE("exact beats pairwise, and Lloyd both, from the same codewords") {
   CHECK(energy(CodebookMethod::lloyd) < 1.02 * exact);
 }
 
+TEST_CASE("few vectors a codeword: exact training is not held back by what pairs would end at") {
+  const auto vectors = clouds(2000, 20, 16);
+  const auto distortion = [&](CodebookMethod method, Index codewords) {
+    const CodebookOptions options{.method = method, .threads = 1, .seed = 3};
+    return train_codebook(vectors, codewords, options).summary.distortion;
+  };
+  CHECK(distortion(CodebookMethod::exact, 500) < .93 * distortion(CodebookMethod::pairwise, 500));
+  CHECK(distortion(CodebookMethod::exact, 1000) < .85 * distortion(CodebookMethod::pairwise, 1000));
+}
+
 TEST_CASE("capacities, one codeword, as many as vectors, and one place") {
   const auto points = make_points<float>(Layout::random, uneven_box(4), 60);
   CodebookOptions options;
