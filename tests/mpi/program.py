@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """ccvt-mpi beside ccvt: the same files to the bit, and how it ends when something is wrong.
 
-    program.py BIN MPIRUN [--ranks 1,2,3] [--soak PROBLEMS]
+    program.py BIN MPIRUN [--ranks 1,2,3] [--short] [--soak PROBLEMS]
 
-BIN is the directory of both programs. With --soak, random problems instead.
+BIN is the directory of both programs. With --short, not each number of ranks with each number of
+threads, but one and two of these in turn. With --soak, random problems instead.
 """
 
 import argparse
@@ -26,6 +27,7 @@ parser = argparse.ArgumentParser()
 parser.add_argument("bin", type=pathlib.Path)
 parser.add_argument("mpirun")
 parser.add_argument("--ranks", default="1,2,3,4,7")
+parser.add_argument("--short", action="store_true")
 parser.add_argument("--soak", type=int, default=0)
 given = parser.parse_args()
 given.bin = given.bin.resolve()
@@ -63,8 +65,8 @@ def files(prefix, *options):
 
 def compare(command, options, arguments, ranks=RANKS, threads=(1, 2)):
     alone(*command, *arguments, *files("alone-", *options))
-    for n in ranks:
-        for t in threads:
+    for k, n in enumerate(ranks):
+        for t in (threads[k % len(threads)],) if given.short else threads:
             run = together(n, *command, *arguments, *files("ranks-", *options), "--threads", str(t))
             check(run.returncode == 0, f"{command} {arguments}, {n} ranks: {run.stderr}")
             for _, name in options:
