@@ -151,7 +151,7 @@ TEST_CASE("exchange: the same whatever bounds say, and whatever is as short") {
     for (const bool grid : {false, true}) {
       check_all_bounds_alike(2, 1203, 40, floating, grid);
       check_all_bounds_alike(3, 2005, 300, floating, grid);
-      check_all_bounds_alike(9, 1501, 90, floating, grid);
+      check_all_bounds_alike(9, 4001, 90, floating, grid);
     }
   }
 }
@@ -168,16 +168,16 @@ TEST_CASE("ranks: an exact assignment is that of one process") {
         CAPTURE(floating);
         CAPTURE(grid);
         // On a torus no bounds are kept.
-        const Scene made = make_scene(3, 1007, 150, grid);
+        const Scene made = make_scene(3, 1007, 400, grid);
         Box box = Box::unit(3);
         box.upper = Coordinates::constant(3, 8);
         const Metric metric(3, torus ? Domain::periodic(box) : Domain());
         const std::vector<Index> capacities =
-            floating ? std::vector<Index>() : capacities_for(false, 1007, 150);
+            floating ? std::vector<Index>() : capacities_for(false, 1007, 400);
         const auto solve = [&](PointsView<float> points, const RankPart& part, Exchanged& result) {
           const Arena arena(1);
-          ExactAssignment<float> assignment(metric, points, 150, capacities, arena, 0, part);
-          result.weights.assign(150, 0.0);
+          ExactAssignment<float> assignment(metric, points, 400, capacities, arena, 0, part);
+          result.weights.assign(400, 0.0);
           result.owners.assign(static_cast<std::size_t>(points.count), 0);
           result.paths = assignment.solve(made.sites, result.weights, result.owners).augmentations;
         };

@@ -50,7 +50,7 @@ std::vector<Index> Vectors<Scalar>::own_of(std::span<const Index> numbers) const
 
 template <class Scalar>
 Points<Scalar> Vectors<Scalar>::chosen(std::span<const Index> numbers) const {
-  const Points<Scalar> found = chosen_points(own_, own_of(numbers));
+  Points<Scalar> found = chosen_points(own_, own_of(numbers));
   if (part_.ranks == nullptr) return found;
   return gathered(*part_.ranks, found, static_cast<Index>(numbers.size()));
 }
@@ -59,8 +59,9 @@ template <class Scalar>
 Points<Scalar> Vectors<Scalar>::all() const {
   std::vector<Index> own(static_cast<std::size_t>(own_.count));
   std::iota(own.begin(), own.end(), 0);
-  const Points<Scalar> found = chosen_points(own_, own);
-  return part_.ranks == nullptr ? found : gathered(*part_.ranks, found, count_);
+  Points<Scalar> found = chosen_points(own_, own);
+  if (part_.ranks == nullptr) return found;
+  return gathered(*part_.ranks, found, count_);
 }
 
 template <class Scalar>

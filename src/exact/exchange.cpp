@@ -90,8 +90,9 @@ void ExchangeGraph::relax(const Way& way, SiteNumber to, double distance) {
   if (distance_[to] == kNone) seen_.push_back(to);
   distance_[to] = limit_[to] = distance;
   way_[to] = way;
-  if (to != hub() && surplus(to) < 0) nearest_ = std::min(nearest_, distance);
-  push({distance, to, kSite});
+  const bool target = to != hub() && surplus(to) < 0;
+  if (target) nearest_ = std::min(nearest_, distance);
+  push({distance, to, target ? kTarget : kSite});
 }
 
 /// Along an edge of a site; never below the site's distance, whatever rounding has done to a
@@ -169,7 +170,7 @@ double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
     const Step step = heap_.back();
     heap_.pop_back();
     const SiteNumber i = step.site;
-    if (step.what == kSite) {
+    if (step.what >= kTarget) {
       if (settled(i)) continue;
       limit_[i] = -kNone;
       settled_.push_back(i);

@@ -100,8 +100,9 @@ class ExchangeGraph {
     }
   };
   /// Last of those at the same distance: when a site is settled, all ways there that are as short
-  /// have been looked at.
+  /// have been looked at. Sites with too few points, where a search ends, come before others.
   static constexpr std::int32_t kSite = std::numeric_limits<std::int32_t>::max();
+  static constexpr std::int32_t kTarget = kSite - 1;
   static constexpr std::int32_t kRest = -1;
 
   /// How a search came to a site: from another, by moving a point. None moves to or from the hub.
