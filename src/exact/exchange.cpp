@@ -95,6 +95,13 @@ void ExchangeGraph::relax(const Way& way, SiteNumber to, double distance) {
   push({distance, to, target ? kTarget : kSite});
 }
 
+/// Whether a way from one site to another that is no shorter than this may be one of the path's.
+bool ExchangeGraph::may_matter(SiteNumber from, SiteNumber to, double distance) const {
+  if (distance > limit_[to] || distance > nearest_) return false;
+  if (distance == limit_[to] && way_[to].from < from) return false;  // it has a lower one
+  return distance < nearest_ || surplus(to) < 0;  // the search ends before it looks on from there
+}
+
 /// Along an edge of a site; never below the site's distance, whatever rounding has done to a
 /// reduced cost.
 void ExchangeGraph::relax_edge(SiteNumber from, std::size_t slot) {
@@ -113,7 +120,7 @@ void ExchangeGraph::reach_directly(SiteNumber source) {
   const double base = weights_[source];
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
     const SiteNumber j = cell.to[slot];
-    if (surplus(j) >= 0 || base + cell.bound[slot] - weights_[j] > nearest_) continue;
+    if (surplus(j) >= 0 || !may_matter(source, j, base + cell.bound[slot] - weights_[j])) continue;
     relax_edge(source, slot);
   }
 }
@@ -142,7 +149,7 @@ void ExchangeGraph::relax_edges(SiteNumber from) {
     for (std::size_t slot = page * kPage; slot < end; ++slot) {
       const SiteNumber j = cell.to[slot];
       const double distance = base + cell.bound[slot] - weights_[j];
-      if (distance > limit_[j] || distance > nearest_) continue;
+      if (!may_matter(from, j, distance)) continue;
       if (is_weighed(cell, slot)) {
         relax_edge(from, slot);
       } else {
@@ -190,7 +197,7 @@ double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
       // one of them too many.
       const auto slot = static_cast<std::size_t>(step.what);
       const Cell& cell = cells_[i];
-      if (step.distance > std::min(nearest_, limit_[cell.to[slot]])) continue;
+      if (!may_matter(i, cell.to[slot], step.distance)) continue;
       if (cell.tight || cell.weighings < costs_.weighings() || is_weighed(cell, slot)) {
         relax_edge(i, slot);
         continue;

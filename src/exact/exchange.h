@@ -157,6 +157,7 @@ class ExchangeGraph {
   double find_path(SiteNumber source, const Arena& arena);
   [[nodiscard]] bool settled(SiteNumber site) const { return limit_[site] == -kNone; }
   [[nodiscard]] static bool is_weighed(const Cell& cell, std::size_t slot);
+  [[nodiscard]] bool may_matter(SiteNumber from, SiteNumber to, double distance) const;
   void relax_edge(SiteNumber from, std::size_t slot);
   void reach_directly(SiteNumber source);
   void relax_edges(SiteNumber from);
