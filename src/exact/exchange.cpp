@@ -91,7 +91,10 @@ void ExchangeGraph::relax(const Way& way, SiteNumber to, double distance) {
   distance_[to] = limit_[to] = distance;
   way_[to] = way;
   const bool target = to != hub() && surplus(to) < 0;
-  if (target) nearest_ = std::min(nearest_, distance);
+  if (target && std::tie(distance, to) < std::tie(nearest_, end_)) {
+    nearest_ = distance;
+    end_ = to;
+  }
   push({distance, to, target ? kTarget : kSite});
 }
 
@@ -99,7 +102,8 @@ void ExchangeGraph::relax(const Way& way, SiteNumber to, double distance) {
 bool ExchangeGraph::may_matter(SiteNumber from, SiteNumber to, double distance) const {
   if (distance > limit_[to] || distance > nearest_) return false;
   if (distance == limit_[to] && way_[to].from < from) return false;  // it has a lower one
-  return distance < nearest_ || surplus(to) < 0;  // the search ends before it looks on from there
+  // As far away as the end, and not before it, it is not looked on from.
+  return distance < nearest_ || (surplus(to) < 0 && !(end_ < to));
 }
 
 /// Along an edge of a site; never below the site's distance, whatever rounding has done to a
@@ -120,7 +124,8 @@ void ExchangeGraph::reach_directly(SiteNumber source) {
   const double base = weights_[source];
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
     const SiteNumber j = cell.to[slot];
-    if (surplus(j) >= 0 || !may_matter(source, j, base + cell.bound[slot] - weights_[j])) continue;
+    const double distance = std::max(0.0, base + cell.bound[slot] - weights_[j]);
+    if (surplus(j) >= 0 || !may_matter(source, j, distance)) continue;
     relax_edge(source, slot);
   }
 }
@@ -148,12 +153,12 @@ void ExchangeGraph::relax_edges(SiteNumber from) {
     const std::size_t end = std::min((page + 1) * kPage, cell.to.size());
     for (std::size_t slot = page * kPage; slot < end; ++slot) {
       const SiteNumber j = cell.to[slot];
-      const double distance = base + cell.bound[slot] - weights_[j];
+      const double distance = std::max(least, base + cell.bound[slot] - weights_[j]);
       if (!may_matter(from, j, distance)) continue;
       if (is_weighed(cell, slot)) {
         relax_edge(from, slot);
       } else {
-        push({std::max(least, distance), from, static_cast<std::int32_t>(slot)});
+        push({distance, from, static_cast<std::int32_t>(slot)});
       }
     }
   }
@@ -170,6 +175,7 @@ double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
   settled_.clear();
   heap_.clear();
   nearest_ = kNone;
+  end_ = hub();
   distance_[source] = limit_[source] = 0;
   push({0, source, kSite});
   for (;;) {

@@ -200,6 +200,7 @@ class ExchangeGraph {
   std::int64_t augmentations_ = 0;
 
   double nearest_ = kNone;  ///< distance of the nearest site with too few points that was reached
+  SiteNumber end_;          ///< that site, the lowest of those at this distance
   std::vector<double> distance_;
   /// How long a way there may be to be looked at: no longer than the shortest so far. None is, of
   /// what is settled.
