@@ -5,7 +5,7 @@
 #include <functional>
 #include <iterator>
 #include <numeric>
-#include <utility>
+#include <tuple>
 
 #include "exact/grouping.h"
 #include "parallel/loops.h"
@@ -240,7 +240,7 @@ void ExchangeGraph::move_along_path(SiteNumber source, SiteNumber target) {
       movers.push_back({point, PointNumber(point), i, j});
     }
   }
-  if (part_.ranks != nullptr) place(movers);
+  if (part_.ranks != nullptr) bring(movers);
   for (const Mover& mover : movers) move(mover);
   ++augmentations_;
 }

@@ -171,6 +171,7 @@ class ExchangeGraph {
   void insert(const Mover& mover);
   void add_move(Cell& cell, std::size_t slot, const Move& move);
   void lower_rest(Cell& cell, double own, std::span<const double> squared);
+  void lower_rest(Cell& cell, const Mover& mover, double before, double own);
   [[nodiscard]] std::size_t slots_of_each() const;
   // Of all ranks.
   void count_members();
@@ -179,8 +180,7 @@ class ExchangeGraph {
   static void put_edges(ByteWriter& message, const Scratch& scratch);
   void join_edges(std::span<ByteReader> ranks, std::size_t edges, Scratch& scratch) const;
   void weigh_together(Moves& moves, std::size_t kept) const;
-  void place(std::vector<Mover>& movers);
-  void lower_rest(Cell& cell, const Mover& mover, double before, double own);
+  void bring(std::vector<Mover>& movers);
 
   std::vector<Index>& capacities_;
   bool floating_;

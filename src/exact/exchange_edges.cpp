@@ -235,7 +235,8 @@ void ExchangeGraph::lower_rest(Cell& cell, double own, std::span<const double> s
 void ExchangeGraph::lower_rest(Cell& cell, const Mover& mover, double before, double own) {
   const SiteNumber from = mover.from;
   const Cell& other = cells_[from];
-  cell.rest = std::min(cell.rest, other.rest + before - own - costs_.rounding(before + own));
+  cell.rest = std::min(
+      cell.rest, other.rest + before - own - costs_.rounding(before + own + std::abs(other.rest)));
   if (in_slot_[from] == 0) cell.rest = std::min(cell.rest, before - own - weights_[from]);
   std::vector<SiteNumber>& sites = scratch_.others;
   sites.clear();

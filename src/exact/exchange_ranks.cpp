@@ -147,7 +147,7 @@ void ExchangeGraph::weigh_together(Moves& moves, std::size_t kept) const {
 }
 
 /// Tells all ranks the positions of points that move.
-void ExchangeGraph::place(std::vector<Mover>& movers) {
+void ExchangeGraph::bring(std::vector<Mover>& movers) {
   std::vector<Index> points;
   for (const Mover& mover : movers) points.push_back(mover.point);
   const std::vector<PointNumber> places = costs_.bring(points, part_);
