@@ -53,6 +53,15 @@ void check_given(const Columns<double>& codewords, int dimension, const Codebook
 
 }  // namespace
 
+/// Calls work(). Of several ranks, each does it all.
+template <class Scalar>
+template <class Work>
+void Trainer<Scalar>::undivided(const Work& work) {
+  arena_.divide_among(nullptr);
+  work();
+  arena_.divide_among(problem_.ranks());
+}
+
 template <class Scalar>
 void Trainer<Scalar>::seed() {
   const Index n = problem_.site_count();
@@ -63,7 +72,8 @@ void Trainer<Scalar>::seed() {
   const bool usual = breeding.seedings > 1 && !breeding.random;
   breeding.children = options_.effort.value_or(usual ? usual_effort(n, vectors_.dimension) : 0);
   if (breeding.children > 0 && n > 1 && options_.method != CodebookMethod::lloyd) {
-    BredSites bred = bred_sites(breeding);
+    BredSites bred;
+    undivided([&] { bred = breed_sites(source_, problem_.capacities(), breeding, arena_); });
     if (!bred.sites.empty()) {
       sites_ = std::move(bred.sites);
       if (options_.method == CodebookMethod::exact) weights_ = std::move(bred.weights);
@@ -74,15 +84,6 @@ void Trainer<Scalar>::seed() {
   }
   const auto choose = breeding.random ? draw_sites<Scalar> : seed_sites<Scalar>;
   sites_ = choose(source_, n, options_.restarts, options_.seed, arena_);
-}
-
-/// Of several ranks, each does it all.
-template <class Scalar>
-BredSites Trainer<Scalar>::bred_sites(const Breeding& breeding) {
-  arena_.divide_among(nullptr);
-  BredSites bred = breed_sites(source_, problem_.capacities(), breeding, arena_);
-  arena_.divide_among(problem_.ranks());
-  return bred;
 }
 
 /// Reports an iteration; false when training ends with it.
@@ -156,9 +157,7 @@ void Trainer<Scalar>::with_all(const Vectors<Scalar>& vectors, const Work& work)
   const auto& [ranks, first] = vectors.part();
   if (ranks == nullptr) return work(vectors.own());
   const Points<Scalar> all = vectors.all();
-  arena_.divide_among(nullptr);
-  work(view_points(all));
-  arena_.divide_among(ranks);
+  undivided([&] { work(view_points(all)); });
   if (owners_.empty()) return;
   const auto own = owners_.begin() + first;
   owners_ = std::vector<Index>(own, own + vectors.own().count);
@@ -218,7 +217,8 @@ void Trainer<Scalar>::train() {
 }
 
 /// Ends a cancelled run without another pricing: with the last owners that met the capacities, or
-/// with vectors dealt out in their order. Lloyd's may be any.
+/// with vectors dealt out in their order. Lloyd's may be any. Not of several ranks, whose last
+/// assignment takes the time that it takes.
 template <class Scalar>
 void Trainer<Scalar>::settle_for_less() {
   stop_.off();
@@ -231,12 +231,8 @@ void Trainer<Scalar>::settle_for_less() {
   if (options_.method == CodebookMethod::lloyd && all) return;
   owners_ = std::move(met_);
   if (!owners_.empty()) return;
-  std::int64_t before = 0;  // of all ranks' vectors, those dealt out
   for (const SiteNumber s : sites_below(problem_.site_count())) {
-    const std::int64_t begin = std::max(before, source_.part().first);
-    before += problem_.capacities()[s];
-    const std::int64_t end = std::min(before, source_.part().first + vectors_.count);
-    if (begin < end) std::fill_n(std::back_inserter(owners_), end - begin, s.index());
+    std::fill_n(std::back_inserter(owners_), problem_.capacities()[s], s.index());
   }
 }
 

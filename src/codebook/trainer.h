@@ -10,7 +10,6 @@
 
 #include "ccvt/codebook.h"
 #include "ccvt/problem.h"
-#include "codebook/breeding.h"
 #include "codebook/progress.h"
 #include "codebook/vectors.h"
 #include "geometry/metric.h"
@@ -61,7 +60,8 @@ class Trainer {
   void settle_for_less();
   void lloyd();
   void pairwise();
-  BredSites bred_sites(const Breeding& breeding);
+  template <class Work>
+  void undivided(const Work& work);
   template <class Work>
   void with_all(const Vectors<Scalar>& vectors, const Work& work);
   void start_balanced(const Vectors<Scalar>& vectors, std::vector<Index> capacities,

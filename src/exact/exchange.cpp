@@ -7,8 +7,10 @@
 #include <numeric>
 #include <tuple>
 
+#include "cell_sizes.h"
 #include "exact/grouping.h"
 #include "parallel/loops.h"
+#include "parallel/together.h"
 
 namespace ccvt {
 namespace {
@@ -39,11 +41,12 @@ ExchangeGraph::ExchangeGraph(std::vector<Index>& capacities, bool floating,
       limit_(capacities.size() + 1, kNone),
       way_(capacities.size() + 1) {
   const Grouping groups(owners, cells_.size());
+  const std::vector<Index> sizes = summed(part.ranks, cell_sizes(owners, cells_.size()));
   for (const SiteNumber s : sites_below(cells_.size())) {
     const auto members = groups.of(s);
     cells_[s].members.assign(members.begin(), members.end());
+    cells_[s].size = sizes[s];
   }
-  count_members();
   for (const double weight : weights) largest_weight_ = std::max(largest_weight_, std::abs(weight));
   if (!floating) return;
   least_capacity_ = *std::min_element(capacities.begin(), capacities.end());

@@ -174,7 +174,6 @@ class ExchangeGraph {
   void lower_rest(Cell& cell, const Mover& mover, double before, double own);
   [[nodiscard]] std::size_t slots_of_each() const;
   // Of all ranks.
-  void count_members();
   void bound_all_together(const Arena& arena);
   void find_edges_together(std::size_t edges, Scratch& scratch) const;
   static void put_edges(ByteWriter& message, const Scratch& scratch);

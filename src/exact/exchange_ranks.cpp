@@ -17,14 +17,6 @@ constexpr std::size_t kCells = 64;
 
 }  // namespace
 
-/// How many points each cell has on all ranks.
-void ExchangeGraph::count_members() {
-  std::vector<Index> sizes;
-  for (const Cell& cell : cells_) sizes.push_back(static_cast<Index>(cell.members.size()));
-  sizes = summed(part_.ranks, std::move(sizes));
-  for (const SiteNumber s : sites_below(cells_.size())) cells_[s].size = sizes[s];
-}
-
 /// Of the edges that each rank found, those that cost least for the points of all.
 void ExchangeGraph::find_edges_together(std::size_t edges, Scratch& scratch) const {
   ByteWriter message;
