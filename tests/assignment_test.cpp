@@ -264,7 +264,7 @@ TEST_CASE_TEMPLATE("bounds of what moving costs hold, and are close", Scalar, fl
             CHECK(costs.squared_to_all(cells.of(i)[k], scratch)[j] ==
                   doctest::Approx(there[k]).epsilon(1e-12));
             std::vector<double> some;
-            costs.squared_to(cells.of(i)[k], std::vector<SiteNumber>{i, j}, some);
+            costs.squared_to(cells.of(i)[k], std::vector<SiteNumber>{i, j}, some, scratch);
             CHECK(some == std::vector<double>{here[k], there[k]});
           }
           CHECK(bounds[j] <= least);

@@ -40,9 +40,9 @@ class LooseCosts final : public MoveCosts {
                std::vector<double>& out) const override {
     costs_.squared(points, site, out);
   }
-  void squared_to(PointNumber point, std::span<const SiteNumber> sites,
-                  std::vector<double>& out) const override {
-    costs_.squared_to(point, sites, out);
+  void squared_to(PointNumber point, std::span<const SiteNumber> sites, std::vector<double>& out,
+                  Scratch& scratch) const override {
+    costs_.squared_to(point, sites, out, scratch);
   }
   std::span<const double> squared_to_all(PointNumber point, Scratch& scratch) const override {
     return costs_.squared_to_all(point, scratch);
@@ -152,6 +152,7 @@ TEST_CASE("exchange: the same whatever bounds say, and whatever is as short") {
       check_all_bounds_alike(2, 1203, 40, floating, grid);
       check_all_bounds_alike(3, 2005, 300, floating, grid);
       check_all_bounds_alike(9, 4001, 90, floating, grid);
+      check_all_bounds_alike(5, 4001, 1000, floating, grid);  // many more sites than slots
     }
   }
 }

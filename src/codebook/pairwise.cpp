@@ -6,6 +6,7 @@
 
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
+#include "codebook/dealing.h"
 #include "geometry/coordinate_range.h"
 
 namespace ccvt {
@@ -13,6 +14,8 @@ namespace {
 
 /// Extents beyond two to the power of plus or minus this are brought near 1.
 constexpr double kModerate = 32;
+/// In more dimensions tessellate() would let vectors choose their sites one by one.
+constexpr int kMostBalanced = 8;
 
 /// The power of two to multiply vectors with so that their squares have all their digits.
 template <class Scalar>
@@ -39,9 +42,13 @@ PairwiseCells pairwise_cells(PointsView<Scalar> vectors, std::span<const double>
   const auto n = static_cast<Index>(capacities.size());
   Problem<Scalar> problem(unit != 1 ? view_points(scaled) : vectors, n);
   problem.set_capacities(std::move(capacities));
-  Points<Scalar> initial(vectors.dimension, n);
-  std::transform(sites.begin(), sites.end(), initial.data(), in_units);
-  problem.set_initial_sites(initial);
+  if (vectors.dimension > kMostBalanced) {
+    problem.set_initial_owners(deal_to_nearest(vectors, sites, problem.capacities(), arena));
+  } else {
+    Points<Scalar> initial(vectors.dimension, n);
+    std::transform(sites.begin(), sites.end(), initial.data(), in_units);
+    problem.set_initial_sites(initial);
+  }
   if (options.on_iteration) {
     options.on_iteration = [unit,
                             report = std::move(options.on_iteration)](IterationRecord record) {

@@ -150,12 +150,17 @@ void CellBounds::follow(std::span<const double> sites, const Grouping& groups,
   sites_.assign(sites.begin(), sites.end());
 }
 
+void CellBounds::widen(SiteNumber site, double own) {
+  const double farthest = std::sqrt(own + underflow_of(dimension_));
+  radius_[site] = std::max(radius_[site], farthest * (1 + rounding_share(dimension_)));
+}
+
 void CellBounds::include(SiteNumber site, PointNumber point, std::span<const double> squared,
                          double own) {
   covered_[point] = site.index();
   own_costs_[point] = own;
+  widen(site, own);
   const double share = rounding_share(dimension_);
-  radius_[site] = std::max(radius_[site], std::sqrt(own + underflow_of(dimension_)) * (1 + share));
   const std::span<double> bounds = of(site);
   for (std::size_t j = 0; j < count(); ++j) {
     const double rounding = share * (squared[j] + own) + underflow_of(dimension_);

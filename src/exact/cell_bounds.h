@@ -66,6 +66,8 @@ class CellBounds {
   /// A point that comes to a cell, its squared distances to all sites, but for rounding, and to its
   /// own.
   void include(SiteNumber site, PointNumber point, std::span<const double> squared, double own);
+  /// A point that comes to a cell at that squared distance, to be included later.
+  void widen(SiteNumber site, double own);
   /// All points that came anywhere since. `costs`: for the positions that bounds are for.
   void include_all(const std::vector<Index>& owners, const MoveCosts& costs, const Arena& arena);
   void remove(PointNumber point) { covered_[point] = kNowhere; }

@@ -19,20 +19,27 @@ namespace ccvt {
 inline double rounding_share(int dimension) { return 1e-14 * (1 + dimension / 64.0); }
 inline double underflow_of(int dimension) { return dimension * std::numeric_limits<double>::min(); }
 
+/// |x - position|^2 of what is at at(k), for each of `which`; without a torus.
+template <class Number, class At>
+void squared_distances(std::span<const Number> which, const At& at, int dimension,
+                       const double* position, std::vector<double>& out) {
+  constexpr std::size_t kRows = 64;
+  std::array<decltype(at(which.front())), kRows> row{};
+  out.resize(which.size());
+  for (std::size_t begin = 0; begin < which.size(); begin += kRows) {
+    const auto some = which.subspan(begin, std::min(kRows, which.size() - begin));
+    std::transform(some.begin(), some.end(), row.begin(), at);
+    kernels::squared_distances_of(row.data(), static_cast<Index>(some.size()), dimension, position,
+                                  out.data() + begin);
+  }
+}
+
 /// |p - position|^2 of some points, without a torus.
 template <class Scalar>
 void squared_distances(PointsView<Scalar> points, std::span<const PointNumber> which,
                        const double* position, std::vector<double>& out) {
-  constexpr std::size_t kRows = 64;
-  std::array<const Scalar*, kRows> row{};
-  out.resize(which.size());
-  for (std::size_t begin = 0; begin < which.size(); begin += kRows) {
-    const auto some = which.subspan(begin, std::min(kRows, which.size() - begin));
-    std::transform(some.begin(), some.end(), row.begin(),
-                   [&](PointNumber p) { return points[p.index()]; });
-    kernels::squared_distances_of(row.data(), static_cast<Index>(some.size()), points.dimension,
-                                  position, out.data() + begin);
-  }
+  squared_distances(
+      which, [&](PointNumber p) { return points[p.index()]; }, points.dimension, position, out);
 }
 
 /// The same, on a torus if the metric is of one.

@@ -139,6 +139,7 @@ class ExchangeGraph {
   };
   struct Scratch {
     MoveCosts::Scratch costs;
+    std::vector<double> reduced;
     std::vector<Edge> edges;
     double rest = kNone;                ///< as in Cell, of those that are not among the edges
     std::vector<std::int32_t> weighed;  ///< of each site, as in Cell
@@ -149,6 +150,7 @@ class ExchangeGraph {
   void bound_all_edges(const Arena& arena);
   void bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
   void find_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
+  [[nodiscard]] static double about(std::size_t edges, Scratch& scratch);
   static void keep_nearest(std::size_t edges, Scratch& scratch);
   void set_edges(SiteNumber site, Scratch& scratch);
   void tighten(SiteNumber site);

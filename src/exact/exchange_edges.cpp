@@ -13,6 +13,11 @@ namespace {
 /// members; of one that is weighed for the first time, the cheapest.
 constexpr double kMoves = 8;
 constexpr double kMovesPerRoot = 0.5;
+/// Where edges that cost least are looked for by a sample, so many of them are to be in it.
+constexpr std::size_t kLeastSampled = 24;
+/// With so many times as many sites as slots it takes longer to look at all sites for a point that
+/// comes than what loose bounds of those in no slot cost later.
+constexpr std::size_t kManySites = 8;
 
 std::size_t moves_kept(Index members) {
   return static_cast<std::size_t>(std::max(kMoves, kMovesPerRoot * std::sqrt(double{1} * members)));
@@ -35,10 +40,34 @@ void ExchangeGraph::find_edges(SiteNumber site, std::size_t edges, Scratch& scra
   const std::span<const double> bounds =
       kept_ != nullptr ? kept_->include(site, cell.members, costs_, scratch.costs)
                        : costs_.bounds(site, cell.members, scratch.costs);
-  for (const SiteNumber j : sites_below(cells_.size())) {
-    if (j != site) scratch.edges.push_back({bounds[j] - weights_[j], j, bounds[j]});
+  std::vector<double>& reduced = scratch.reduced;
+  reduced.resize(cells_.size());
+  std::transform(bounds.begin(), bounds.end(), weights_.begin(), reduced.begin(),
+                 [](double bound, double weight) { return bound - weight; });
+  reduced[site] = kNone;
+  const double most = about(edges + edges / 2, scratch);
+  for (const double limit : {most, kNone}) {
+    scratch.edges.clear();
+    for (const SiteNumber j : sites_below(cells_.size())) {
+      if (reduced[j] <= limit && j != site) scratch.edges.push_back({reduced[j], j, bounds[j]});
+    }
+    if (scratch.edges.size() > edges) break;
   }
   keep_nearest(edges, scratch);
+}
+
+/// What about so many of the reduced costs do not exceed, by a sample of them.
+double ExchangeGraph::about(std::size_t edges, Scratch& scratch) {
+  const std::size_t step = std::max<std::size_t>(1, edges / kLeastSampled);
+  std::vector<double>& sample = scratch.own;
+  sample.clear();
+  for (std::size_t j = 0; j < scratch.reduced.size(); j += step) {
+    sample.push_back(scratch.reduced[j]);
+  }
+  if (edges / step >= sample.size()) return kNone;
+  const auto at = sample.begin() + static_cast<std::ptrdiff_t>(edges / step);
+  std::nth_element(sample.begin(), at, sample.end());
+  return *at;
 }
 
 void ExchangeGraph::keep_nearest(std::size_t edges, Scratch& scratch) {
@@ -163,8 +192,11 @@ void ExchangeGraph::insert(const Mover& mover) {
   ++cell.size;
   if (is_own(place)) cell.members.push_back(place);
   if (!cell.bounded) return;
-  // Without bounds of all edges, those that are in no slot are bounded by those of `from`.
-  const bool some = kept_ == nullptr && cell.rest < kNone && cells_[from].rest < kNone;
+  // Where most are in no slot, they are bounded by those of `from`; not by several ranks, whose
+  // bounds that are kept would not be alike.
+  const bool most =
+      kept_ == nullptr || (part_.ranks == nullptr && cells_.size() >= kManySites * cell.to.size());
+  const bool some = most && cell.rest < kNone && cells_[from].rest < kNone;
   // What is weighed is known to the last bit; for the others bounds will do.
   std::vector<SiteNumber>& sites = scratch_.others;
   sites.assign({site, from});
@@ -172,14 +204,15 @@ void ExchangeGraph::insert(const Mover& mover) {
     if (some || cell.weighed[slot] != kNotWeighed) sites.push_back(cell.to[slot]);
   }
   std::vector<double>& exact = scratch_.there;
-  costs_.squared_to(place, sites, exact);
+  costs_.squared_to(place, sites, exact, scratch_.costs);
   const double own = exact[0];
   const double before = exact[1];
   std::span<const double> squared;
   if (!some) squared = costs_.squared_to_all(place, scratch_.costs);
   if (is_own(place)) {
     own_cost_[place] = own;
-    if (kept_ != nullptr) kept_->include(site, place, squared, own);
+    if (kept_ != nullptr && some) kept_->widen(site, own);
+    if (kept_ != nullptr && !some) kept_->include(site, place, squared, own);
   }
   const double* next = exact.data() + 2;
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
@@ -242,7 +275,7 @@ void ExchangeGraph::lower_rest(Cell& cell, const Mover& mover, double before, do
   sites.clear();
   std::copy_if(other.to.begin(), other.to.end(), std::back_inserter(sites),
                [&](SiteNumber j) { return in_slot_[j] == 0; });
-  costs_.squared_to(mover.place, sites, scratch_.own);
+  costs_.squared_to(mover.place, sites, scratch_.own, scratch_.costs);
   for (std::size_t k = 0; k < sites.size(); ++k) {
     cell.rest = std::min(cell.rest, scratch_.own[k] - own - weights_[sites[k]]);
   }

@@ -68,13 +68,18 @@ void SquaredDistances<Scalar>::squared(std::span<const PointNumber> points, Site
 
 template <class Scalar>
 void SquaredDistances<Scalar>::squared_to(PointNumber point, std::span<const SiteNumber> sites,
-                                          std::vector<double>& out) const {
+                                          std::vector<double>& out, Scratch& scratch) const {
   const Scalar* const x = row(point);
+  if (!metric_.periodic()) {
+    scratch.position.assign(x, x + dimension());
+    squared_distances(
+        sites, [&](SiteNumber s) { return at(s); }, points_.dimension, scratch.position.data(),
+        out);
+    return;
+  }
   out.resize(sites.size());
-  std::transform(sites.begin(), sites.end(), out.begin(), [&](SiteNumber s) {
-    return metric_.periodic() ? metric_.squared_distance(x, at(s))
-                              : squared_difference(x, at(s), points_.dimension);
-  });
+  std::transform(sites.begin(), sites.end(), out.begin(),
+                 [&](SiteNumber s) { return metric_.squared_distance(x, at(s)); });
 }
 
 template <class Scalar>

@@ -35,7 +35,7 @@ class MoveCosts {
                        std::vector<double>& out) const = 0;
   /// |point - s|^2 of some sites s.
   virtual void squared_to(PointNumber point, std::span<const SiteNumber> sites,
-                          std::vector<double>& out) const = 0;
+                          std::vector<double>& out, Scratch& scratch) const = 0;
   /// The same of all sites, but for rounding; in `scratch`.
   virtual std::span<const double> squared_to_all(PointNumber point, Scratch& scratch) const = 0;
   /// By how much a sum of such squares may be off.
@@ -63,8 +63,8 @@ class SquaredDistances final : public MoveCosts {
 
   void squared(std::span<const PointNumber> points, SiteNumber site,
                std::vector<double>& out) const override;
-  void squared_to(PointNumber point, std::span<const SiteNumber> sites,
-                  std::vector<double>& out) const override;
+  void squared_to(PointNumber point, std::span<const SiteNumber> sites, std::vector<double>& out,
+                  Scratch& scratch) const override;
   std::span<const double> squared_to_all(PointNumber point, Scratch& scratch) const override;
   [[nodiscard]] double rounding(double sum) const override;
   std::vector<PointNumber> bring(std::span<const Index> points, const RankPart& part) override;
