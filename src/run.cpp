@@ -12,6 +12,7 @@
 #include "bounds.h"
 #include "descent/descent.h"
 #include "parallel/loops.h"
+#include "parallel/together.h"
 #include "relax/deal.h"
 #include "relax/initial_sites.h"
 #include "relax/initialize.h"
@@ -46,8 +47,8 @@ const char* name_of(Initialization initialization) {
 }
 
 /// `one_level`: when levels have nothing to give, as owners are there or no site moves.
-Options resolved(Options options, int dimension, bool one_level) {
-  options.validate();
+Options resolved(Ranks* ranks, Options options, int dimension, bool one_level) {
+  agree(ranks, [&options] { options.validate(); });
   if (options.initialization == Initialization::automatic) {
     options.initialization =
         dimension <= kBalancedDimensions ? Initialization::balanced : Initialization::coherent;
@@ -62,7 +63,7 @@ template <class Scalar>
 Run<Scalar>::Run(Problem<Scalar> given_problem, Options given_options)
     : problem(std::move(given_problem)),
       warm(!problem.initial_owners().empty()),
-      options(resolved(std::move(given_options), problem.dimension(),
+      options(resolved(problem.ranks(), std::move(given_options), problem.dimension(),
                        warm || problem.fixed_sites().cols() == problem.site_count())),
       // Ranks end together: see cancelled_together().
       stop(problem.ranks() ? Stop() : Stop(options.cancelled, options.time_limit)),

@@ -13,15 +13,6 @@ namespace {
 
 constexpr std::size_t kPointsPerGrain = std::size_t{1} << 14;
 
-void put_text(ByteWriter& out, const std::string& text) {
-  out.put(std::vector<char>(text.begin(), text.end()));
-}
-
-std::string get_text(ByteReader& in) {
-  const std::vector<char> letters = in.get_all<char>();
-  return {letters.begin(), letters.end()};
-}
-
 template <class Enum>
 std::string number_of(Enum value) {
   return std::to_string(static_cast<int>(value));
@@ -103,7 +94,7 @@ void RunIdentity::add_domain(const Domain& domain) {
 
 RunIdentity::RunIdentity(ByteReader& in) : version_(get_text(in)) {
   for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
-    Part& part = parts_.emplace_back();
+    Given& part = parts_.emplace_back();
     part.name = get_text(in);
     part.value = get_text(in);
     part.said = in.get<bool>();
@@ -113,7 +104,7 @@ RunIdentity::RunIdentity(ByteReader& in) : version_(get_text(in)) {
 void RunIdentity::save(ByteWriter& out) const {
   put_text(out, version_);
   out.put(std::uint64_t{parts_.size()});
-  for (const Part& part : parts_) {
+  for (const Given& part : parts_) {
     put_text(out, part.name);
     put_text(out, part.value);
     out.put(part.said);
@@ -127,8 +118,8 @@ std::string RunIdentity::objection_to(const RunIdentity& kept) const {
   }
   if (kept.parts_.size() != parts_.size()) throw Damaged();
   for (std::size_t k = 0; k < parts_.size(); ++k) {
-    const Part& there = kept.parts_[k];
-    const Part& here = parts_[k];
+    const Given& there = kept.parts_[k];
+    const Given& here = parts_[k];
     if (there.name != here.name) throw Damaged();
     if (there.value == here.value) continue;
     if (!here.said) return "is of another run: " + here.name + " are not the same";

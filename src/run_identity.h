@@ -6,6 +6,7 @@
 
 #include "ccvt/options.h"
 #include "ccvt/problem.h"
+#include "parallel/alike.h"
 #include "parallel/arena.h"
 #include "parallel/bytes.h"
 
@@ -28,12 +29,9 @@ class RunIdentity {
   /// Empty, or what is wrong with continuing `kept` as this run.
   [[nodiscard]] std::string objection_to(const RunIdentity& kept) const;
 
+  [[nodiscard]] const std::vector<Given>& parts() const { return parts_; }
+
  private:
-  struct Part {
-    std::string name;
-    std::string value;
-    bool said = true;  ///< the value says something to people
-  };
   void add(std::string name, std::string value) {
     parts_.push_back({std::move(name), std::move(value)});
   }
@@ -42,7 +40,7 @@ class RunIdentity {
   void add_domain(const Domain& domain);
 
   std::string version_;
-  std::vector<Part> parts_;
+  std::vector<Given> parts_;
 };
 
 }  // namespace ccvt

@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "number_text.h"
+#include "parallel/alike.h"
 #include "parallel/bytes.h"
 #include "parallel/together.h"
 #include "run.h"
+#include "run_identity.h"
 
 namespace ccvt {
 
@@ -59,6 +61,11 @@ void Run<Scalar>::require_for_ranks() const {
                          " dimensions, too: several ranks need balanced");
     }
   });
+  std::vector<Given> given = RunIdentity(problem, options, 0).parts();
+  given.push_back({"the option max_iterations", std::to_string(options.max_iterations)});
+  given.push_back({"the option energy_tolerance", concat(options.energy_tolerance)});
+  given.push_back({"the option checkpoint", options.checkpoint.empty() ? "none" : "a file"});
+  require_alike(*ranks(), given);
 }
 
 /// Whether one of the ranks is to end: they do so together, after an iteration.

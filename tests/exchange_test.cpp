@@ -209,6 +209,49 @@ TEST_CASE("ranks: an exact assignment is that of one process") {
   }
 }
 
+TEST_CASE("ranks: an exchange is that of one process, though each has bounds of its own") {
+  for (const bool floating : {false, true}) {
+    for (const bool grid : {false, true}) {
+      CAPTURE(floating);
+      CAPTURE(grid);
+      const Scene made = make_scene(4, 1503, 300, grid);
+      const Metric metric(4, Domain());
+      const SquaredDistances<float> costs(metric, view_points(made.points), made.sites);
+      SquaredDistances<float> plain = costs;
+      const Exchanged expected = exchange(made, floating, plain, nullptr);
+      const std::vector<Index> cuts = {0, 333, 1000, 1503};
+      const std::vector<Index> begin = Pricer<float>(metric, view_points(made.points), Arena(1))
+                                           .cheapest({made.sites, std::vector<double>(300, 0.0)});
+      for (const double most : {0.0, 1e-2, 10.0}) {
+        CAPTURE(most);
+        std::vector<Index> owners(1503, -1);
+        bool same = true;
+        std::mutex mutex;
+        ThreadRanks(3).run([&](Ranks& ranks) {
+          const auto rank = static_cast<std::size_t>(ranks.rank());
+          const Index first = cuts[rank];
+          const PointsView<float> points{made.points.data() + first * 4, 4, cuts[rank + 1] - first,
+                                         4};
+          SquaredDistances<float> of_rank(metric, points, made.sites);
+          LooseCosts<float> loose(of_rank, most, 11 + rank);
+          Exchanged own;
+          own.owners.assign(begin.begin() + first, begin.begin() + cuts[rank + 1]);
+          own.weights.assign(300, 0.0);
+          own.capacities = capacities_for(floating, 1503, 300);
+          ExchangeGraph graph(own.capacities, floating, own.owners, own.weights, loose, nullptr,
+                              {&ranks, first});
+          graph.settle(Arena(1));
+          const std::lock_guard lock(mutex);
+          std::copy(own.owners.begin(), own.owners.end(), owners.begin() + first);
+          same = same && own.weights == expected.weights && graph.augmentations() == expected.paths;
+        });
+        CHECK(owners == expected.owners);
+        CHECK(same);
+      }
+    }
+  }
+}
+
 TEST_SUITE_END();
 
 }  // namespace ccvt::test

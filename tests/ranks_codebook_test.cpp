@@ -259,6 +259,33 @@ TEST_CASE("ranks: what training cannot do is thrown on all") {
         std::string::npos);
 }
 
+TEST_CASE("ranks: what they are given for training must be the same, or all fail") {
+  const Points<float> vectors = clouds<float>(2, 300, 1);
+  const auto message = [&](const auto& change) {
+    const std::set<std::string> messages = messages_of(2, [&](ccvt::Ranks& ranks) {
+      CodebookOptions options{.threads = 1};
+      Eigen::MatrixXd start = vectors.leftCols(5).cast<double>();
+      if (ranks.rank() == 1) change(options, start);
+      train_codebook_from(ranks, own_of(ranks, vectors), start, options);
+    });
+    REQUIRE(messages.size() == 1);
+    return *messages.begin();
+  };
+  CHECK(message([](CodebookOptions& options, auto&) { options.seed = 3; }) ==
+        "CodebookOptions::seed is 3 on rank 1, but 0 on rank 0: all ranks must be given the same");
+  CHECK(message([](CodebookOptions& options, auto&) { options.method = CodebookMethod::lloyd; }) ==
+        "CodebookOptions::method is lloyd on rank 1, but exact on rank 0: all ranks must be given "
+        "the same");
+  CHECK(message([](CodebookOptions& options, auto&) { options.effort = 0; }) ==
+        "CodebookOptions::effort is 0 on rank 1, but the usual on rank 0: all ranks must be given "
+        "the same");
+  CHECK(message([](auto&, Eigen::MatrixXd& start) { start(1, 2) += 1; }) ==
+        "codewords: rank 1 and rank 0 must be given the same");
+  CHECK(message([](CodebookOptions& options, auto&) {
+          options.capacities = {60, 60, 60, 60, 60};
+        }) == "CodebookOptions::capacities: rank 1 and rank 0 must be given the same");
+}
+
 TEST_CASE("ranks: one that ends training ends it for all") {
   const Points<float> vectors = clouds<float>(2, 3000, 1);
   for (const auto& [method, asked] :

@@ -139,6 +139,33 @@ TEST_CASE("ranks: what is wrong with a problem is thrown on all") {
                          {.threads = 1, .initialization = ccvt::Initialization::coherent});
       },
       "options.initialization: is coherent, which is the default beyond 8 dimensions, too");
+  const auto run_with = [&](int others, const auto& change) {
+    return [&problem, others, change](ccvt::Ranks& ranks) {
+      ccvt::Options options{.threads = 1};
+      if (ranks.rank() == others) change(options);
+      ccvt::tessellate(problem(ranks, 40), options);
+    };
+  };
+  check_message(
+      3, run_with(2, [](ccvt::Options& options) { options.seed = 9; }),
+      "the option seed is 9 on rank 2, but 0 on rank 0: all ranks must be given the same");
+  check_message(2, run_with(1, [](ccvt::Options& options) { options.energy_tolerance = 0.25; }),
+                "the option energy_tolerance is 0.25 on rank 1, but 0 on rank 0");
+  check_message(2, run_with(0, [](ccvt::Options& options) { options.max_iterations = 7; }),
+                "the option max_iterations is 1000000 on rank 1, but 7 on rank 0");
+  check_message(2, run_with(1, [](ccvt::Options& options) { options.tile_sites = 0; }),
+                "tile_sites");
+  check_message(
+      2,
+      [&](ccvt::Ranks& ranks) {
+        Problem<double> own = problem(ranks, 40);
+        std::vector<Index> capacities = own.capacities();
+        capacities[0] -= ranks.rank();
+        capacities[1] += ranks.rank();
+        own.set_capacities(capacities);
+        ccvt::tessellate(own, {.threads = 1});
+      },
+      "the capacities: rank 1 and rank 0 must be given the same");
 }
 
 TEST_CASE("ranks: a message that fails is thrown, whatever it was for") {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "ccvt/codebook.h"
+#include "checkpoint/digest.h"
 #include "codebook/breeding.h"
 #include "codebook/centroids.h"
 #include "codebook/pairwise.h"
@@ -18,7 +19,9 @@
 #include "exact/grouping.h"
 #include "exact/move_costs.h"
 #include "exact/pricing.h"
+#include "number_text.h"
 #include "numbers.h"
+#include "parallel/alike.h"
 #include "parallel/together.h"
 #include "precision.h"
 
@@ -36,6 +39,27 @@ void require_for_ranks(const CodebookOptions& options) {
   if (options.method != CodebookMethod::pairwise) return;
   throw InvalidInput(
       "CodebookOptions::method is pairwise: several ranks train by exact and by lloyd only");
+}
+
+/// Throws InvalidInput on all ranks where they were given different things. `codewords`: given to
+/// start from.
+void require_alike(Ranks& ranks, const CodebookOptions& options,
+                   std::span<const double> codewords) {
+  const auto number = [](auto value) { return concat(value); };
+  const std::vector<Given> given = {
+      {"CodebookOptions::method", to_string(options.method)},
+      {"CodebookOptions::seeding", number(static_cast<int>(options.seeding))},
+      {"CodebookOptions::restarts", number(options.restarts)},
+      {"CodebookOptions::effort", options.effort ? number(*options.effort) : "the usual"},
+      {"CodebookOptions::max_iterations", number(options.max_iterations)},
+      {"CodebookOptions::tolerance", number(options.tolerance)},
+      {"CodebookOptions::gap", number(options.gap)},
+      {"CodebookOptions::train_sample", number(options.train_sample)},
+      {"CodebookOptions::seed", number(options.seed)},
+      {"CodebookOptions::capacities", number(digest_of(std::span<const Index>(options.capacities))),
+       false},
+      {"codewords", number(digest_of(codewords)), false}};
+  require_alike(ranks, given);
 }
 
 void check_given(const Columns<double>& codewords, int dimension, const CodebookOptions& options) {
@@ -317,6 +341,7 @@ Training train_codebook(Ranks& ranks, PointsView<Scalar> own, Index codewords,
     options.validate();
     require_for_ranks(options);
   });
+  require_alike(ranks, options, {});
   return Trainer<Scalar>(Problem<Scalar>(ranks, own, codewords), options).run(nullptr);
 }
 
@@ -337,6 +362,7 @@ Training train_codebook_from(Ranks& ranks, PointsView<Scalar> own, const Columns
     require_for_ranks(options);
     check_given(codewords, own.dimension, options);
   });
+  require_alike(ranks, options, {codewords.data(), static_cast<std::size_t>(codewords.size())});
   const auto n = static_cast<Index>(codewords.cols());
   return Trainer<Scalar>(Problem<Scalar>(ranks, own, n), options).run(&codewords);
 }

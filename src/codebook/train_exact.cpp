@@ -44,7 +44,7 @@ void Trainer<Scalar>::start_exact(const Vectors<Scalar>& vectors, std::vector<In
   const bool pairs = vectors.count() > kFewVectors * problem_.site_count();
   start_balanced(vectors, std::move(capacities),
                  pairs ? std::optional(kStartTolerance) : std::nullopt);
-  if (vectors.count() == source_.count()) met_ = owners_;
+  keep_met(vectors.count());
   if (summary_.termination == Termination::cancelled) throw Stopped();
   if (summary_.termination != Termination::iteration_limit) {
     summary_.termination = Termination::running;
@@ -89,7 +89,7 @@ void Trainer<Scalar>::exact_level(const Vectors<Scalar>& vectors, std::vector<In
       changed = changed_cells(given, owners_, weights_.size(), ranks);
     }
     assigned = true;
-    if (m == source_.count()) met_ = owners_;
+    keep_met(m);
     std::int64_t moved = 0;
     for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
     if (!go_on(m, energy, total(ranks, moved))) break;

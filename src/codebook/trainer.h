@@ -58,6 +58,10 @@ class Trainer {
   void prove();
   void end_cancelled();
   void settle_for_less();
+  /// Of all vectors, where so many are; several ranks never fall back on them.
+  void keep_met(Index vectors) {
+    if (vectors == source_.count() && problem_.ranks() == nullptr) met_ = owners_;
+  }
   void lloyd();
   void pairwise();
   template <class Work>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -57,7 +58,10 @@ void Publication::publish() {
   }
   // After all renames: a disk takes milliseconds for it, in which a killed process would leave some
   // outputs old and some new.
-  for (const io::UnfinishedFile& file : files) file.keep_name();
+  std::set<std::filesystem::path> kept;
+  for (const io::UnfinishedFile& file : files) {
+    if (kept.insert(file.directory()).second) file.keep_name();
+  }
 }
 
 std::filesystem::path Publication::unpublished(const std::filesystem::path& target) const {

@@ -35,6 +35,7 @@ class CCVT_EXPORT UnfinishedFile {
   /// So that the name of a published file outlasts a power failure, where the file system knows of
   /// this.
   void keep_name() const;
+  [[nodiscard]] std::filesystem::path directory() const { return final_.parent_path(); }
 
   /// Throws IoError: target cannot be written, for the reason that errno gives.
   [[noreturn]] void fail(int error) const;

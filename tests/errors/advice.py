@@ -111,6 +111,7 @@ ADVICE = {
     "src/options.cpp": _PARAMETER,
     "src/point_count.h": _PARAMETER,
     "src/presets.cpp": "Choose one of the names that the message lists.",
+    "src/parallel/alike.h": "Ranks are to make the same calls, each with its own points alone.",
     "src/problem.cpp": _PARAMETER,
     "src/relax/balance.cpp": "A mistake of the library: please report it.",
     "src/relax/mover.cpp": "A mistake of the library: please report it.",
