@@ -6,6 +6,7 @@
 
 #include "ccvt/io.h"
 #include "ccvt/ranks.h"
+#include "number_text.h"
 #include "parallel/bytes.h"
 
 namespace ccvt {
@@ -41,11 +42,11 @@ inline void require_alike(Ranks& ranks, std::span<const Given> own) {
       const std::string first = get_text(there);
       if (value == first) continue;
       if (!given.said) {
-        throw InvalidInput(given.name + ": rank " + std::to_string(rank) +
-                           " and rank 0 must be given the same");
+        throw InvalidInput(
+            concat(given.name, ": rank ", rank, " and rank 0 must be given the same"));
       }
-      throw InvalidInput(given.name + " is " + value + " on rank " + std::to_string(rank) +
-                         ", but " + first + " on rank 0: all ranks must be given the same");
+      throw InvalidInput(concat(given.name, " is ", value, " on rank ", rank, ", but ", first,
+                                " on rank 0: all ranks must be given the same"));
     }
   }
 }
