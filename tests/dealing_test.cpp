@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ccvt/capacity.h"
+#include "ccvt/sampling.h"
 #include "cell_sizes.h"
 #include "geometry/squares.h"
 #include "random.h"
@@ -15,17 +16,10 @@
 namespace ccvt::test {
 namespace {
 
-Points<float> draw(int dimension, Index count, std::uint64_t seed) {
-  Random random(seed, 2);
-  Points<float> points(dimension, count);
-  for (float& x : points.reshaped()) x = static_cast<float>(random.uniform());
-  return points;
-}
-
-std::vector<double> draw_sites(int dimension, Index count, double scale) {
+std::vector<double> draw_sites(int dimension, Index count) {
   Random random(8, 3);
   std::vector<double> sites(static_cast<std::size_t>(dimension * count));
-  for (double& x : sites) x = scale * random.uniform();
+  for (double& x : sites) x = random.uniform();
   return sites;
 }
 
@@ -80,8 +74,8 @@ TEST_SUITE_BEGIN("codebook");
 TEST_CASE("dealing: round by round to the nearest sites with room, for any number of threads") {
   for (const int dimension : {2, 9, 40}) {
     CAPTURE(dimension);
-    const Points<float> points = draw(dimension, 3001, 5);
-    const std::vector<double> sites = draw_sites(dimension, 70, 1);
+    const auto points = sample_uniform<float>(Box::unit(dimension), 3001, 5, Distribution::white);
+    const std::vector<double> sites = draw_sites(dimension, 70);
     std::vector<Index> capacities = equal_capacities(3001, 70);
     capacities[3] -= 20;
     capacities[9] += 20;
@@ -95,7 +89,7 @@ TEST_CASE("dealing: round by round to the nearest sites with room, for any numbe
 
 TEST_CASE("dealing: capacities are kept where nearly all want the same sites") {
   // All sites lie on a line away from the points: each round fills one.
-  const Points<float> points = draw(9, 2000, 6);
+  const auto points = sample_uniform<float>(Box::unit(9), 2000, 6, Distribution::white);
   std::vector<double> sites(std::size_t{9} * 100, 0.5);
   for (std::size_t s = 0; s < 100; ++s) sites[9 * s] = 2 + 0.1 * static_cast<double>(s);
   const std::vector<Index> capacities = equal_capacities(2000, 100);

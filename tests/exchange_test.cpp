@@ -216,8 +216,7 @@ TEST_CASE("ranks: an exchange is that of one process, though each has bounds of 
       CAPTURE(grid);
       const Scene made = make_scene(4, 1503, 300, grid);
       const Metric metric(4, Domain());
-      const SquaredDistances<float> costs(metric, view_points(made.points), made.sites);
-      SquaredDistances<float> plain = costs;
+      SquaredDistances<float> plain(metric, view_points(made.points), made.sites);
       const Exchanged expected = exchange(made, floating, plain, nullptr);
       const std::vector<Index> cuts = {0, 333, 1000, 1503};
       const std::vector<Index> begin = Pricer<float>(metric, view_points(made.points), Arena(1))

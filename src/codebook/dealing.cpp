@@ -5,11 +5,12 @@
 #include <cstdint>
 #include <numeric>
 
+#include "exact/distances.h"
 #include "exact/grouping.h"
 #include "exact/pricing.h"
 #include "geometry/chosen_points.h"
-#include "geometry/squares.h"
 #include "numbers.h"
+#include "schedule/tiling.h"
 #include "spatial/site_tree.h"
 
 namespace ccvt {
@@ -43,6 +44,7 @@ class Dealer {
  private:
   /// Rounds go on while each deals out one point in so many, or more.
   static constexpr std::size_t kLeastShare = 4;
+  static constexpr std::size_t kSitesPerGrain = 16;
 
   struct Wish {
     double squared;
@@ -71,11 +73,8 @@ class Dealer {
     const std::vector<double> weights(open.size(), 0.0);
     const Grouping wishes(pricer.cheapest({position, weights}), open.size());
     std::vector<std::uint8_t> given(left_.size(), 0);
-    arena_.for_ranges(open.size(), 16, [&](std::size_t begin, std::size_t end, int) {
-      for (std::size_t k = begin; k < end; ++k) {
-        take_nearest(open[k], wishes.of(SiteNumber(k)), given);
-      }
-    });
+    for_each_site(arena_, open.size(), kSitesPerGrain,
+                  [&](SiteNumber k) { take_nearest(open[k], wishes.of(k), given); });
     std::size_t kept = 0;
     for (std::size_t k = 0; k < left_.size(); ++k) {
       if (given[k] == 0) left_[kept++] = left_[k];
@@ -86,11 +85,12 @@ class Dealer {
   /// `wishes`: places among those left.
   void take_nearest(SiteNumber site, std::span<const PointNumber> wishes,
                     std::vector<std::uint8_t>& given) {
+    std::vector<double> squared;
+    squared_distances(
+        wishes, [&](PointNumber k) { return points_[left_[k].index()]; }, points_.dimension,
+        at(site), squared);
     std::vector<Wish> order;
-    for (const PointNumber k : wishes) {
-      const Scalar* const x = points_[left_[k].index()];
-      order.push_back({squared_difference(x, at(site), points_.dimension), k});
-    }
+    for (std::size_t k = 0; k < wishes.size(); ++k) order.push_back({squared[k], wishes[k]});
     const std::size_t taken = std::min(order.size(), static_cast<std::size_t>(room_[site]));
     std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(taken),
                      order.end());

@@ -8,14 +8,13 @@
 #include "ccvt/solver.h"
 #include "codebook/dealing.h"
 #include "geometry/coordinate_range.h"
+#include "run.h"
 
 namespace ccvt {
 namespace {
 
 /// Extents beyond two to the power of plus or minus this are brought near 1.
 constexpr double kModerate = 32;
-/// In more dimensions tessellate() would let vectors choose their sites one by one.
-constexpr int kMostBalanced = 8;
 
 /// The power of two to multiply vectors with so that their squares have all their digits.
 template <class Scalar>
@@ -31,23 +30,26 @@ template <class Scalar>
 PairwiseCells pairwise_cells(PointsView<Scalar> vectors, std::span<const double> sites,
                              std::vector<Index> capacities, Options options, const Arena& arena) {
   const double unit = unit_of(vectors, arena);
-  const auto in_units = [unit](double x) { return static_cast<Scalar>(x * unit); };
   Points<Scalar> scaled;
   if (unit != 1) {
     scaled.resize(vectors.dimension, vectors.count);
     for (Index p = 0; p < vectors.count; ++p) {
-      std::transform(vectors[p], vectors[p] + vectors.dimension, scaled.col(p).data(), in_units);
+      std::transform(vectors[p], vectors[p] + vectors.dimension, scaled.col(p).data(),
+                     [unit](double x) { return static_cast<Scalar>(x * unit); });
     }
+    vectors = view_points(scaled);
   }
+  std::vector<double> start(sites.begin(), sites.end());
+  for (double& x : start) x *= unit;
   const auto n = static_cast<Index>(capacities.size());
-  Problem<Scalar> problem(unit != 1 ? view_points(scaled) : vectors, n);
+  Problem<Scalar> problem(vectors, n);
   problem.set_capacities(std::move(capacities));
-  if (vectors.dimension > kMostBalanced) {
-    problem.set_initial_owners(deal_to_nearest(vectors, sites, problem.capacities(), arena));
+  if (vectors.dimension > kBalancedDimensions) {
+    // tessellate() would let vectors choose their sites one by one.
+    problem.set_initial_owners(deal_to_nearest(vectors, start, problem.capacities(), arena));
   } else {
-    Points<Scalar> initial(vectors.dimension, n);
-    std::transform(sites.begin(), sites.end(), initial.data(), in_units);
-    problem.set_initial_sites(initial);
+    problem.set_initial_sites(Eigen::Map<const Points<double>>(start.data(), vectors.dimension, n)
+                                  .template cast<Scalar>());
   }
   if (options.on_iteration) {
     options.on_iteration = [unit,

@@ -45,20 +45,19 @@ void require_for_ranks(const CodebookOptions& options) {
 /// start from.
 void require_alike(Ranks& ranks, const CodebookOptions& options,
                    std::span<const double> codewords) {
-  const auto number = [](auto value) { return concat(value); };
   const std::vector<Given> given = {
       {"CodebookOptions::method", to_string(options.method)},
-      {"CodebookOptions::seeding", number(static_cast<int>(options.seeding))},
-      {"CodebookOptions::restarts", number(options.restarts)},
-      {"CodebookOptions::effort", options.effort ? number(*options.effort) : "the usual"},
-      {"CodebookOptions::max_iterations", number(options.max_iterations)},
-      {"CodebookOptions::tolerance", number(options.tolerance)},
-      {"CodebookOptions::gap", number(options.gap)},
-      {"CodebookOptions::train_sample", number(options.train_sample)},
-      {"CodebookOptions::seed", number(options.seed)},
-      {"CodebookOptions::capacities", number(digest_of(std::span<const Index>(options.capacities))),
+      {"CodebookOptions::seeding", concat(static_cast<int>(options.seeding))},
+      {"CodebookOptions::restarts", concat(options.restarts)},
+      {"CodebookOptions::effort", options.effort ? concat(*options.effort) : "the usual"},
+      {"CodebookOptions::max_iterations", concat(options.max_iterations)},
+      {"CodebookOptions::tolerance", concat(options.tolerance)},
+      {"CodebookOptions::gap", concat(options.gap)},
+      {"CodebookOptions::train_sample", concat(options.train_sample)},
+      {"CodebookOptions::seed", concat(options.seed)},
+      {"CodebookOptions::capacities", concat(digest_of(std::span<const Index>(options.capacities))),
        false},
-      {"codewords", number(digest_of(codewords)), false}};
+      {"codewords", concat(digest_of(codewords)), false}};
   require_alike(ranks, given);
 }
 

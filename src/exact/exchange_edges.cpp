@@ -45,19 +45,21 @@ void ExchangeGraph::find_edges(SiteNumber site, std::size_t edges, Scratch& scra
   std::transform(bounds.begin(), bounds.end(), weights_.begin(), reduced.begin(),
                  [](double bound, double weight) { return bound - weight; });
   reduced[site] = kNone;
-  const double most = about(edges + edges / 2, scratch);
-  for (const double limit : {most, kNone}) {
+  const auto add_up_to = [&](double limit) {
     scratch.edges.clear();
     for (const SiteNumber j : sites_below(cells_.size())) {
       if (reduced[j] <= limit && j != site) scratch.edges.push_back({reduced[j], j, bounds[j]});
     }
-    if (scratch.edges.size() > edges) break;
-  }
+  };
+  const double limit = about(edges + edges / 2, scratch);
+  add_up_to(limit);
+  if (limit < kNone && scratch.edges.size() <= edges) add_up_to(kNone);
   keep_nearest(edges, scratch);
 }
 
 /// What about so many of the reduced costs do not exceed, by a sample of them.
 double ExchangeGraph::about(std::size_t edges, Scratch& scratch) {
+  if (edges >= scratch.reduced.size()) return kNone;
   const std::size_t step = std::max<std::size_t>(1, edges / kLeastSampled);
   std::vector<double>& sample = scratch.own;
   sample.clear();
@@ -211,8 +213,13 @@ void ExchangeGraph::insert(const Mover& mover) {
   if (!some) squared = costs_.squared_to_all(place, scratch_.costs);
   if (is_own(place)) {
     own_cost_[place] = own;
-    if (kept_ != nullptr && some) kept_->widen(site, own);
-    if (kept_ != nullptr && !some) kept_->include(site, place, squared, own);
+    if (kept_ != nullptr) {
+      if (some) {
+        kept_->widen(site, own);
+      } else {
+        kept_->include(site, place, squared, own);
+      }
+    }
   }
   const double* next = exact.data() + 2;
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {

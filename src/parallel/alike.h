@@ -18,15 +18,6 @@ struct Given {
   bool said = true;  ///< the value says something to people
 };
 
-inline void put_text(ByteWriter& out, const std::string& text) {
-  out.put(std::vector<char>(text.begin(), text.end()));
-}
-
-inline std::string get_text(ByteReader& in) {
-  const std::vector<char> letters = in.get_all<char>();
-  return {letters.begin(), letters.end()};
-}
-
 /// Throws InvalidInput on all ranks where one of them was given another thing than rank 0: they
 /// would wait for each other forever. All have the same names.
 inline void require_alike(Ranks& ranks, std::span<const Given> own) {

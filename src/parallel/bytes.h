@@ -6,6 +6,7 @@
 #include <cstring>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -125,5 +126,14 @@ class ByteReader {
 
   std::span<const std::byte> left_;
 };
+
+/// With how many letters there are.
+inline void put_text(ByteWriter& out, const std::string& text) {
+  out.put(std::vector<char>(text.begin(), text.end()));
+}
+inline std::string get_text(ByteReader& in) {
+  const std::vector<char> letters = in.get_all<char>();
+  return {letters.begin(), letters.end()};
+}
 
 }  // namespace ccvt
