@@ -46,7 +46,7 @@ Groups<SiteNumber> neighbours_in(std::size_t sites, std::span<const Pair> pairs,
   for_each_site(arena, sites, kSitesPerGrain, [&](SiteNumber s) {
     const auto to = neighbours[s];
     for (std::size_t k = 0; k < to.size(); ++k) to[k] = ends.items[neighbours.first[s] + k].second;
-    std::sort(to.begin(), to.end());
+    if (!std::is_sorted(to.begin(), to.end())) std::sort(to.begin(), to.end());
   });
   return neighbours;
 }

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "parallel/loops.h"
 
@@ -60,6 +61,46 @@ std::vector<Task> tasks_of_one(std::span<const Pair> pairs) {
   return tasks;
 }
 
+/// Puts the pairs of a tile with itself and with higher ones in the order of these: a counting
+/// sort.
+class TasksOfTile {
+ public:
+  explicit TasksOfTile(const Tiling& tiling) : tiling_(&tiling), next_(tiling.count(), 0) {}
+
+  /// Pairs of one other tile become a task, and are in order; the first of all has this place.
+  void add(Tile tile, std::span<Pair> pairs, std::size_t place, std::vector<Task>& tasks) {
+    others_.clear();
+    for (const Pair& pair : pairs) {
+      const Tile other = upper_tile(pair);
+      if (next_[other]++ == 0) others_.push_back(other);
+    }
+    std::sort(others_.begin(), others_.end());
+    std::size_t begin = 0;
+    for (const Tile other : others_) begin += std::exchange(next_[other], begin);
+    sorted_.resize(pairs.size());
+    for (const Pair& pair : pairs) sorted_[next_[upper_tile(pair)]++] = pair;
+    begin = 0;
+    for (const Tile other : others_) {
+      const std::size_t end = std::exchange(next_[other], 0);
+      const std::span<Pair> own = std::span(sorted_).subspan(begin, end - begin);
+      if (!std::is_sorted(own.begin(), own.end())) std::sort(own.begin(), own.end());
+      tasks.push_back({tile, other, place + begin, place + end});
+      begin = end;
+    }
+    std::copy(sorted_.begin(), sorted_.end(), pairs.begin());
+  }
+
+ private:
+  [[nodiscard]] Tile upper_tile(const Pair& pair) const {
+    return tiling_->tile_of(std::max(pair.first, pair.second));
+  }
+
+  const Tiling* tiling_;
+  std::vector<std::size_t> next_;  ///< by tile, 0 but of others_: how many pairs, then where
+  std::vector<Tile> others_;
+  std::vector<Pair> sorted_;
+};
+
 /// Orders the tasks by batch.
 void put_in_batches(std::vector<Task> tasks, std::size_t tiles, const Arena& arena,
                     Schedule& schedule) {
@@ -104,33 +145,15 @@ Schedule schedule_pairs(std::span<const Pair> pairs, const Tiling& tiling, const
     put_in_batches(tasks_of_one(schedule.pairs.span()), tiling.count(), arena, schedule);
     return schedule;
   }
-  const auto lower_tile = [&](const Pair& p) {
-    return tiling.tile_of(std::min(p.first, p.second));
-  };
-  const auto upper_tile = [&](const Pair& p) {
-    return tiling.tile_of(std::max(p.first, p.second));
-  };
   auto by_tile = group_by_key<Pair>(
       arena, pairs.size(), tiling.count(), [&](std::size_t k) { return pairs[k]; },
-      [&](const Pair& p) { return lower_tile(p); });
+      [&](const Pair& p) { return tiling.tile_of(std::min(p.first, p.second)); });
+  PerWorker<TasksOfTile> of_tile(arena, TasksOfTile(tiling));
   const Buffer<Task> tasks =
       collect<Task>(arena, tiling.count(), 4,
-                    [&](std::size_t begin, std::size_t end, std::vector<Task>& out, int) {
+                    [&](std::size_t begin, std::size_t end, std::vector<Task>& out, int worker) {
                       for (std::size_t t = begin; t < end; ++t) {
-                        const auto here = by_tile[t];
-                        std::sort(here.begin(), here.end(), [&](const Pair& x, const Pair& y) {
-                          const Tile to_x = upper_tile(x);
-                          const Tile to_y = upper_tile(y);
-                          return to_x != to_y ? to_x < to_y : x < y;
-                        });
-                        const Tile own(t);
-                        for (std::size_t k = 0; k < here.size(); ++k) {
-                          const std::size_t place = by_tile.first[t] + k;
-                          if (k == 0 || upper_tile(here[k]) != out.back().b) {
-                            out.push_back({own, upper_tile(here[k]), place, place});
-                          }
-                          out.back().end = place + 1;
-                        }
+                        of_tile[worker].add(Tile(t), by_tile[t], by_tile.first[t], out);
                       }
                     });
   schedule.pairs = std::move(by_tile.items);
