@@ -14,37 +14,71 @@
 namespace ccvt {
 namespace {
 
-// MPI counts in int: in words a message may have 16 GB.
-using Word = std::uint64_t;
+//// Of a message, and of what comes together: more is taken for a mistake, before memory is.
+constexpr std::uint64_t kMost = std::uint64_t{1} << 34;
+// MPI counts in int: what has more bytes goes in pieces.
+constexpr std::size_t kPiece = std::size_t{1} << 30;
 
-int words_for(std::size_t bytes) {
-  const std::size_t words = (bytes + sizeof(Word) - 1) / sizeof(Word);
-  if (words > INT_MAX) throw std::length_error("ranks: a message has more than 16 GB");
-  return static_cast<int>(words);
+void require_possible(const std::vector<std::uint64_t>& sizes) {
+  std::uint64_t all = 0;
+  for (const std::uint64_t size : sizes) {
+    if (size > kMost) throw std::length_error("ranks: a message has more than 16 GB");
+    all += size;
+  }
+  if (all > kMost) throw std::length_error("ranks: messages have more than 16 GB together");
 }
 
-int total_of(const std::vector<int>& counts) {
-  const std::int64_t all = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
-  if (all > INT_MAX) throw std::length_error("ranks: messages have more than 16 GB together");
-  return static_cast<int>(all);
+/// Messages between this rank and others, in pieces, all at the same time.
+class Pieces {
+ public:
+  explicit Pieces(MPI_Comm communicator) : communicator_(communicator) {}
+
+  /// The bytes are there until wait() has returned.
+  void send(std::span<const std::byte> message, int to) {
+    for_pieces(message, [&](const std::byte* piece, int size, MPI_Request* request) {
+      MPI_Isend(piece, size, MPI_BYTE, to, kTag, communicator_, request);
+    });
+  }
+  void receive(std::span<std::byte> message, int from) {
+    for_pieces(message, [&](std::byte* piece, int size, MPI_Request* request) {
+      MPI_Irecv(piece, size, MPI_BYTE, from, kTag, communicator_, request);
+    });
+  }
+  void wait() {
+    MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+    requests_.clear();
+  }
+
+ private:
+  static constexpr int kTag = 1;  ///< that of send() and receive() of ranks is 0
+
+  template <class Byte, class Start>
+  void for_pieces(std::span<Byte> message, const Start& start) {
+    for (; !message.empty(); message = message.subspan(std::min(kPiece, message.size()))) {
+      requests_.emplace_back();
+      start(message.data(), static_cast<int>(std::min(kPiece, message.size())), &requests_.back());
+    }
+  }
+
+  MPI_Comm communicator_;
+  std::vector<MPI_Request> requests_;
+};
+
+/// What each rank has of a message of so many bytes, and of those of the others: no more than
+/// `most` from a place on.
+std::vector<int> rest_of(const std::vector<std::uint64_t>& sizes, std::size_t begin,
+                         std::size_t most) {
+  std::vector<int> counts;
+  for (const std::uint64_t size : sizes) {
+    counts.push_back(static_cast<int>(std::min<std::size_t>(size - std::min(size, begin), most)));
+  }
+  return counts;
 }
 
 std::vector<int> places_of(const std::vector<int>& counts) {
   std::vector<int> places(counts.size());
   std::exclusive_scan(counts.begin(), counts.end(), places.begin(), 0);
   return places;
-}
-
-/// The messages that lie one after the other in `words`, from whole words on.
-std::vector<Ranks::Bytes> unpack(const std::vector<Word>& words,
-                                 const std::vector<std::uint64_t>& sizes,
-                                 const std::vector<int>& places) {
-  std::vector<Ranks::Bytes> messages;
-  for (std::size_t r = 0; r < sizes.size(); ++r) {
-    Ranks::Bytes& bytes = messages.emplace_back(sizes[r]);
-    if (!bytes.empty()) std::memcpy(bytes.data(), words.data() + places[r], bytes.size());
-  }
-  return messages;
 }
 
 /// A message of so many bytes, or the size of a longer one.
@@ -121,18 +155,26 @@ std::vector<Ranks::Bytes> MpiRanks::gather(std::span<const std::byte> own) {
       return messages;
     }
     std::vector<std::uint64_t> sizes;
-    std::vector<int> counts;
-    for (const Short& head : heads) {
-      sizes.push_back(head.size);
-      counts.push_back(words_for(head.size));
+    for (const Short& head : heads) sizes.push_back(head.size);
+    require_possible(sizes);
+    std::vector<Bytes> messages(sizes.begin(), sizes.end());
+    const std::uint64_t longest = *std::max_element(sizes.begin(), sizes.end());
+    const std::size_t most = kPiece / ranks;  // from each at once
+    std::vector<std::byte> all;
+    for (std::size_t begin = 0; begin < longest; begin += most) {
+      const std::vector<int> counts = rest_of(sizes, begin, most);
+      const std::vector<int> places = places_of(counts);
+      all.resize(static_cast<std::size_t>(places.back() + counts.back()));
+      const std::span<const std::byte> rest = own.subspan(std::min(begin, own.size()));
+      MPI_Allgatherv(rest.data(), counts[static_cast<std::size_t>(rank_)], MPI_BYTE, all.data(),
+                     counts.data(), places.data(), MPI_BYTE, communicator_);
+      for (std::size_t r = 0; r < ranks; ++r) {
+        if (counts[r] == 0) continue;
+        std::memcpy(messages[r].data() + begin, all.data() + places[r],
+                    static_cast<std::size_t>(counts[r]));
+      }
     }
-    std::vector<Word> all(static_cast<std::size_t>(total_of(counts)));
-    const std::vector<int> places = places_of(counts);
-    std::vector<Word> words(static_cast<std::size_t>(words_for(own.size())));
-    if (!own.empty()) std::memcpy(words.data(), own.data(), own.size());
-    MPI_Allgatherv(words.data(), words_for(own.size()), MPI_UINT64_T, all.data(), counts.data(),
-                   places.data(), MPI_UINT64_T, communicator_);
-    return unpack(all, sizes, places);
+    return messages;
   });
 }
 
@@ -141,29 +183,27 @@ std::vector<Ranks::Bytes> MpiRanks::exchange(std::vector<Bytes> to) {
     const Watch watch(traffic_.seconds);
     const auto ranks = static_cast<std::size_t>(count_);
     std::vector<std::uint64_t> sizes_out;
-    std::vector<int> counts_out;
-    for (const Bytes& message : to) {
-      sizes_out.push_back(message.size());
-      counts_out.push_back(words_for(message.size()));
-    }
+    for (const Bytes& message : to) sizes_out.push_back(message.size());
     std::vector<std::uint64_t> sizes(ranks);
     MPI_Alltoall(sizes_out.data(), 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, communicator_);
-    std::vector<int> counts;
-    for (const std::uint64_t bytes : sizes) counts.push_back(words_for(bytes));
-    std::vector<Word> out(static_cast<std::size_t>(total_of(counts_out)));
-    std::vector<Word> in(static_cast<std::size_t>(total_of(counts)));
-    const std::vector<int> places_out = places_of(counts_out);
-    const std::vector<int> places = places_of(counts);
-    for (std::size_t r = 0; r < ranks; ++r) {
-      if (!to[r].empty()) std::memcpy(out.data() + places_out[r], to[r].data(), to[r].size());
-      if (std::cmp_equal(r, rank_)) continue;
-      traffic_.messages += to[r].empty() ? 0 : 1;
-      traffic_.sent_bytes += static_cast<std::int64_t>(to[r].size());
+    require_possible(sizes_out);
+    require_possible(sizes);
+    std::vector<Bytes> from(ranks);
+    Pieces pieces(communicator_);
+    for (int r = 0; r < count_; ++r) {
+      const auto k = static_cast<std::size_t>(r);
+      if (r == rank_) {
+        from[k] = std::move(to[k]);
+        continue;
+      }
+      from[k].resize(sizes[k]);
+      pieces.receive(from[k], r);
+      pieces.send(to[k], r);
+      traffic_.messages += to[k].empty() ? 0 : 1;
+      traffic_.sent_bytes += static_cast<std::int64_t>(to[k].size());
     }
-    to.clear();
-    MPI_Alltoallv(out.data(), counts_out.data(), places_out.data(), MPI_UINT64_T, in.data(),
-                  counts.data(), places.data(), MPI_UINT64_T, communicator_);
-    return unpack(in, sizes, places);
+    pieces.wait();
+    return from;
   });
 }
 
