@@ -23,14 +23,6 @@ void share(const Tiling& tiling, std::vector<T>& values) {
   values = joined(tiling.ranks(), std::vector<T>(begin, begin + std::ptrdiff_t(own.size())));
 }
 
-/// One batch, whether there are ranks or not.
-template <class Lender, class Body>
-void run_batch(const Arena& arena, const Tiling& tiling, std::span<const Schedule::Task> tasks,
-               Lender&& lender, const Body& body) {
-  if (tiling.ranks() != nullptr) return run_on_ranks(arena, tiling, tasks, lender, body);
-  Schedule::run_batch(arena, tiling, tasks, body);
-}
-
 /// Lends cells that are being filled, where there are points left to move along an edge.
 template <class Scalar>
 struct FillingLender {
@@ -49,6 +41,11 @@ struct FillingLender {
     }
     std::sort(sites.begin() + before, sites.end());
     sites.erase(std::unique(sites.begin() + before, sites.end()), sites.end());
+  }
+  [[nodiscard]] bool has_work(const Schedule::Task& task) const {
+    return std::any_of(left.begin() + std::ptrdiff_t(task.begin),
+                       left.begin() + std::ptrdiff_t(task.end),
+                       [](std::int64_t points) { return points != 0; });
   }
   [[nodiscard]] std::size_t load(const Schedule::Task& task) const { return task.size(); }
   void put(ByteWriter& message, SiteNumber site, int) { filling.write(message, site); }

@@ -127,10 +127,9 @@ class FlowRounds {
       }
       if (from != SiteNumber::none()) mover.stay();
     };
-    FillingLender<Scalar> lender{filling_, schedule_, left_.span()};
-    for (std::size_t b = 0; b < schedule_.batch_count(); ++b) {
-      run_batch(arena_, tiles_, schedule_.batch(b), lender, work);
-    }
+    BatchRun batches(arena_, tiles_, FillingLender<Scalar>{filling_, schedule_, left_.span()});
+    for (std::size_t b = 0; b < schedule_.batch_count(); ++b) batches.run(schedule_.batch(b), work);
+    batches.end();
     Count all;
     for (int w = 0; w < arena_.threads(); ++w) {
       all.moved += counts[w].moved;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -33,7 +35,7 @@ class Loans {
 
   /// Whether a rank lacks the cell as it is here; from now on it has it.
   bool give(SiteNumber site, int rank) {
-    const std::uint32_t there = std::exchange(known_[{rank, site}], version_[site] + 1);
+    const std::uint32_t there = std::exchange(known_[rank][site], version_[site] + 1);
     return there != version_[site] + 1;
   }
   /// Whether a cell that was lent to this rank has changed here.
@@ -42,7 +44,8 @@ class Loans {
  private:
   std::vector<std::uint32_t> version_;  ///< by site; as often as it has changed
   std::vector<std::uint32_t> lent_;     ///< when it came here
-  std::map<std::pair<int, SiteNumber>, std::uint32_t> known_;  ///< one more than what a rank has
+  /// One more than what a rank has of a site's.
+  std::map<int, std::unordered_map<std::size_t, std::uint32_t>> known_;
 };
 
 /// Lends cells that are relaxed, with what a swap may change.
@@ -68,10 +71,14 @@ struct RelaxedLender {
     }
   }
 
+  [[nodiscard]] bool has_work(const Schedule::Task& task) const {
+    if (is_idle(task)) return false;
+    bool any = false;
+    for_pairs(task, [&](SiteNumber, SiteNumber) { any = true; });
+    return any;
+  }
   [[nodiscard]] std::size_t load(const Schedule::Task& task) const {
-    const bool idle =
-        touched_tiles != nullptr && ((*touched_tiles)[task.a] | (*touched_tiles)[task.b]) == 0;
-    return idle ? 0 : task.size();
+    return is_idle(task) ? 0 : task.size();
   }
 
   void put(ByteWriter& message, SiteNumber site, int rank) {
@@ -94,6 +101,11 @@ struct RelaxedLender {
     if (message.get<bool>()) state.cells.read(message, site, state.cells.size(site));
     patches.load(message, site, state.cells.size(site));
     if (state.tiling.is_own(state.tiling.tile_of(site))) loans.give(site, rank);
+  }
+
+ private:
+  [[nodiscard]] bool is_idle(const Schedule::Task& task) const {
+    return touched_tiles != nullptr && ((*touched_tiles)[task.a] | (*touched_tiles)[task.b]) == 0;
   }
 };
 template <class Scalar, class ForPairs>

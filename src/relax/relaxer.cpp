@@ -105,19 +105,19 @@ void Relaxer<Scalar>::run(Source&& source, bool full, LevelState<Scalar>& state)
       if (!of_touched || touched(touched_, i, j)) visit(i, j);
     });
   };
-  RelaxedLender lender{state,  patches_,  changed_,
-                       loans_, for_pairs, of_touched ? &touched_tile_ : nullptr};
+  BatchRun batches(arena_, state.tiling,
+                   RelaxedLender{state, patches_, changed_, loans_, for_pairs,
+                                 of_touched ? &touched_tile_ : nullptr});
   for (std::size_t b = 0; b < source.batch_count() && !cancelled(); ++b) {
-    run_batch(arena_, state.tiling, source.batch(b), lender,
-              [&](const Schedule::Task& task, int w) {
-                Worker& worker = workers_[w];
-                for_pairs(task, [&](SiteNumber i, SiteNumber j) {
-                  if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j))
-                    return;
-                  examine(state, worker, i, j);
-                });
-              });
+    batches.run(source.batch(b), [&](const Schedule::Task& task, int w) {
+      Worker& worker = workers_[w];
+      for_pairs(task, [&](SiteNumber i, SiteNumber j) {
+        if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j)) return;
+        examine(state, worker, i, j);
+      });
+    });
   }
+  batches.end();
 }
 
 template <class Scalar>
