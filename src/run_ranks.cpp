@@ -87,14 +87,29 @@ std::vector<Index> Run<Scalar>::owners_at_home() const {
   std::vector<Index> owners(static_cast<std::size_t>(problem.own_points().count), -1);
   const Homes home(*ranks(), problem.first_own_point());
   home.for_parts(state.tiling, state.cells, [&](NumberRange<SiteNumber> sites) {
-    std::vector<ByteWriter> owned(home.ranks());
+    const auto note = [&](PointNumber point, SiteNumber owner) {
+      owners[PointNumber(point.index() - problem.first_own_point())] = owner.index();
+    };
+    std::vector<std::vector<Owned>> owned(home.ranks());
     for (const SiteNumber s : sites) {
-      for (const PointNumber p : state.cells.points(s)) owned[home(p)].put(Owned{p, site_of[s]});
+      for (const PointNumber p : state.cells.points(s)) {
+        const std::size_t rank = home(p);
+        if (std::cmp_equal(rank, ranks()->rank())) {
+          note(p, site_of[s]);
+        } else {
+          owned[rank].push_back({p, site_of[s]});
+        }
+      }
     }
-    for (const Ranks::Bytes& message : exchanged(*ranks(), std::move(owned))) {
+    std::vector<Ranks::Bytes> messages;
+    for (const std::vector<Owned>& theirs : owned) {
+      const auto bytes = std::as_bytes(std::span(theirs));
+      messages.emplace_back(bytes.begin(), bytes.end());
+    }
+    for (const Ranks::Bytes& message : ranks()->exchange(std::move(messages))) {
       for (ByteReader come(message); !come.done();) {
         const auto [point, owner] = come.get<Owned>();
-        owners[PointNumber(point.index() - problem.first_own_point())] = owner.index();
+        note(point, owner);
       }
     }
   });

@@ -157,6 +157,42 @@ Buffer<T> collect_together(const Arena& arena, std::size_t count, std::size_t gr
   return together;
 }
 
+/// Of values in blocks of `grain`, each rank has set those of its RankRange: now all have all.
+template <class T>
+void share_ranges(const Arena& arena, std::span<T> values, std::size_t grain) {
+  if (arena.ranks() == nullptr) return;
+  const RankRange own(arena.ranks(), values.size(), grain);
+  const auto bytes = std::as_bytes(values.subspan(own.begin, own.end - own.begin));
+  auto* next = reinterpret_cast<std::byte*>(values.data());
+  for (const Ranks::Bytes& part : arena.ranks()->gather(bytes)) {
+    next = std::copy(part.begin(), part.end(), next);
+  }
+}
+
+/// Calls body(begin, end), which sets the values of a range, for ranges of `grain` of them; ranks
+/// divide the ranges, unless there are too few for that, and tell each other.
+template <class T, class Body>
+void set_together(const Arena& arena, std::span<T> values, std::size_t grain, const Body& body) {
+  constexpr std::size_t kWorthMessages = 1 << 12;
+  const auto set = [&](std::size_t first, std::size_t count) {
+    arena.for_ranges(count, grain, [&](std::size_t begin, std::size_t end, int) {
+      body(first + begin, first + end);
+    });
+  };
+  if (arena.ranks() == nullptr || values.size() < kWorthMessages) return set(0, values.size());
+  const RankRange own(arena.ranks(), values.size(), grain);
+  set(own.begin, own.end - own.begin);
+  share_ranges(arena, values, grain);
+}
+
+/// The same for values[k] = value(k).
+template <class T, class Value>
+void fill_together(const Arena& arena, std::span<T> values, std::size_t grain, const Value& value) {
+  set_together(arena, values, grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) values[k] = value(k);
+  });
+}
+
 /// Has the workers touch memory that is not written to in order, a part each: whoever comes first
 /// would wait for the system to clear nearly all of it.
 template <class T>

@@ -110,31 +110,41 @@ class Filling {
   /// they had been added in that order. No key is twice.
   template <class Key>
   void sort_added(SiteNumber site, Index before, const Key& key) {
-    if (are_sorted(site, before, key)) return;
     using Value = decltype(key(PointNumber(), static_cast<const Scalar*>(nullptr)));
     struct Added {
       Value key;
       PointNumber point;
-      std::size_t x;
+      std::size_t x;  ///< where its coordinates are
+      bool operator<(const Added& other) const { return key < other.key; }
     };
+    const auto added_count = static_cast<std::size_t>(filled[site] - before + waiting(site));
     std::vector<Added> added;
     std::vector<Scalar> all;
+    added.reserve(added_count);
+    all.reserve(added_count * cells.dimension());
     const auto append = [&](PointNumber point, const Scalar* x) {
-      added.push_back({key(point, x), point, all.size()});
       all.insert(all.end(), x, x + cells.dimension());
+      added.push_back({key(point, x), point, all.size() - cells.dimension()});
     };
     std::vector<Scalar> x(cells.dimension());
     for (Index k = before; k < filled[site]; ++k) {
       cells.get(site, k, x.data());
       append(cells.points(site)[static_cast<std::size_t>(k)], x.data());
     }
+    const std::size_t placed = added.size();
+    const WaitingPoints<Scalar>& list = lists_[tiles.tile_of(site)];
+    for (auto node = waiting_[site].head; node != WaitingPoints<Scalar>::Node::none();
+         node = list.next(node)) {
+      append(list.point(node), list.coordinates(node));
+    }
+    // The head is the one that came last.
+    std::reverse(added.begin() + static_cast<std::ptrdiff_t>(placed), added.end());
+    if (std::is_sorted(added.begin(), added.end())) return;
+    std::sort(added.begin(), added.end());
     while (waiting(site) > 0) {
       const Scalar* own = nullptr;
-      const PointNumber point = take_waiting(site, own);
-      append(point, own);
+      take_waiting(site, own);
     }
-    std::sort(added.begin(), added.end(),
-              [](const Added& a, const Added& b) { return a.key < b.key; });
     filled[site] = before;
     for (const Added& a : added) add(site, a.point, all.data() + a.x);
   }
@@ -203,32 +213,6 @@ class Filling {
   std::vector<Index> filled;  ///< points in each cell
 
  private:
-  template <class Key>
-  [[nodiscard]] bool are_sorted(SiteNumber site, Index before, const Key& key) const {
-    std::vector<Scalar> x(cells.dimension());
-    bool first = true;
-    auto last = key(PointNumber(), x.data());
-    for (Index k = before; k < filled[site]; ++k) {
-      cells.get(site, k, x.data());
-      const auto own = key(cells.points(site)[static_cast<std::size_t>(k)], x.data());
-      if (!first && own < last) return false;
-      last = own;
-      first = false;
-    }
-    // The head is the one that came last.
-    const WaitingPoints<Scalar>& waiting = lists_[tiles.tile_of(site)];
-    bool newest = true;
-    auto after = last;
-    for (auto node = waiting_[site].head; node != WaitingPoints<Scalar>::Node::none();
-         node = waiting.next(node)) {
-      const auto own = key(waiting.point(node), waiting.coordinates(node));
-      if (own < last || (!newest && after < own)) return false;
-      after = own;
-      newest = false;
-    }
-    return true;
-  }
-
   struct Waiting {
     typename WaitingPoints<Scalar>::Node head = WaitingPoints<Scalar>::Node::none();
     Index count = 0;

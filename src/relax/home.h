@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "parallel/loops.h"
+#include "parallel/together.h"
 #include "relax/filling.h"
 #include "relax/moved_points.h"
 #include "relax/nearest_sites.h"
@@ -49,17 +51,43 @@ Buffer<Item> sent_home(const Tiling& tiling, Buffer<Item> items, const Arena& ar
   return home;
 }
 
+/// Which sites have had points once only, and these of one rank: they are in the order in which
+/// that rank has found them.
+class Arrivals {
+ public:
+  /// `own_begin`: the first point that may be this rank's.
+  Arrivals(Ranks& ranks, PointNumber own_begin, std::size_t sites)
+      : begins_(of_all(&ranks, own_begin)), count_(sites, 0) {}
+
+  /// Points have come to a site, from one rank after the other.
+  void add(SiteNumber site, PointNumber first, PointNumber last) {
+    const int ranks = rank_of(first) == rank_of(last) ? 1 : 2;
+    count_[site] = static_cast<std::uint8_t>(std::min(count_[site] + ranks, 2));
+  }
+  [[nodiscard]] bool once(SiteNumber site) const { return count_[site] < 2; }
+
+ private:
+  [[nodiscard]] std::ptrdiff_t rank_of(PointNumber point) const {
+    return std::upper_bound(begins_.begin(), begins_.end(), point) - begins_.begin();
+  }
+
+  std::vector<PointNumber> begins_;  ///< by rank
+  std::vector<std::uint8_t> count_;  ///< by site; 2 for more
+};
+
 /// Adds points that have come with their coordinates, in no order.
 template <std::size_t Dimension, class Scalar>
 void add_at_home(typename NearestSites<Scalar>::template Found<Dimension>& found,
-                 const Arena& arena, Filling<Scalar>& filling) {
+                 const Arena& arena, Filling<Scalar>& filling, Arrivals& arrivals) {
   using Item = Near<Scalar, Dimension>;
   auto by_site = group_by_key(
       arena, sent_home(filling.tiles, std::move(found.points), arena, found.spare),
       filling.cells.site_count(), [](std::size_t, const Item&) {},
       [](const Item& item) { return item.site; }, found.spare);
   for_each_site(arena, filling.tiles, [&](SiteNumber s) {
-    for (const Item& item : by_site[s]) filling.add(s, item.point, item.x.data());
+    const auto come = by_site[s];
+    if (!come.empty()) arrivals.add(s, come.front().point, come.back().point);
+    for (const Item& item : come) filling.add(s, item.point, item.x.data());
   });
   found.points = std::move(by_site.items);
 }

@@ -91,18 +91,19 @@ void add_to_nearest_on_ranks(const NearestSites<Scalar>& nearest, const JoiningP
   const Tiling& tiling = filling.tiles;
   const std::size_t part = std::max(kLeastPoints, kPointsPerSite * filling.cells.site_count());
   const std::vector<Index> before = filling.filled;
+  Arrivals arrivals(*tiling.ranks(), joining.own_begin(), before.size());
   typename NearestSites<Scalar>::template Found<Dimension> found;
   const auto add = [&](std::span<const PointNumber> which) {
     nearest.template find<Dimension>(filling.points, which, arena, found);
     const auto charge = arena.phase(Phase::join);
     if constexpr (Dimension > 0) {
-      add_at_home<Dimension>(found, arena, filling);
+      add_at_home<Dimension>(found, arena, filling, arrivals);
     } else {
       add_at_home<Scalar>(found.points.span(), arena, filling);
     }
   };
   joining.for_own_parts(
-      std::max(kLeastPoints, part / static_cast<std::size_t>(tiling.ranks()->count())), arena,
+      std::max(kLeastPoints, part / static_cast<std::size_t>(tiling.ranks()->count())), part, arena,
       [&](std::span<const PointNumber> which) {
         any(tiling.ranks(), true);
         add(which);
@@ -112,6 +113,7 @@ void add_to_nearest_on_ranks(const NearestSites<Scalar>& nearest, const JoiningP
   const auto charge = arena.phase(Phase::join);
   const std::vector<PointNumber> begins = joining.parts(part);
   for_each_site(arena, tiling, [&](SiteNumber s) {
+    if (Dimension > 0 && arrivals.once(s)) return;
     filling.sort_added(s, before[s], [&](PointNumber point, const Scalar* x) {
       const auto of_part = std::upper_bound(begins.begin(), begins.end(), point) - begins.begin();
       const std::size_t cell = Dimension > 0 ? nearest.cell_of(x) : 0;

@@ -56,18 +56,25 @@ class JoiningPoints {
     });
     return begins;
   }
-  /// Only those of this rank, in parts of their own.
+  /// The first point that may be this rank's.
+  [[nodiscard]] PointNumber own_begin() const { return PointNumber(std::min(own_begin_, end_)); }
+  /// Only those of this rank, in parts of their own, each of them in one of those that parts() of
+  /// `most_of_all` begins.
   template <class Visit>
-  void for_own_parts(std::size_t most, const Arena& arena, const Visit& visit) const {
+  void for_own_parts(std::size_t most, std::size_t most_of_all, const Arena& arena,
+                     const Visit& visit) const {
     const std::size_t begin = std::max(own_begin_, start_) - start_;
     const std::size_t end = std::max(std::min(own_end_, end_) - start_, begin);
     std::size_t first = begin / NestedSubsets::kBlock;
     const std::size_t blocks = (end + NestedSubsets::kBlock - 1) / NestedSubsets::kBlock;
-    for (std::size_t last = first; first < blocks; first = last) {
-      while (last < blocks && (last == first || before_[last + 1] - before_[first] <= most)) ++last;
-      const Buffer<PointNumber> points = in_blocks(first, last, arena);
-      visit(points.span());
-    }
+    for_blocks(most_of_all, [&](std::size_t, std::size_t part_end) {
+      const std::size_t stop = std::min(part_end, blocks);
+      for (std::size_t last = first; first < stop; first = last) {
+        while (last < stop && (last == first || before_[last + 1] - before_[first] <= most)) ++last;
+        const Buffer<PointNumber> points = in_blocks(first, last, arena);
+        visit(points.span());
+      }
+    });
   }
 
  private:

@@ -5,6 +5,8 @@
 #include <iterator>
 #include <utility>
 
+#include "parallel/together.h"
+
 namespace ccvt {
 namespace {
 
@@ -50,10 +52,11 @@ Buffer<SiteNumber> MeetingPairs::outgrown(const Metric& metric, const SiteState&
     const double room = reach_[s] - sites.radius[s];
     return room >= 0 && metric.squared_distance(sites.at(s), at(s)) * kRounding <= room * room;
   };
-  return collect_by_site<SiteNumber>(arena, reach_.size(), kSitesPerGrain,
-                                     [&](SiteNumber site, std::vector<SiteNumber>& left, int) {
-                                       if (!is_inside(site)) left.push_back(site);
-                                     });
+  return collect_by_site_together<SiteNumber>(
+      arena, reach_.size(), kSitesPerGrain,
+      [&](SiteNumber site, std::vector<SiteNumber>& left, int) {
+        if (!is_inside(site)) left.push_back(site);
+      });
 }
 
 void MeetingPairs::enter(const SiteState& sites, SiteNumber site) {
@@ -202,16 +205,20 @@ bool MeetingPairs::extend(const Metric& metric, const SiteState& sites,
     add_from(moved_, moved);
   };
   const std::size_t most_near = kMostNear * reach_.size();
-  Buffer<Pair> fresh =
-      collect<Pair>(arena, left.size(), kMovedPerSearch,
-                    [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int w) {
-                      if (near > most_near) return;
-                      scratch[w].near = 0;
-                      for (std::size_t k = begin; k < end; ++k) search(left[k], out, scratch[w]);
-                      near += scratch[w].near;
-                    });
-  // Whether that is so does not depend on who looked where: every task looks at as many.
-  if (near > most_near) return false;
+  Buffer<Pair> fresh = collect_together<Pair>(
+      arena, left.size(), kMovedPerSearch,
+      [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int w) {
+        if (near > most_near) return;
+        scratch[w].near = 0;
+        for (std::size_t k = begin; k < end; ++k) search(left[k], out, scratch[w]);
+        near += scratch[w].near;
+      });
+  // Whether that is so does not depend on who looked where: every task looks at as many, and who
+  // gives up has looked at more than all may.
+  if (total(arena.ranks(), static_cast<std::int64_t>(near)) >
+      static_cast<std::int64_t>(most_near)) {
+    return false;
+  }
   fresh = sorted_pairs(arena, std::move(fresh), reach_.size());
   std::vector<Pair> added_before;
   added_before.swap(added_);

@@ -89,7 +89,7 @@ Laplacian coarser(const Laplacian& fine, const Arena& arena) {
   Laplacian coarse;
   coarse.first.reset(count + 1);
   PerWorker<std::vector<Edge>> scratch(arena);
-  coarse.edges = collect<Edge>(
+  coarse.edges = collect_together<Edge>(
       arena, count, kNodesPerGrain,
       [&](std::size_t begin, std::size_t end, std::vector<Edge>& out, int worker) {
         std::vector<Edge>& row = scratch[worker];
@@ -115,6 +115,7 @@ Laplacian coarser(const Laplacian& fine, const Arena& arena) {
           coarse.first[own] = out.size() - before;
         }
       });
+  share_ranges(arena, coarse.first.span().first(count), kNodesPerGrain);
   coarse.first[count] = 0;
   exclusive_scan(arena, coarse.first.span());
   coarse.add_degrees(arena);
@@ -163,7 +164,7 @@ class Multigrid {
 
   /// The first sweep, from x = 0, through each block upwards.
   void sweep_up(const Laplacian& matrix, const Vector& b, Vector& x) const {
-    arena_.for_ranges(matrix.size(), kBlock, [&](std::size_t begin, std::size_t end, int) {
+    set_together(arena_, std::span(x), kBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t s = begin; s < end; ++s) {
         double pull = 0;
         for (const auto [t, weight] : matrix.row(s)) {
@@ -177,7 +178,7 @@ class Multigrid {
 
   /// The last sweep, downwards: the first one's transpose. `before` is what it starts from.
   void sweep_down(const Laplacian& matrix, const Vector& b, Vector& x, const Vector& before) const {
-    arena_.for_ranges(matrix.size(), kBlock, [&](std::size_t begin, std::size_t end, int) {
+    set_together(arena_, std::span(x), kBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t s = end; s-- > begin;) {
         double pull = matrix.outer_degree[s] * before[s];
         for (const auto [t, weight] : matrix.row(s)) {
@@ -206,12 +207,13 @@ class Multigrid {
     if (l + 1 == levels_.size()) return sweep_coarsest(matrix, b, x);
     sweep_up(matrix, b, x);
     Level& coarse = levels_[l + 1];
-    for_nodes(coarse.right.size(), [&](std::size_t g) {
-      coarse.right[g] = 0;
+    fill_together(arena_, std::span(coarse.right), kNodesPerGrain, [&](std::size_t g) {
+      double sum = 0;
       const std::size_t last = std::min((g + 1) * kAggregate, matrix.size());
       for (std::size_t s = g * kAggregate; s < last; ++s) {
-        coarse.right[g] += b[s] - matrix.degree[s] * x[s] + matrix.pull(s, x);
+        sum += b[s] - matrix.degree[s] * x[s] + matrix.pull(s, x);
       }
+      return sum;
     });
     // Twice: piecewise constant corrections fall short of smooth ones.
     cycle(l + 1, coarse.right, coarse.solution);
@@ -228,8 +230,8 @@ class Multigrid {
     const Laplacian& matrix = level.matrix;
     std::swap(level.solution, level.first);
     const Vector& first = level.first;
-    for_nodes(first.size(), [&](std::size_t s) {
-      level.rest[s] = level.right[s] - matrix.degree[s] * first[s] + matrix.pull(s, first);
+    fill_together(arena_, std::span(level.rest), kNodesPerGrain, [&](std::size_t s) {
+      return level.right[s] - matrix.degree[s] * first[s] + matrix.pull(s, first);
     });
     cycle(l, level.rest, level.solution);
     for_nodes(first.size(), [&](std::size_t s) { level.solution[s] += first[s]; });
@@ -271,10 +273,11 @@ Vector solve(Laplacian laplacian, Vector residual, double share, const Arena& ar
     before = rho;
     arena.for_each(n, kNodesPerGrain,
                    [&](std::size_t s) { direction[s] = improved[s] + beta * direction[s]; });
-    const double curvature = sum_of(arena, n, kNodesPerGrain, [&](std::size_t s) {
-      image[s] = matrix.degree[s] * direction[s] - matrix.pull(s, direction);
-      return direction[s] * image[s];
+    fill_together(arena, std::span(image), kNodesPerGrain, [&](std::size_t s) {
+      return matrix.degree[s] * direction[s] - matrix.pull(s, direction);
     });
+    const double curvature =
+        sum_of(arena, n, kNodesPerGrain, [&](std::size_t s) { return direction[s] * image[s]; });
     if (!(curvature > 0)) break;  // nothing left but rounding
     const double step = rho / curvature;
     most = reduce(

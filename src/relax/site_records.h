@@ -1,7 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "parallel/bytes.h"
@@ -13,26 +14,39 @@ namespace ccvt {
 /// Tells all ranks what has become of each rank's own sites that have changed, and which these are.
 inline void share_records(const Tiling& tiling, SiteState& sites,
                           std::vector<std::uint8_t>& changed) {
-  if (tiling.ranks() == nullptr) return;
-  ByteWriter own;
+  Ranks* const ranks = tiling.ranks();
+  if (ranks == nullptr) return;
+  struct Records {
+    std::vector<SiteNumber> site;
+    std::vector<double> values;  ///< position, radius and energy of each
+    std::vector<std::uint8_t> compact;
+  };
+  const std::size_t dimension = sites.dimension;
+  Records own;
   for (const SiteNumber s : tiling.own_sites()) {
     if (changed[s] == 0) continue;
-    own.put(s);
-    own.put(std::span(std::as_const(sites).at(s), sites.dimension));
-    own.put(sites.radius[s]);
-    own.put(sites.energy[s]);
-    own.put(sites.compact[s]);
+    own.site.push_back(s);
+    own.values.insert(own.values.end(), sites.at(s), sites.at(s) + dimension);
+    own.values.insert(own.values.end(), {sites.radius[s], sites.energy[s]});
+    own.compact.push_back(sites.compact[s]);
   }
+  ByteWriter message;
+  message.put(own.site);
+  message.put(own.values);
+  message.put(own.compact);
   changed.assign(changed.size(), 0);
-  for (const Ranks::Bytes& bytes : tiling.ranks()->gather(own.bytes)) {
-    ByteReader records(bytes);
-    while (!records.done()) {
-      const auto s = records.get<SiteNumber>();
-      records.get(std::span(sites.at(s), sites.dimension));
-      sites.radius[s] = records.get<double>();
-      sites.energy[s] = records.get<double>();
-      sites.compact[s] = records.get<std::uint8_t>();
-      changed[s] = 1;
+  for (const Ranks::Bytes& bytes : ranks->gather(message.bytes)) {
+    ByteReader come(bytes);
+    const auto site = come.get_all<SiteNumber>();
+    const auto values = come.get_all<double>(site.size() * (dimension + 2));
+    const auto compact = come.get_all<std::uint8_t>(site.size());
+    const double* value = values.data();
+    for (std::size_t k = 0; k < site.size(); ++k, value += dimension + 2) {
+      std::copy_n(value, dimension, sites.at(site[k]));
+      sites.radius[site[k]] = value[dimension];
+      sites.energy[site[k]] = value[dimension + 1];
+      sites.compact[site[k]] = compact[k];
+      changed[site[k]] = 1;
     }
   }
 }
