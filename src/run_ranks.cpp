@@ -90,23 +90,18 @@ std::vector<Index> Run<Scalar>::owners_at_home() const {
     const auto note = [&](PointNumber point, SiteNumber owner) {
       owners[PointNumber(point.index() - problem.first_own_point())] = owner.index();
     };
-    std::vector<std::vector<Owned>> owned(home.ranks());
+    std::vector<ByteWriter> owned(home.ranks());
     for (const SiteNumber s : sites) {
       for (const PointNumber p : state.cells.points(s)) {
         const std::size_t rank = home(p);
         if (std::cmp_equal(rank, ranks()->rank())) {
           note(p, site_of[s]);
         } else {
-          owned[rank].push_back({p, site_of[s]});
+          owned[rank].put(Owned{p, site_of[s]});
         }
       }
     }
-    std::vector<Ranks::Bytes> messages;
-    for (const std::vector<Owned>& theirs : owned) {
-      const auto bytes = std::as_bytes(std::span(theirs));
-      messages.emplace_back(bytes.begin(), bytes.end());
-    }
-    for (const Ranks::Bytes& message : ranks()->exchange(std::move(messages))) {
+    for (const Ranks::Bytes& message : exchanged(*ranks(), std::move(owned))) {
       for (ByteReader come(message); !come.done();) {
         const auto [point, owner] = come.get<Owned>();
         note(point, owner);

@@ -3,13 +3,16 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <set>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -17,6 +20,7 @@
 #include "ccvt/problem.h"
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
+#include "random.h"
 #include "support/files.h"
 #include "support/message.h"
 #include "support/npy.h"
@@ -61,42 +65,106 @@ class FailingRanks final : public ccvt::Ranks {
   int good_;
 };
 
+/// Ranks that send, and take what has been sent, now and then late.
+class LateRanks final : public ccvt::Ranks {
+ public:
+  explicit LateRanks(ccvt::Ranks& ranks)
+      : ranks_(ranks), random_(static_cast<std::uint64_t>(ranks.rank())) {}
+  [[nodiscard]] int rank() const override { return ranks_.rank(); }
+  [[nodiscard]] int count() const override { return ranks_.count(); }
+  [[nodiscard]] std::vector<Bytes> gather(std::span<const std::byte> own) override {
+    wait();
+    return ranks_.gather(own);
+  }
+  [[nodiscard]] std::vector<Bytes> exchange(std::vector<Bytes> to) override {
+    wait();
+    return ranks_.exchange(std::move(to));
+  }
+  void send(int to, Bytes message) override {
+    wait();
+    ranks_.send(to, std::move(message));
+  }
+  [[nodiscard]] Bytes receive(int from) override {
+    wait();
+    return ranks_.receive(from);
+  }
+
+ private:
+  void wait() {
+    if (random_.uniform() > 0.05) return;
+    std::this_thread::sleep_for(
+        std::chrono::microseconds(static_cast<int>(random_.uniform() * 500)));
+  }
+
+  ccvt::Ranks& ranks_;
+  ccvt::Random random_;
+};
+
+/// White noise in a unit box.
+struct Noise {
+  int dimension;
+  Index points;
+  Index sites;
+  bool periodic = true;
+
+  [[nodiscard]] Box box() const { return Box::unit(dimension); }
+  template <class... Given>
+  [[nodiscard]] Problem<float> problem(Given&&... given) const {
+    Problem<float> made(std::forward<Given>(given)..., sites);
+    if (periodic) made.set_domain(Domain::periodic(box()));
+    return made;
+  }
+};
+
+/// So many ranks get the bits of one process.
+void check_same(const Noise& noise, int count) {
+  CAPTURE(noise.dimension);
+  CAPTURE(noise.sites);
+  CAPTURE(count);
+  const Index all = noise.points;
+  const ccvt::Points<float> points = ccvt::sample_uniform<float>(noise.box(), all, 3);
+  const Options options{.threads = 1};
+  const auto expected = ccvt::tessellate(noise.problem(points), options);
+  std::vector<Index> owners(static_cast<std::size_t>(all), -1);
+  std::vector<int> same(static_cast<std::size_t>(count), 0);
+  ThreadRanks(count).run([&](ccvt::Ranks& on_time) {
+    LateRanks ranks(on_time);
+    const Index begin = all / count * ranks.rank();
+    const Index end = ranks.rank() + 1 == count ? all : begin + all / count;
+    const auto own = ccvt::sample_uniform_part<float>(noise.box(), all, begin, end, 3);
+    const Problem<float> problem =
+        noise.problem(static_cast<ccvt::Ranks&>(ranks), ccvt::view_points(own));
+    const auto result = ccvt::tessellate(problem, options);
+    std::copy(result.owners.begin(), result.owners.end(), owners.begin() + begin);
+    same[static_cast<std::size_t>(ranks.rank())] =
+        result.sites == expected.sites && result.summary.energy == expected.summary.energy &&
+                result.summary.swaps == expected.summary.swaps
+            ? 1
+            : 0;
+  });
+  CHECK(owners == expected.owners);
+  CHECK(std::count(same.begin(), same.end(), 1) == count);
+}
+
 }  // namespace
 
 TEST_SUITE_BEGIN("ranks");
 
-TEST_CASE("ranks: threads that are ranks get the bits of one process") {
+TEST_CASE("ranks: threads that are ranks get the bits of one process, however late messages are") {
   for (const int dimension : {2, 3}) {
-    for (const int count : {2, 3, 5}) {
-      CAPTURE(dimension);
-      CAPTURE(count);
-      const Box box = Box::unit(dimension);
-      const Index all = 30011;
-      const ccvt::Points<float> points = ccvt::sample_uniform<float>(box, all, 3);
-      Problem<float> alone(points, 200);
-      alone.set_domain(Domain::periodic(box));
-      const Options options{.threads = 1};
-      const auto expected = ccvt::tessellate(alone, options);
-      std::vector<Index> owners(static_cast<std::size_t>(all), -1);
-      std::vector<int> same(static_cast<std::size_t>(count), 0);
-      ThreadRanks(count).run([&](ccvt::Ranks& ranks) {
-        const Index begin = all / count * ranks.rank();
-        const Index end = ranks.rank() + 1 == count ? all : begin + all / count;
-        const auto own = ccvt::sample_uniform_part<float>(box, all, begin, end, 3);
-        Problem<float> problem(ranks, ccvt::view_points(own), 200);
-        problem.set_domain(Domain::periodic(box));
-        const auto result = ccvt::tessellate(problem, options);
-        std::copy(result.owners.begin(), result.owners.end(), owners.begin() + begin);
-        same[static_cast<std::size_t>(ranks.rank())] =
-            result.sites == expected.sites && result.summary.energy == expected.summary.energy &&
-                    result.summary.swaps == expected.summary.swaps
-                ? 1
-                : 0;
-      });
-      CHECK(owners == expected.owners);
-      CHECK(std::count(same.begin(), same.end(), 1) == count);
+    for (const int count : {2, 3, 5}) check_same({dimension, 30011, 200}, count);
+  }
+}
+
+TEST_CASE("ranks: the same in as many dimensions as they can have, where pairs are screened") {
+  for (const int dimension : {1, 5, 7, 8}) {
+    for (const bool periodic : {false, true}) {
+      check_same({dimension, 6007, 200, periodic}, 3);
+      check_same({dimension, 2003, 30, periodic}, 2);
     }
   }
+  // More pairs may gain than rounds of a tournament are for.
+  check_same({8, 900, 300, false}, 4);
 }
 
 TEST_CASE("ranks: what is wrong with a problem is thrown on all") {

@@ -14,7 +14,7 @@
 namespace ccvt {
 namespace {
 
-//// Of a message, and of what comes together: more is taken for a mistake, before memory is.
+/// Of a message, and of what comes together: more is taken for a mistake, before memory is.
 constexpr std::uint64_t kMost = std::uint64_t{1} << 34;
 // MPI counts in int: what has more bytes goes in pieces.
 constexpr std::size_t kPiece = std::size_t{1} << 30;
@@ -28,10 +28,19 @@ void require_possible(const std::vector<std::uint64_t>& sizes) {
   if (all > kMost) throw std::length_error("ranks: messages have more than 16 GB together");
 }
 
+std::size_t pieces_of(const std::vector<std::uint64_t>& sizes) {
+  std::size_t pieces = 0;
+  for (const std::uint64_t size : sizes) pieces += (size + kPiece - 1) / kPiece;
+  return pieces;
+}
+
 /// Messages between this rank and others, in pieces, all at the same time.
 class Pieces {
  public:
-  explicit Pieces(MPI_Comm communicator) : communicator_(communicator) {}
+  /// For so many pieces at the most.
+  Pieces(MPI_Comm communicator, std::size_t most) : communicator_(communicator) {
+    requests_.reserve(most);
+  }
 
   /// The bytes are there until wait() has returned.
   void send(std::span<const std::byte> message, int to) {
@@ -64,13 +73,12 @@ class Pieces {
   std::vector<MPI_Request> requests_;
 };
 
-/// What each rank has of a message of so many bytes, and of those of the others: no more than
-/// `most` from a place on.
-std::vector<int> rest_of(const std::vector<std::uint64_t>& sizes, std::size_t begin,
-                         std::size_t most) {
+/// How many bytes of messages of these sizes come from a place on, of each `most` at the most.
+std::vector<int> counts_from(std::uint64_t begin, const std::vector<std::uint64_t>& sizes,
+                             std::uint64_t most) {
   std::vector<int> counts;
   for (const std::uint64_t size : sizes) {
-    counts.push_back(static_cast<int>(std::min<std::size_t>(size - std::min(size, begin), most)));
+    counts.push_back(static_cast<int>(std::min(size - std::min(size, begin), most)));
   }
   return counts;
 }
@@ -159,13 +167,15 @@ std::vector<Ranks::Bytes> MpiRanks::gather(std::span<const std::byte> own) {
     require_possible(sizes);
     std::vector<Bytes> messages(sizes.begin(), sizes.end());
     const std::uint64_t longest = *std::max_element(sizes.begin(), sizes.end());
-    const std::size_t most = kPiece / ranks;  // from each at once
+    const auto senders =
+        std::count_if(sizes.begin(), sizes.end(), [](auto size) { return size > 0; });
+    const std::uint64_t most = kPiece / static_cast<std::uint64_t>(senders);  // of each at once
     std::vector<std::byte> all;
-    for (std::size_t begin = 0; begin < longest; begin += most) {
-      const std::vector<int> counts = rest_of(sizes, begin, most);
+    for (std::uint64_t begin = 0; begin < longest; begin += most) {
+      const std::vector<int> counts = counts_from(begin, sizes, most);
       const std::vector<int> places = places_of(counts);
       all.resize(static_cast<std::size_t>(places.back() + counts.back()));
-      const std::span<const std::byte> rest = own.subspan(std::min(begin, own.size()));
+      const std::span<const std::byte> rest = own.subspan(std::min<std::size_t>(begin, own.size()));
       MPI_Allgatherv(rest.data(), counts[static_cast<std::size_t>(rank_)], MPI_BYTE, all.data(),
                      counts.data(), places.data(), MPI_BYTE, communicator_);
       for (std::size_t r = 0; r < ranks; ++r) {
@@ -188,19 +198,20 @@ std::vector<Ranks::Bytes> MpiRanks::exchange(std::vector<Bytes> to) {
     MPI_Alltoall(sizes_out.data(), 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, communicator_);
     require_possible(sizes_out);
     require_possible(sizes);
-    std::vector<Bytes> from(ranks);
-    Pieces pieces(communicator_);
-    for (int r = 0; r < count_; ++r) {
-      const auto k = static_cast<std::size_t>(r);
-      if (r == rank_) {
-        from[k] = std::move(to[k]);
-        continue;
-      }
-      from[k].resize(sizes[k]);
-      pieces.receive(from[k], r);
-      pieces.send(to[k], r);
-      traffic_.messages += to[k].empty() ? 0 : 1;
-      traffic_.sent_bytes += static_cast<std::int64_t>(to[k].size());
+    // All memory is there before a message is on its way: MPI must not write to what is gone.
+    std::vector<Bytes> from(sizes.begin(), sizes.end());
+    Pieces pieces(communicator_, pieces_of(sizes) + pieces_of(sizes_out));
+    const auto own = static_cast<std::size_t>(rank_);
+    from[own] = std::move(to[own]);
+    for (std::size_t k = 1; k < ranks; ++k) {
+      const std::size_t r = (own + ranks - k) % ranks;
+      pieces.receive(from[r], static_cast<int>(r));
+    }
+    for (std::size_t k = 1; k < ranks; ++k) {
+      const std::size_t r = (own + k) % ranks;
+      pieces.send(to[r], static_cast<int>(r));
+      traffic_.messages += to[r].empty() ? 0 : 1;
+      traffic_.sent_bytes += static_cast<std::int64_t>(to[r].size());
     }
     pieces.wait();
     return from;

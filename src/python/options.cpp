@@ -81,6 +81,7 @@ CodebookOptions codebook_options_from(const py::dict& given) {
   take(given, "threads", options.threads);
   take(given, "seed", options.seed);
   take(given, "gap", options.gap);
+  take(given, "train_sample", options.train_sample);
   if (given.contains("capacities")) {
     options.capacities = vector_of(given["capacities"].cast<py::array_t<Index>>());
   }

@@ -51,7 +51,7 @@ Buffer<Item> sent_home(const Tiling& tiling, Buffer<Item> items, const Arena& ar
   return home;
 }
 
-/// Which sites have had points once only, and these of one rank: they are in the order in which
+/// Which sites have had points once, and these of one rank, or none: they are in the order in which
 /// that rank has found them.
 class Arrivals {
  public:
@@ -61,10 +61,10 @@ class Arrivals {
 
   /// Points have come to a site, from one rank after the other.
   void add(SiteNumber site, PointNumber first, PointNumber last) {
-    const int ranks = rank_of(first) == rank_of(last) ? 1 : 2;
-    count_[site] = static_cast<std::uint8_t>(std::min(count_[site] + ranks, 2));
+    const int orders = rank_of(first) == rank_of(last) ? 1 : 2;
+    count_[site] = static_cast<std::uint8_t>(std::min(count_[site] + orders, 2));
   }
-  [[nodiscard]] bool once(SiteNumber site) const { return count_[site] < 2; }
+  [[nodiscard]] bool in_order(SiteNumber site) const { return count_[site] < 2; }
 
  private:
   [[nodiscard]] std::ptrdiff_t rank_of(PointNumber point) const {

@@ -113,7 +113,7 @@ void add_to_nearest_on_ranks(const NearestSites<Scalar>& nearest, const JoiningP
   const auto charge = arena.phase(Phase::join);
   const std::vector<PointNumber> begins = joining.parts(part);
   for_each_site(arena, tiling, [&](SiteNumber s) {
-    if (Dimension > 0 && arrivals.once(s)) return;
+    if (Dimension > 0 && arrivals.in_order(s)) return;
     filling.sort_added(s, before[s], [&](PointNumber point, const Scalar* x) {
       const auto of_part = std::upper_bound(begins.begin(), begins.end(), point) - begins.begin();
       const std::size_t cell = Dimension > 0 ? nearest.cell_of(x) : 0;

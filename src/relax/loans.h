@@ -52,6 +52,7 @@ class Loans {
 template <class Scalar, class ForPairs>
 struct RelaxedLender {
   LevelState<Scalar>& state;
+  const Tiling& tiling;  ///< of the tasks
   Patches<Scalar>& patches;
   std::vector<std::uint8_t>& changed;
   Loans& loans;
@@ -59,11 +60,11 @@ struct RelaxedLender {
   const std::vector<std::uint8_t>* touched_tiles;  ///< null: all tasks have something to do
 
   void add_sites(const Schedule::Task& task, Tile tile, std::vector<SiteNumber>& sites) const {
-    const NumberRange<SiteNumber> own = state.tiling.sites_of(tile);
+    const NumberRange<SiteNumber> own = tiling.sites_of(tile);
     std::vector<std::uint8_t> named(own.size(), 0);
     for_pairs(task, [&](SiteNumber i, SiteNumber j) {
       for (const SiteNumber s : {i, j}) {
-        if (state.tiling.tile_of(s) == tile) named[s - *own.begin()] = 1;
+        if (tiling.tile_of(s) == tile) named[s - *own.begin()] = 1;
       }
     });
     for (const SiteNumber s : own) {
@@ -72,10 +73,11 @@ struct RelaxedLender {
   }
 
   [[nodiscard]] bool has_work(const Schedule::Task& task) const {
+    if (touched_tiles == nullptr) return true;
     if (is_idle(task)) return false;
-    bool any = false;
-    for_pairs(task, [&](SiteNumber, SiteNumber) { any = true; });
-    return any;
+    bool found = false;
+    for_pairs(task, [&](SiteNumber, SiteNumber) { found = true; });
+    return found;
   }
   [[nodiscard]] std::size_t load(const Schedule::Task& task) const {
     return is_idle(task) ? 0 : task.size();
@@ -83,7 +85,7 @@ struct RelaxedLender {
 
   void put(ByteWriter& message, SiteNumber site, int rank) {
     const bool divided = patches.divides(state.cells.size(site));
-    const bool lends = state.tiling.is_own(state.tiling.tile_of(site));
+    const bool lends = tiling.is_own(tiling.tile_of(site));
     const bool sends = lends ? loans.give(site, rank) : loans.changed(site);
     message.put(state.sites.radius[site]);
     message.put(loans.version(site));
@@ -100,7 +102,7 @@ struct RelaxedLender {
     changed[site] = message.get<std::uint8_t>();
     if (message.get<bool>()) state.cells.read(message, site, state.cells.size(site));
     patches.load(message, site, state.cells.size(site));
-    if (state.tiling.is_own(state.tiling.tile_of(site))) loans.give(site, rank);
+    if (tiling.is_own(tiling.tile_of(site))) loans.give(site, rank);
   }
 
  private:
@@ -109,7 +111,8 @@ struct RelaxedLender {
   }
 };
 template <class Scalar, class ForPairs>
-RelaxedLender(LevelState<Scalar>&, Patches<Scalar>&, std::vector<std::uint8_t>&, Loans&,
-              const ForPairs&, const std::vector<std::uint8_t>*) -> RelaxedLender<Scalar, ForPairs>;
+RelaxedLender(LevelState<Scalar>&, const Tiling&, Patches<Scalar>&, std::vector<std::uint8_t>&,
+              Loans&, const ForPairs&, const std::vector<std::uint8_t>*)
+    -> RelaxedLender<Scalar, ForPairs>;
 
 }  // namespace ccvt

@@ -115,6 +115,7 @@ Laplacian coarser(const Laplacian& fine, const Arena& arena) {
           coarse.first[own] = out.size() - before;
         }
       });
+  // collect_together() divides blocks in the same way.
   share_ranges(arena, coarse.first.span().first(count), kNodesPerGrain);
   coarse.first[count] = 0;
   exclusive_scan(arena, coarse.first.span());

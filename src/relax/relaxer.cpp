@@ -5,12 +5,12 @@
 #include <utility>
 
 #include "parallel/together.h"
-#include "relax/across.h"
 #include "relax/all_pairs.h"
 #include "relax/loans.h"
 #include "relax/screen.h"
 #include "relax/site_records.h"
 #include "relax/update.h"
+#include "schedule/lending.h"
 
 namespace ccvt {
 namespace {
@@ -47,12 +47,13 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
     if (full) {
       full_pass(state);
     } else {
-      run(schedule_pairs(cache_, state.tiling, arena_), false, state);
+      run(schedule_pairs(cache_, state.tiling, arena_), state.tiling, false, state);
     }
   } catch (const Stopped&) {
     stopped_ = true;
     forget_pairs();
   } catch (...) {
+    if (state.tiling.ranks() != nullptr) throw;  // others wait for messages, and are ended
     // Swaps have been made: whoever goes on must find the sites where their cells are.
     forget_pairs();
     std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
@@ -72,27 +73,31 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
 /// Each pair that may gain comes from the cheapest source that has it.
 template <class Scalar>
 void Relaxer<Scalar>::full_pass(LevelState<Scalar>& state) {
-  if (options_.pairs == PairSelection::all) return run(AllPairs(state.tiling), true, state);
+  if (options_.pairs == PairSelection::all) {
+    return run(AllPairs(state.tiling), state.tiling, true, state);
+  }
   if (lists_.refresh(metric_, state.sites, state.tiling, arena_)) {
-    for (const Schedule* schedule : lists_.schedules()) run(*schedule, true, state);
+    for (const Schedule* schedule : lists_.schedules()) run(*schedule, state.tiling, true, state);
     return;
   }
-  if (!screening_pays(metric_)) return run(AllPairs(state.tiling), true, state);
-  const Buffer<Pair> pairs = gaining_pairs(metric_, state.cells, state.sites, touched_, arena_);
+  if (!screening_pays(metric_)) return run(AllPairs(state.tiling), state.tiling, true, state);
+  const Buffer<Pair> pairs =
+      gaining_pairs(metric_, state.cells, state.sites, touched_, state.tiling, arena_);
   // The greedy rule packs few pairs well, but takes too long for many.
   const std::size_t sites = state.sites.count();
   const bool many = pairs.size() > 8 * sites;
-  run(many ? schedule_rounds(pairs, sites, arena_)
-           : schedule_pairs(pairs, Tiling(sites, 1), arena_),
+  const Tiling ones = state.tiling.of_single_sites();
+  run(many ? schedule_rounds(pairs, sites, arena_) : schedule_pairs(pairs, ones, arena_), ones,
       false, state);
 }
 
-/// Swaps all pairs of a source, batch by batch. In a full pass, of pairs that meet, those of two
-/// sites that have not changed are left out, and so are whole tasks between tiles without a changed
-/// site.
+/// Swaps all pairs of a source, batch by batch; its tasks are of this tiling. In a full pass, of
+/// pairs that meet, those of two sites that have not changed are left out, and so are whole tasks
+/// between tiles without a changed site.
 template <class Scalar>
 template <class Source>
-void Relaxer<Scalar>::run(Source&& source, bool full, LevelState<Scalar>& state) {
+void Relaxer<Scalar>::run(Source&& source, const Tiling& tiling, bool full,
+                          LevelState<Scalar>& state) {
   const auto charge = arena_.phase(Phase::swap);
   const bool all = options_.pairs == PairSelection::all;
   const bool of_touched = full && !all;
@@ -105,8 +110,8 @@ void Relaxer<Scalar>::run(Source&& source, bool full, LevelState<Scalar>& state)
       if (!of_touched || touched(touched_, i, j)) visit(i, j);
     });
   };
-  BatchRun batches(arena_, state.tiling,
-                   RelaxedLender{state, patches_, changed_, loans_, for_pairs,
+  BatchRun batches(arena_, tiling,
+                   RelaxedLender{state, tiling, patches_, changed_, loans_, for_pairs,
                                  of_touched ? &touched_tile_ : nullptr});
   for (std::size_t b = 0; b < source.batch_count() && !cancelled(); ++b) {
     batches.run(source.batch(b), [&](const Schedule::Task& task, int w) {

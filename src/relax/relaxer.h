@@ -66,7 +66,7 @@ class Relaxer {
 
   void full_pass(LevelState<Scalar>& state);
   template <class Source>
-  void run(Source&& source, bool full, LevelState<Scalar>& state);
+  void run(Source&& source, const Tiling& tiling, bool full, LevelState<Scalar>& state);
   void examine(LevelState<Scalar>& state, Worker& worker, SiteNumber i, SiteNumber j);
   Index update_changed(LevelState<Scalar>& state, bool full);
   PassCount count(bool full, const Tiling& tiling);

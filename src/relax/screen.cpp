@@ -7,6 +7,7 @@
 
 #include "kernels/products.h"
 #include "parallel/loops.h"
+#include "parallel/together.h"
 
 namespace ccvt {
 namespace {
@@ -116,6 +117,14 @@ class BlockScreen {
         norm_(norm),
         arena_(arena) {}
 
+  /// What the points of a cell have for another site; both are of the same pair.
+  struct Reach {
+    Pair pair;
+    bool of_first;  ///< the cell of the first site for the second one
+    Scalar largest;
+    auto operator<=>(const Reach&) const = default;
+  };
+
   /// Appends the pairs that may gain of a site of `a` and one of `b`, which may be the same, of
   /// which at least one is touched.
   void append(const Block& a, const Block& b, std::vector<Pair>& out) {
@@ -135,14 +144,44 @@ class BlockScreen {
     }
   }
 
+  /// Of the same pairs, appends what cells of `a` that are here have for sites of `b`, where that
+  /// may be enough for an exchange, whatever the other cell has.
+  void append_own(const Block& a, const Block& b, const Tiling& tiling, std::vector<Reach>& out) {
+    find_largest(a, b, forth_, &tiling);
+    for (std::size_t k = 0; k < a.site.size(); ++k) {
+      const SiteNumber own = a.site[k];
+      if (!tiling.is_own(tiling.tile_of(own))) continue;
+      for (std::size_t l = 0; l < b.site.size(); ++l) {
+        const SiteNumber other = b.site[l];
+        if ((k >= a.touched && l >= b.touched) || own == other) continue;
+        const Scalar largest = forth_[k * kBlockSites + l];
+        const double distance =
+            std::sqrt(metric_.squared_distance(sites_.at(own), sites_.at(other)));
+        const double most = sites_.radius[other] * distance + rounding(own, other);
+        if (may_gain(own, other, largest, most)) {
+          out.push_back({Pair::ascending(own, other), own < other, largest});
+        }
+      }
+    }
+  }
+
+  /// M(i, j) = 2 max over p of (p - s_i) . (s_j - s_i) - |s_j - s_i|^2, and the same of j, sum to
+  /// more than rounding can take away.
+  [[nodiscard]] bool may_gain(SiteNumber i, SiteNumber j, double to_j, double to_i) const {
+    const double gain = to_j + to_i - metric_.squared_distance(sites_.at(i), sites_.at(j));
+    return gain > -rounding(i, j);
+  }
+
  private:
   /// largest[k][l]: over the points of cell k of `from`, the largest point . (site l of `to`), less
-  /// the same with the point's own site.
-  void find_largest(const Block& from, const Block& to, std::vector<Scalar>& largest) {
+  /// the same with the point's own site. Only of a rank's own cells, where `tiling` is given.
+  void find_largest(const Block& from, const Block& to, std::vector<Scalar>& largest,
+                    const Tiling* tiling = nullptr) {
     largest.resize(kBlockSites * kBlockSites);  // here, so that the worker touches it first
     for (std::size_t k = 0; k < from.site.size(); ++k) {
       const auto targets = static_cast<Index>(k < from.touched ? to.site.size() : to.touched);
       if (targets == 0) continue;
+      if (tiling != nullptr && !tiling->is_own(tiling->tile_of(from.site[k]))) continue;
       arena_.check();
       cell_.load(cells_, sites_, blocks_, from.site[k]);
       const Index padded =
@@ -153,15 +192,11 @@ class BlockScreen {
     }
   }
 
-  /// M(i, j) = 2 max over p of (p - s_i) . (s_j - s_i) - |s_j - s_i|^2, and the same of j, sum to
-  /// more than rounding can take away.
-  [[nodiscard]] bool may_gain(SiteNumber i, SiteNumber j, double to_j, double to_i) const {
-    const double gain = to_j + to_i - metric_.squared_distance(sites_.at(i), sites_.at(j));
-    const double rounding = 4 * (metric_.dimension() + 4) *
-                            (std::numeric_limits<Scalar>::epsilon() *
-                                 (sites_.radius[i] + sites_.radius[j]) * (norm_[i] + norm_[j]) +
-                             std::numeric_limits<Scalar>::denorm_min());
-    return gain > -rounding;
+  [[nodiscard]] double rounding(SiteNumber i, SiteNumber j) const {
+    return 4 * (metric_.dimension() + 4) *
+           (std::numeric_limits<Scalar>::epsilon() * (sites_.radius[i] + sites_.radius[j]) *
+                (norm_[i] + norm_[j]) +
+            std::numeric_limits<Scalar>::denorm_min());
   }
 
   const Metric& metric_;
@@ -183,7 +218,8 @@ bool screening_pays(const Metric& metric) {
 
 template <class Scalar>
 Buffer<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells, const SiteState& sites,
-                           const std::vector<std::uint8_t>& touched, const Arena& arena) {
+                           const std::vector<std::uint8_t>& touched, const Tiling& tiling,
+                           const Arena& arena) {
   const auto charge = arena.phase(Phase::lists);
   const SiteBlocks<Scalar> blocks(sites, touched);
   std::vector<double> norm(sites.count());
@@ -199,19 +235,45 @@ Buffer<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells, con
     }
   }
   PerWorker<BlockScreen<Scalar>> screens(arena, {metric, cells, sites, blocks, norm, arena});
-  Buffer<Pair> gaining =
-      collect<Pair>(arena, work.size(), 1,
-                    [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int worker) {
-                      for (std::size_t w = begin; w < end; ++w) {
-                        screens[worker].append(blocks[work[w].first], blocks[work[w].second], out);
-                      }
-                    });
-  return std::move(pairs_by_first(arena, std::move(gaining), sites.count()).items);
+  if (tiling.ranks() == nullptr) {
+    Buffer<Pair> gaining =
+        collect<Pair>(arena, work.size(), 1,
+                      [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int worker) {
+                        for (std::size_t w = begin; w < end; ++w) {
+                          const auto& [a, b] = work[w];
+                          screens[worker].append(blocks[a], blocks[b], out);
+                        }
+                      });
+    return std::move(pairs_by_first(arena, std::move(gaining), sites.count()).items);
+  }
+  // Each rank has what its own cells have for other sites; together they see both sides of a pair.
+  using Reach = typename BlockScreen<Scalar>::Reach;
+  const Buffer<Reach> own =
+      collect<Reach>(arena, work.size(), 1,
+                     [&](std::size_t begin, std::size_t end, std::vector<Reach>& out, int worker) {
+                       for (std::size_t w = begin; w < end; ++w) {
+                         const auto& [a, b] = work[w];
+                         screens[worker].append_own(blocks[a], blocks[b], tiling, out);
+                         if (a != b) screens[worker].append_own(blocks[b], blocks[a], tiling, out);
+                       }
+                     });
+  std::vector<Reach> all = joined(tiling.ranks(), std::vector<Reach>(own.begin(), own.end()));
+  std::sort(all.begin(), all.end());
+  std::vector<Pair> gaining;
+  for (std::size_t k = 1; k < all.size(); ++k) {
+    const auto& [pair, of_first, back] = all[k - 1];
+    if (all[k].pair == pair && screens[0].may_gain(pair.first, pair.second, all[k].largest, back)) {
+      gaining.push_back(pair);
+    }
+  }
+  Buffer<Pair> result(gaining.size());
+  std::copy(gaining.begin(), gaining.end(), result.begin());
+  return result;
 }
 
 template Buffer<Pair> gaining_pairs(const Metric&, const Cells<float>&, const SiteState&,
-                                    const std::vector<std::uint8_t>&, const Arena&);
+                                    const std::vector<std::uint8_t>&, const Tiling&, const Arena&);
 template Buffer<Pair> gaining_pairs(const Metric&, const Cells<double>&, const SiteState&,
-                                    const std::vector<std::uint8_t>&, const Arena&);
+                                    const std::vector<std::uint8_t>&, const Tiling&, const Arena&);
 
 }  // namespace ccvt

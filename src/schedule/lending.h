@@ -40,10 +40,11 @@ std::vector<int> runners(const Tiling& tiling, std::span<const Schedule::Task> t
 /// Runs batches of tasks. Of several ranks, each task is run by one of those that have its tiles.
 /// What it needs of a tile of another rank's is lent to the one that runs it, and comes back
 /// changed. Messages are on their way while a rank's own tiles are worked on; what is lent may come
-/// back as late as when the next task of its tile is to run, so that a rank that is a little late
-/// in one batch keeps nobody waiting.
+/// back as late as when the next task of its tile is to run, so that others need not wait for a
+/// rank that is a little late in one batch.
 ///
-///     lender.has_work(task): false where the task is not worth a message: it is left out
+///     lender.has_work(task): false where the task has nothing to do: it is left out. The same on
+///     both its ranks, which ask at different times: no other task may change it
 ///     lender.add_sites(task, tile, sites): the sites of one of its tiles that the task needs
 ///     lender.load(task): about how long it takes
 ///     lender.put(writer, site, rank), lender.take(reader, site, rank): what there is of a site, to
@@ -64,25 +65,34 @@ class BatchRun {
   void run(Tasks tasks, const Body& body) {
     if (tiling_.ranks() == nullptr) return Schedule::run_batch(arena_, tiling_, tasks, body);
     const auto work = [&](Tasks some) { Schedule::run_batch(arena_, tiling_, some, body); };
-    const Dealt dealt = deal(tasks);
-    for (const auto& [rank, theirs] : dealt.lent) lend(rank, theirs);
-    std::vector<Task> own = dealt.own;
-    const auto late = std::stable_partition(own.begin(), own.end(), [&](const Task& task) {
-      return is_home(task.a) && is_home(task.b);
-    });
-    const Tasks ready(own.begin(), late);
+    Dealt dealt = deal(tasks);
+    std::map<int, std::vector<Task>> lent_late;
+    for (const auto& [rank, theirs] : dealt.lent) {
+      if (std::all_of(theirs.begin(), theirs.end(), [&](const Task& t) { return are_home(t); })) {
+        lend(rank, theirs);
+      } else {
+        lent_late[rank] = theirs;
+      }
+    }
+    const auto late = std::stable_partition(dealt.own.begin(), dealt.own.end(),
+                                            [&](const Task& task) { return are_home(task); });
+    const Tasks ready(dealt.own.begin(), late);
     const Tasks first_half = ready.first(half_of(ready));
     work(first_half);
+    for (const auto& [rank, theirs] : lent_late) {
+      take_back_tiles(theirs);
+      lend(rank, theirs);
+    }
     std::map<int, std::vector<SiteNumber>> guests;
     for (const int rank : dealt.borrowed) {
-      take_back(rank);  // that has been sent before
+      take_back(rank);  // what it gives back came before what it lends
       guests[rank] = receive(rank);
     }
     take_back_tiles(dealt.with_others);
     work(dealt.with_others);
     for (const auto& [rank, sites] : guests) send(rank, sites);
     work(ready.subspan(first_half.size()));
-    const Tasks rest(late, own.end());
+    const Tasks rest(late, dealt.own.end());
     take_back_tiles(rest);
     work(rest);
     for (const auto& [rank, theirs] : dealt.lent) {
@@ -153,10 +163,10 @@ class BatchRun {
     return tiling_.is_own(task.a) ? task.a : task.b;
   }
   [[nodiscard]] bool is_home(Tile tile) const { return holder_[tile] == kHome; }
+  [[nodiscard]] bool are_home(const Task& task) const { return is_home(task.a) && is_home(task.b); }
 
   void lend(int rank, const std::vector<Task>& tasks) {
     std::vector<SiteNumber> sites;
-    take_back_tiles(tasks);
     for (const Task& task : tasks) lender_.add_sites(task, own_tile(task), sites);
     send(rank, sites);
   }
@@ -195,7 +205,7 @@ class BatchRun {
   const Arena& arena_;
   const Tiling& tiling_;
   Lender lender_;
-  std::vector<int> holder_;  ///< of each own tile: the rank that it is lent to
+  std::vector<int> holder_;  ///< by tile, kHome or the rank that it is lent to
   std::map<int, Away> away_;
 };
 

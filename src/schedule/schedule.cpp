@@ -67,7 +67,8 @@ class TasksOfTile {
  public:
   explicit TasksOfTile(const Tiling& tiling) : tiling_(&tiling), next_(tiling.count(), 0) {}
 
-  /// Pairs of one other tile become a task, and are in order; the first of all has this place.
+  /// Pairs with the same other tile become a task, and are in order. `place`: of the first of
+  /// these pairs in the schedule.
   void add(Tile tile, std::span<Pair> pairs, std::size_t place, std::vector<Task>& tasks) {
     others_.clear();
     for (const Pair& pair : pairs) {

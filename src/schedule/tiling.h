@@ -48,6 +48,21 @@ class Tiling {
     return {SiteNumber(begin), SiteNumber(begin + std::min(sites_per_tile_, end_.index() - begin))};
   }
 
+  /// The same sites, each a tile, and on the same ranks.
+  [[nodiscard]] Tiling of_single_sites() const {
+    Tiling ones(end_.index(), 1);
+    ones.pairs_per_grain_ = pairs_per_grain_;
+    if (ranks_ == nullptr) return ones;
+    ones.ranks_ = ranks_;
+    for (const Tile one : numbers_below<Tile>(ones.count())) {
+      ones.rank_.push_back(rank_of(tile_of(SiteNumber(one.index()))));
+    }
+    const NumberRange<SiteNumber> own = own_sites();
+    ones.own_begin_ = Tile((*own.begin()).index());
+    ones.own_end_ = Tile((*own.end()).index());
+    return ones;
+  }
+
   /// Deals the tiles out to ranks, about as many points to each.
   void deal(Ranks& ranks, std::span<const Index> capacities) {
     ranks_ = &ranks;

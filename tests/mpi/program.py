@@ -454,7 +454,7 @@ def kills():
 def soak(problems):
     for k in range(problems):
         random.seed(k)
-        dimension = random.randrange(1, 5)
+        dimension = random.randrange(1, 9)
         sites = int(10 ** random.uniform(0, 3.3))
         per_site = random.randrange(2, 1500 if sites < 500 else 500)
         ranks = [random.randrange(1, 8)]

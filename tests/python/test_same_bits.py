@@ -129,13 +129,16 @@ def test_surface(run, tmp_path):
     assert (tmp_path / "ours.csv").read_text() == (tmp_path / "samples.csv").read_text()
 
 
-@pytest.mark.parametrize("threads", [1, 2])
-def test_codebook(run, tmp_path, threads):
+@pytest.mark.parametrize("threads, train_sample", [(1, None), (2, None), (2, 1000)])
+def test_codebook(run, tmp_path, threads, train_sample):
     vectors = np.random.default_rng(1).normal(size=(3000, 8)).astype(np.float32)
     np.save(tmp_path / "vectors.npy", vectors)
     summary = run("quantize", "vectors.npy", "--codewords", 32, "--seed", 4, "-o", "words.npy",
-                  "--codes-out", "codes.npy", "--weights-out", "weights.npy")  # fmt: skip
-    model = ccvt.BalancedKMeans(32, random_state=4, n_jobs=threads).fit(vectors)
+                  "--codes-out", "codes.npy", "--weights-out", "weights.npy",
+                  "--train-sample", train_sample or len(vectors))  # fmt: skip
+    model = ccvt.BalancedKMeans(
+        32, random_state=4, n_jobs=threads, train_sample=train_sample
+    ).fit(vectors)
     assert np.array_equal(model.cluster_centers_, np.load(tmp_path / "words.npy"))
     assert np.array_equal(model.weights_, np.load(tmp_path / "weights.npy").ravel())
     assert np.array_equal(model.labels_, np.load(tmp_path / "codes.npy"))

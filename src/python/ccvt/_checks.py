@@ -87,6 +87,48 @@ def table(name: str, value: Any, dtype: Any = None) -> Array:
     return array if in_place else np.ascontiguousarray(array)
 
 
+def samples(X: Any) -> Array:
+    """Samples of shape (n_samples, n_features); messages are as scikit-learn has them."""
+    if hasattr(X, "toarray") and hasattr(X, "nnz"):
+        raise TypeError("X: is a sparse matrix, but must be dense; X.toarray() makes it so")
+    array = np.asarray(X)
+    if array.dtype.kind == "c":
+        raise ValueError("Complex data not supported: X must be of real numbers")
+    if array.ndim != 2:
+        raise ValueError(
+            f"X: has the shape {array.shape}, but must be (n_samples, n_features). Reshape your "
+            "data: X.reshape(-1, 1) for one feature, X.reshape(1, -1) for one sample"
+        )
+    for axis, what in enumerate(("sample", "feature")):
+        if array.shape[axis] == 0:
+            raise ValueError(
+                f"Found array with 0 {what}(s) (shape={array.shape}) while a minimum of 1 is required."
+            )
+    checked = table("X", array)
+    if not np.isfinite(checked.sum(dtype=np.float64)) and not np.isfinite(checked).all():
+        raise ValueError("X: contains NaN or infinity")
+    return checked
+
+
+def sample_weights(value: Any, count: int) -> Optional[Array]:
+    if value is None:
+        return None
+    weights = as_float("sample_weight", value, np.float64)
+    if weights.ndim == 0:
+        weights = np.full(count, weights)
+    if weights.shape != (count,):
+        raise ValueError(
+            f"sample_weight: has the shape {weights.shape}, but must be ({count},): one a sample"
+        )
+    good = np.isfinite(weights) & (weights >= 0)
+    if not good.all():
+        first = int(np.argmin(good))
+        raise ValueError(
+            f"sample_weight: entry {first} is {weights[first]}, but must be finite and at least 0"
+        )
+    return weights
+
+
 def vector(name: str, value: Any) -> Array:
     array = as_float(name, value, np.float64)
     if array.ndim != 1:

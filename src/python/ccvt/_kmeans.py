@@ -46,6 +46,9 @@ class BalancedKMeans(Estimator):
         Stops when an iteration lowers the inertia by less than this share of it.
     gap : float, default 0
         ``"exact"`` ends when the assignment is proved to cost at most this share too much.
+    train_sample : int or None, default None
+        ``"exact"`` trains on so many samples, drawn at random, and then assigns all of them once: for
+        millions of samples, of which a cluster needs some hundred. None: on all.
     predict_by : {"weight", "nearest"}, default "weight"
         What `predict` does. ``"weight"``: the least squared distance minus the cluster's weight, by
         which samples like those of the training fill clusters evenly; ``"nearest"``: the nearest
@@ -75,8 +78,8 @@ class BalancedKMeans(Estimator):
     -----
     With a `sample_weight` that is not the same for all samples, clusters have equal weight as nearly
     as whole samples allow: by less than the heaviest sample, which may not be heavier than a
-    cluster. This is :func:`tessellate` with masses; `method`, `init`, `n_init`, `effort` and `gap`
-    do not count then, and weights of clusters are 0. Samples of weight 0 are not trained with, and
+    cluster. This is :func:`tessellate` with masses; `method`, `init`, `n_init`, `effort`, `gap`
+    and `train_sample` do not count then, and weights of clusters are 0. Samples of weight 0 are not trained with, and
     get the nearest cluster.
 
     Examples
@@ -105,6 +108,7 @@ class BalancedKMeans(Estimator):
         max_iter: int = 10_000,
         tol: float = 0.0,
         gap: float = 0.0,
+        train_sample: Optional[int] = None,
         predict_by: str = "weight",
         progress: Progress = None,
     ) -> None:
@@ -119,6 +123,7 @@ class BalancedKMeans(Estimator):
         self.max_iter = max_iter
         self.tol = tol
         self.gap = gap
+        self.train_sample = train_sample
         self.predict_by = predict_by
         self.progress = progress
 
@@ -146,7 +151,7 @@ class BalancedKMeans(Estimator):
                 f"X: n_samples={len(checked)}, but must be at least n_clusters={clusters}"
             )
         self._predicts_by_weight()
-        weights = self._sample_weights(sample_weight, len(checked))
+        weights = _checks.sample_weights(sample_weight, len(checked))
         if weights is None:
             self._fit_codebook(checked, clusters)
         else:
@@ -222,6 +227,8 @@ class BalancedKMeans(Estimator):
             options["n_init"] = _checks.whole("n_init", self.n_init, 1)
         if self.effort is not None:
             options["effort"] = _checks.whole("effort", self.effort, 0)
+        if self.train_sample is not None:
+            options["train_sample"] = _checks.whole("train_sample", self.train_sample, 1)
         if self.capacities is not None:
             if self.method == "lloyd":
                 raise ValueError("capacities: method='lloyd' does not keep any")
@@ -317,7 +324,7 @@ class BalancedKMeans(Estimator):
         float
         """
         checked = self._checked(X)
-        weights = self._sample_weights(sample_weight, len(checked))
+        weights = _checks.sample_weights(sample_weight, len(checked))
         squares = ((checked - self.cluster_centers_[self.predict(checked)]) ** 2).sum(axis=1)
         return -float(squares.sum() if weights is None else squares @ weights)
 
@@ -352,29 +359,9 @@ class BalancedKMeans(Estimator):
         """Samples as the library takes them; messages are as scikit-learn has them."""
         if not fitting:
             self._require_fit()
-        if hasattr(X, "toarray") and hasattr(X, "nnz"):
-            raise TypeError("X: is a sparse matrix, but must be dense; X.toarray() makes it so")
         if hasattr(self, "_check_feature_names"):
             self._check_feature_names(X, reset=fitting)
-        array = np.asarray(X)
-        if array.dtype.kind == "c":
-            raise ValueError("Complex data not supported: X must be of real numbers")
-        if array.ndim != 2:
-            raise ValueError(
-                f"X: has the shape {array.shape}, but must be (n_samples, n_features). Reshape your "
-                "data: X.reshape(-1, 1) for one feature, X.reshape(1, -1) for one sample"
-            )
-        if array.shape[0] == 0:
-            raise ValueError(
-                f"Found array with 0 sample(s) (shape={array.shape}) while a minimum of 1 is required."
-            )
-        if array.shape[1] == 0:
-            raise ValueError(
-                f"Found array with 0 feature(s) (shape={array.shape}) while a minimum of 1 is required."
-            )
-        checked = _checks.table("X", array)
-        if not np.isfinite(checked.sum(dtype=np.float64)) and not np.isfinite(checked).all():
-            raise ValueError("X: contains NaN or infinity")
+        checked = _checks.samples(X)
         if fitting:
             self.n_features_in_ = checked.shape[1]
         elif checked.shape[1] != self.n_features_in_:
@@ -383,25 +370,6 @@ class BalancedKMeans(Estimator):
                 f"{self.n_features_in_} features as input"
             )
         return checked
-
-    @staticmethod
-    def _sample_weights(sample_weight: Any, samples: int) -> Optional[Array]:
-        if sample_weight is None:
-            return None
-        weights = _checks.as_float("sample_weight", sample_weight, np.float64)
-        if weights.ndim == 0:
-            weights = np.full(samples, weights)
-        if weights.shape != (samples,):
-            raise ValueError(
-                f"sample_weight: has the shape {weights.shape}, but must be ({samples},): one a sample"
-            )
-        good = np.isfinite(weights) & (weights >= 0)
-        if not good.all():
-            first = int(np.argmin(good))
-            raise ValueError(
-                f"sample_weight: entry {first} is {weights[first]}, but must be finite and at least 0"
-            )
-        return weights
 
     def _seed(self) -> int:
         state = self.random_state
