@@ -25,6 +25,7 @@ PAGES = {str(path.relative_to(ROOT)): path.stem for path in sorted((ROOT / "src/
     "benchmarks/results/report.md": "results",
     "benchmarks/results/growth/report.md": "results_growth",
     "benchmarks/results/search_clouds/report.md": "results_search_clouds",
+    "benchmarks/results/search_clouds_1m/report.md": "results_search_clouds_1m",
     "benchmarks/results/search_mnist/report.md": "results_search_mnist",
     "benchmarks/results/thin/report.md": "results_thin",
     "include/ccvt/README.md": "structure",
@@ -36,6 +37,7 @@ TITLES = {  # of reports, which have none
     "results": "The paper's table and figures",
     "results_growth": "Many points a site",
     "results_search_clouds": "Inverted lists: clouds",
+    "results_search_clouds_1m": "Inverted lists: a million vectors in clouds",
     "results_search_mnist": "Inverted lists: MNIST",
 }
 PAGES["README.md"] = "index"  # says the same in other words
