@@ -174,7 +174,7 @@ std::vector<Ranks::Bytes> MpiRanks::gather(std::span<const std::byte> own) {
     for (std::uint64_t begin = 0; begin < longest; begin += most) {
       const std::vector<int> counts = counts_from(begin, sizes, most);
       const std::vector<int> places = places_of(counts);
-      all.resize(static_cast<std::size_t>(places.back() + counts.back()));
+      all.resize(static_cast<std::size_t>(places.back()) + static_cast<std::size_t>(counts.back()));
       const std::span<const std::byte> rest = own.subspan(std::min<std::size_t>(begin, own.size()));
       MPI_Allgatherv(rest.data(), counts[static_cast<std::size_t>(rank_)], MPI_BYTE, all.data(),
                      counts.data(), places.data(), MPI_BYTE, communicator_);

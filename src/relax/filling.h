@@ -117,7 +117,8 @@ class Filling {
       std::size_t x;  ///< where its coordinates are
       bool operator<(const Added& other) const { return key < other.key; }
     };
-    const auto added_count = static_cast<std::size_t>(filled[site] - before + waiting(site));
+    const std::size_t added_count =
+        static_cast<std::size_t>(filled[site] - before) + static_cast<std::size_t>(waiting(site));
     std::vector<Added> added;
     std::vector<Scalar> all;
     added.reserve(added_count);
