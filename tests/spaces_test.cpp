@@ -3,8 +3,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +23,7 @@
 #include "support/message.h"
 #include "support/oracle.h"
 #include "support/same.h"
+#include "support/thread_ranks.h"
 
 using ccvt::Box;
 using ccvt::Domain;
@@ -217,6 +220,56 @@ TEST_CASE("whitening: no linear map of the points changes who owns what") {
     CHECK((white.col(p) - white.col(0)).norm() ==
           doctest::Approx((plain.col(p) - plain.col(0)).norm()).epsilon(1e-8));
   }
+}
+
+TEST_CASE("whitening: of several ranks, to the bit that of one process") {
+  constexpr Index kPoints = 10'000;  // in blocks of 4096, none of which a rank has alone
+  const auto cube =
+      ccvt::sample_uniform<float>(Box::unit(3), kPoints, 8, ccvt::Distribution::white);
+  const LinearMap alone = LinearMap::whitening(cube);
+  const auto own_of = [&](const ccvt::Ranks& ranks) {
+    // The second of three and more has none.
+    const auto begin_of = [&](int rank) {
+      if (rank == 2 && ranks.count() > 2) rank = 1;
+      return kPoints * rank * rank / (ranks.count() * ranks.count());
+    };
+    const Index begin = begin_of(ranks.rank());
+    return Points<float>(cube.middleCols(begin, begin_of(ranks.rank() + 1) - begin));
+  };
+  for (const int count : {1, 2, 3, 5}) {
+    CAPTURE(count);
+    std::atomic<int> same = 0;
+    ThreadRanks(count).run([&](ccvt::Ranks& ranks) {
+      const LinearMap map = LinearMap::whitening(ranks, own_of(ranks));
+      same += map.matrix() == alone.matrix() && map.origin() == alone.origin() ? 1 : 0;
+    });
+    CHECK(same == count);
+  }
+  const auto messages = ccvt::test::messages_of(3, [&](ccvt::Ranks& ranks) {
+    Points<float> own = own_of(ranks);
+    if (ranks.rank() == 2) own(1, 5) = std::numeric_limits<float>::infinity();
+    LinearMap::whitening(ranks, own);
+  });
+  CHECK(messages ==
+        std::set<std::string>{"points: coordinate 1 of points[1116] is inf: it must be finite"});
+  const auto flat = ccvt::test::messages_of(2, [&](ccvt::Ranks& ranks) {
+    Points<float> own = own_of(ranks);
+    own.row(1) = 2 * own.row(0);
+    LinearMap::whitening(ranks, own);
+  });
+  REQUIRE(flat.size() == 1);
+  CHECK(flat.begin()->find("points: their covariance is singular") == 0);
+  CHECK(ccvt::test::messages_of(2, [](ccvt::Ranks& ranks) {
+          LinearMap::whitening(ranks, Points<float>(2, 0));
+        }) == std::set<std::string>{"points: there are none"});
+  CHECK(ccvt::test::messages_of(2,
+                                [](ccvt::Ranks& ranks) {
+                                  LinearMap::whitening(ranks,
+                                                       Points<float>::Random(2 + ranks.rank(), 9));
+                                }) ==
+        std::set<std::string>{
+            "points.dimension is 3 on rank 1, but 2 on rank 0: all ranks must be given the "
+            "same"});
 }
 
 TEST_CASE("maps that cannot be are refused") {

@@ -5,6 +5,7 @@
 #include "ccvt/columns.h"
 #include "ccvt/domain.h"
 #include "ccvt/export.h"
+#include "ccvt/ranks.h"
 #include "ccvt/types.h"
 
 namespace ccvt {
@@ -37,6 +38,12 @@ class CCVT_EXPORT LinearMap {
   template <class Derived>
   static LinearMap whitening(const Eigen::DenseBase<Derived>& points) {
     return whitening_of(view_points(points));
+  }
+  /// The same of the points of all ranks, each of which gives its own, to the bit, in the time of
+  /// one: the sums go from rank to rank. All throw what one of them does.
+  template <class Derived>
+  static LinearMap whitening(Ranks& ranks, const Eigen::DenseBase<Derived>& own) {
+    return whitening_of(ranks, view_points(own));
   }
 
   [[nodiscard]] int dimension() const { return static_cast<int>(matrix_.rows()); }
@@ -73,6 +80,8 @@ class CCVT_EXPORT LinearMap {
   [[nodiscard]] Columns<Scalar> mapped_back(PointsView<Scalar> points) const;
   template <class Scalar>
   static LinearMap whitening_of(PointsView<Scalar> points);
+  template <class Scalar>
+  static LinearMap whitening_of(Ranks& ranks, PointsView<Scalar> own);
 
   Columns<double> matrix_;
   Columns<double> inverse_;

@@ -34,13 +34,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Throws InvalidInput for what several ranks cannot do.
-void require_for_ranks(const CodebookOptions& options) {
-  if (options.method != CodebookMethod::pairwise) return;
-  throw InvalidInput(
-      "CodebookOptions::method is pairwise: several ranks train by exact and by lloyd only");
-}
-
 /// Throws InvalidInput on all ranks where they were given different things. `codewords`: given to
 /// start from.
 void require_alike(Ranks& ranks, const CodebookOptions& options,
@@ -336,10 +329,7 @@ Training train_codebook(PointsView<Scalar> vectors, Index codewords,
 template <class Scalar>
 Training train_codebook(Ranks& ranks, PointsView<Scalar> own, Index codewords,
                         const CodebookOptions& options) {
-  agree(&ranks, [&] {
-    options.validate();
-    require_for_ranks(options);
-  });
+  agree(&ranks, [&] { options.validate(); });
   require_alike(ranks, options, {});
   return Trainer<Scalar>(Problem<Scalar>(ranks, own, codewords), options).run(nullptr);
 }
@@ -358,7 +348,6 @@ Training train_codebook_from(Ranks& ranks, PointsView<Scalar> own, const Columns
                              const CodebookOptions& options) {
   agree(&ranks, [&] {
     options.validate();
-    require_for_ranks(options);
     check_given(codewords, own.dimension, options);
   });
   require_alike(ranks, options, {codewords.data(), static_cast<std::size_t>(codewords.size())});

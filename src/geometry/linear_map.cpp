@@ -1,12 +1,12 @@
 #include "ccvt/linear_map.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "geometry/point_matrix.h"
 #include "number_text.h"
 
 namespace ccvt {
@@ -16,31 +16,11 @@ namespace {
 constexpr double kLargestError = 0x1p-26;
 
 template <class Scalar>
-auto matrix_of(const PointsView<Scalar>& points) {
-  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-  return Eigen::Map<const Matrix, 0, Eigen::OuterStride<>>(
-      points.data, points.dimension, points.count, Eigen::OuterStride<>(points.stride));
-}
-
-template <class Scalar>
 void require_dimension(const PointsView<Scalar>& points, int dimension) {
   if (points.dimension == dimension) return;
   throw InvalidInput("points: have " + std::to_string(points.dimension) +
                      " dimensions, the map has " + std::to_string(dimension) +
                      ": the two must be equal");
-}
-
-/// Throws unless all are finite; `is` is what they do.
-template <class Matrix>
-void require_finite(const Matrix& points, const char* is) {
-  for (Eigen::Index p = 0; p < points.cols(); ++p) {
-    for (Eigen::Index d = 0; d < points.rows(); ++d) {
-      if (std::isfinite(points(d, p))) continue;
-      throw InvalidInput("points: coordinate " + std::to_string(d) + " of points[" +
-                         std::to_string(p) + "] " + is + " " +
-                         text(static_cast<double>(points(d, p))) + ": it must be finite");
-    }
-  }
 }
 
 /// The product of large numbers may be infinite, and be it by rounding to float.
@@ -100,41 +80,6 @@ LinearMap LinearMap::of(Columns<double> matrix, Coordinates origin) {
                        ": it must be finite");
   }
   return {std::move(matrix), std::move(origin)};
-}
-
-template <class Scalar>
-LinearMap LinearMap::whitening_of(PointsView<Scalar> points) {
-  constexpr Eigen::Index kBlock = 4096;
-  if (points.dimension < 1 || points.count < 1) throw InvalidInput("points: there are none");
-  const auto all = matrix_of(points);
-  require_finite(all, "is");
-  // Deviations from a point, then from the mean: far from the origin squares would cost digits.
-  const Eigen::VectorXd first = all.col(0).template cast<double>();
-  const double count = points.count;
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(points.dimension);
-  for (Eigen::Index p = 0; p < all.cols(); ++p) {
-    mean += all.col(p).template cast<double>() - first;
-  }
-  mean = first + mean / count;
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(points.dimension, points.dimension);
-  for (Eigen::Index p = 0; p < all.cols(); p += kBlock) {
-    const Eigen::MatrixXd block =
-        all.middleCols(p, std::min(kBlock, all.cols() - p)).template cast<double>().colwise() -
-        mean;
-    covariance += block * block.transpose() / count;
-  }
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(covariance);
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(points.dimension, points.dimension);
-  // Scaled, so that units do not decide what is singular.
-  const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt();
-  const Eigen::VectorXd pivots = Eigen::MatrixXd(cholesky.matrixL()).diagonal();
-  if (cholesky.info() != Eigen::Success || !covariance.allFinite() ||
-      !(pivots.array() > 1e-6 * scale.array()).all()) {
-    throw InvalidInput(
-        "points: their covariance is singular or nearly so: they must be more than their "
-        "dimensions, and not lie in a plane of fewer");
-  }
-  return {Eigen::MatrixXd(cholesky.matrixL().solve(identity)), mean};
 }
 
 bool LinearMap::is_diagonal() const {
@@ -211,7 +156,5 @@ template CCVT_EXPORT Columns<float> LinearMap::mapped(PointsView<float>) const;
 template CCVT_EXPORT Columns<double> LinearMap::mapped(PointsView<double>) const;
 template CCVT_EXPORT Columns<float> LinearMap::mapped_back(PointsView<float>) const;
 template CCVT_EXPORT Columns<double> LinearMap::mapped_back(PointsView<double>) const;
-template CCVT_EXPORT LinearMap LinearMap::whitening_of(PointsView<float>);
-template CCVT_EXPORT LinearMap LinearMap::whitening_of(PointsView<double>);
 
 }  // namespace ccvt

@@ -23,10 +23,6 @@ namespace {
 using cli::QuantizeArguments;
 
 void require_supported(const QuantizeArguments& arguments) {
-  if (arguments.method == CodebookMethod::pairwise) {
-    throw InvalidInput(
-        "--method: pairwise is for ccvt only; several processes train by exact and by lloyd");
-  }
   if (arguments.image_blocks > 0) {
     throw InvalidInput("--image-blocks: is for ccvt only, not for several processes");
   }
@@ -69,7 +65,9 @@ int quantize(const Session& session, const QuantizeArguments& arguments,
   const Session::Share share = session.share(static_cast<std::int64_t>(header.count));
   Inputs<Scalar> inputs;
   session.together([&] {
-    cli::check_memory(arguments, header, session.on_machine(share.size()));
+    const bool all = arguments.method == CodebookMethod::pairwise;  // on every rank
+    const auto held = all ? static_cast<std::int64_t>(header.count) : share.size();
+    cli::check_memory(arguments, header, session.on_machine(held));
     inputs.codewords = cli::read_codewords(arguments);
     if (!arguments.capacities.empty()) inputs.capacities = read_indices(arguments.capacities);
     cli::tell_if_cut_short(arguments.vectors);

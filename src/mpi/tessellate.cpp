@@ -23,7 +23,6 @@ void require_supported(const TessellateArguments& arguments) {
   const auto refuse = [](const std::string& option) {
     throw InvalidInput(option + ": is for ccvt only, not for several processes");
   };
-  if (arguments.whiten) refuse("--whiten");
   if (!arguments.mass.file.empty()) refuse("--masses");
   if (!arguments.mass.column.empty()) refuse("--mass-column");
   require_npy("--owners-out", arguments.owners_out);
@@ -57,14 +56,26 @@ Inputs<Scalar> read_inputs(const Session& session, const Session::Share& share,
   read.initial_sites = sites(arguments.initial_sites, "initial sites");
   read.fixed_sites = sites(arguments.fixed_sites, "fixed sites");
   if (!arguments.capacities.empty()) read.capacities = read_indices(arguments.capacities);
+  return read;
+}
+
+/// How distances are measured, if not as the coordinates say.
+template <class Scalar>
+std::optional<LinearMap> make_map(const Session& session, const TessellateArguments& arguments,
+                                  const Points<Scalar>& points) {
+  if (!arguments.whiten) return cli::units_of(arguments, static_cast<int>(points.rows()));
+  return cli::blame(arguments.points,
+                    [&] { return LinearMap::whitening(session.ranks(), points); });
+}
+
+template <class Scalar>
+void map_inputs(const TessellateArguments& arguments, Inputs<Scalar>& read) {
   read.mapped_fixed_sites = read.fixed_sites;
-  read.map = cli::units_of(arguments, header.dimension);
-  if (!read.map) return read;
+  if (!read.map) return;
   read.domain = read.map->template domain_of<Scalar>(read.domain);
   cli::blame(arguments.points, [&] { read.points = (*read.map)(read.points); });
   read.initial_sites = (*read.map)(read.initial_sites);
   read.mapped_fixed_sites = (*read.map)(read.fixed_sites);
-  return read;
 }
 
 template <class Scalar>
@@ -93,6 +104,8 @@ int tessellate_file(const Session& session, const TessellateArguments& arguments
   const Session::Share share = session.share(static_cast<std::int64_t>(header.count));
   Inputs<Scalar> read;
   session.together([&] { read = read_inputs<Scalar>(session, share, arguments, header); });
+  read.map = make_map(session, arguments, read.points);
+  session.together([&] { map_inputs(arguments, read); });
   const Index sites = arguments.initial_sites.empty()
                           ? arguments.sites
                           : static_cast<Index>(read.initial_sites.cols());

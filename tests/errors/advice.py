@@ -61,8 +61,9 @@ ADVICE = {
     "src/run_ranks.cpp": "Several ranks start balanced, as up to 8 dimensions do by default.",
     "src/no_checkpoint.h": "Only what runs one solver keeps a checkpoint: leave Options::checkpoint "
                            "empty.",
-    "src/geometry/linear_map.cpp": "Give a regular matrix. Points that lie in a plane cannot be "
-                                   "whitened: take away a dimension.",
+    "src/geometry/linear_map.cpp": "Give a regular matrix.",
+    "src/geometry/point_matrix.h": "Leave out points that have such a coordinate.",
+    "src/geometry/whitening.cpp": "Points that lie in a plane cannot be whitened: take away a dimension.",
     "src/io/byte_stream.cpp": _DAMAGED,
     "src/io/columns.cpp": "Name columns as the header does, or number them from 1.",
     "src/io/finite.h": "Coordinates are finite numbers: leave out rows of others.",
@@ -154,7 +155,6 @@ _MPI = "tests/mpi/program.py provokes it, where there is MPI"
 CANNOT_BE_PROVOKED = {
     ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 16 GB together"): _HUGE,
     ("src/mpi/kept.h", "ended by a signal; the same command, or one with other limits, goes on from "): _MPI,
-    ("src/mpi/quantize.cpp", "--method: pairwise is for ccvt only; several processes train by exact and by lloyd"): _MPI,
     ("src/mpi/quantize.cpp", "--image-blocks: is for ccvt only, not for several processes"): _MPI,
     ("src/mpi/session.h", "out of memory"): "needs a machine without any left",
     ("src/mpi/tessellate.cpp", ": is for ccvt only, not for several processes"): _MPI,

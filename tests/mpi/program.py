@@ -100,6 +100,7 @@ def bits():
     compare(["tessellate"], ALL[:2], ["cloud.npy", "--sites", "150", "--periodic", "--box",
                                       *"0 0 0 1 1 1".split(), "--units", "1,3,.5", "--fixed-sites",
                                       "ten.npy"])
+    compare(["tessellate"], ALL[:2], ["cloud.npy", "--sites", "150", "--whiten", "--fixed-sites", "ten.npy"])
 
 
 SAMPLES = [("-o", "samples.csv")]
@@ -191,6 +192,7 @@ def codebooks():
     compare(["quantize"], balanced, ["many.fvecs", "--codewords", "300", "--gap", "1e-3"], threads=(1,))
     compare(["quantize"], balanced, ["many.bvecs", "--codewords", "30", "--effort", "0",
                                      "--train-sample", "2000"], threads=(1,))
+    compare(["quantize"], BOOK, ["many.npy", "--codewords", "30", "--method", "pairwise"], threads=(1,))
     pathlib.Path("capacities.csv").write_text("1\n2000\n1500\n500\n")
     compare(["quantize"], balanced, ["many.npy", "--codewords", "4", "--capacities", "capacities.csv"],
             threads=(1,))
@@ -234,8 +236,6 @@ def without_times(text):
 def codebook_faults():
     outputs = ["-o", "bad-book.npy", "--codes-out", "bad-codes.npy"]
     lloyd = ["--method", "lloyd", "--codewords", "30"]
-    ends(together(2, "quantize", "many.npy", "--codewords", "30", "--method", "pairwise", *outputs), 2,
-         "--method: pairwise is for ccvt only; several processes train by exact and by lloyd")
     pathlib.Path("few.csv").write_text("1\n2000\n1500\n499\n")
     ends(together(2, "quantize", "many.npy", "--codewords", "4", "--capacities", "few.csv", *outputs), 2,
          "few.csv: ")
@@ -304,8 +304,9 @@ def faults():
     check(alike.returncode == 0, f"threads may differ: {alike.stderr}")
     for name in ("bad-sites.npy", "bad-owners.npy"):
         pathlib.Path(name).unlink()
-    ends(together(2, "tessellate", "points.npy", "--sites", "40", "--whiten", *outputs), 2,
-         "--whiten")
+    pathlib.Path("masses.csv").write_text("1\n2\n")
+    ends(together(2, "tessellate", "points.npy", "--sites", "40", "--masses", "masses.csv", *outputs), 2,
+         "--masses: is for ccvt only, not for several processes")
     ends(together(2, "sample", "--dim", "2", "--sites", "9", "-o", "bad-sites.npy", "--owners-out",
                   "bad-owners.csv"), 2, ".npy")
     # In the last rank's part only.
