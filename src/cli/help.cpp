@@ -5,6 +5,8 @@
 #include <map>
 #include <string_view>
 
+#include "cli/standard_streams.h"
+
 namespace ccvt::cli {
 
 namespace {
@@ -142,7 +144,7 @@ std::vector<OptionGroup> option_groups(const CLI::App& command) {
   for (const char* const title : kTitles) {
     OptionGroup group{title, {}};
     for (const CLI::Option* const option : command.get_options()) {
-      if (option->get_positional()) continue;
+      if (option->get_positional() || option->get_group().empty()) continue;  // empty: hidden
       OptionHelp help = help_of(*option);
       if (title_of(command, help.longest()) == title) group.options.push_back(std::move(help));
     }
@@ -172,6 +174,7 @@ std::string usage_of(const CLI::App& command, const std::string& name) {
 }
 
 std::string streams_text(const CLI::App& command) {
+  if (streams_are_refused()) return "";
   const auto is_file = [](const CLI::Option* option) { return option->get_type_name() == "FILE"; };
   const std::vector<const CLI::Option*> options = command.get_options();
   if (std::none_of(options.begin(), options.end(), is_file)) return "";

@@ -26,7 +26,8 @@ struct OptionGroup {
 /// The arguments without dashes.
 std::vector<OptionHelp> arguments_of(const CLI::App& command);
 
-/// The options, in groups, of each what is required first; those groups that have any.
+/// The options that are not hidden, in groups, of each what is required first; those groups that
+/// have any.
 std::vector<OptionGroup> option_groups(const CLI::App& command);
 
 std::vector<const CLI::App*> commands_of(const CLI::App& app);
@@ -34,7 +35,7 @@ std::vector<const CLI::App*> commands_of(const CLI::App& app);
 /// "ccvt sample [OPTIONS] --dim D -o FILE": what a line must have.
 std::string usage_of(const CLI::App& command, const std::string& name);
 
-/// What a FILE may be besides a file; empty where the command takes none.
+/// What a FILE may be besides a file; empty where the command takes none, or streams are refused.
 std::string streams_text(const CLI::App& command);
 
 /// Prints help in groups, in lines that fit into 100 columns.

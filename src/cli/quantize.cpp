@@ -88,6 +88,11 @@ void write_summary(const QuantizeArguments& arguments, const CodebookSummary& su
 
 std::optional<Points<double>> read_codewords(const QuantizeArguments& arguments) {
   if (!seeds_from_file(arguments)) return {};
+  if (lower_extension(arguments.seeding).empty()) {
+    throw InvalidInput("--seeding: '" + arguments.seeding +
+                       "' is neither kmeans++ nor random nor a file of codewords, " +
+                       io::list_of(io::kPointFiles, " or "));
+  }
   Points<double> codewords = read_points<double>(arguments.seeding);
   if (codewords.cols() != arguments.codewords) {
     throw InvalidInput(arguments.seeding + ": has " + std::to_string(codewords.cols()) +
@@ -96,19 +101,24 @@ std::optional<Points<double>> read_codewords(const QuantizeArguments& arguments)
   return codewords;
 }
 
+void check_codewords(const QuantizeArguments& arguments, const PointsHeader& header) {
+  if (std::cmp_less_equal(arguments.codewords, header.count)) return;
+  throw InvalidInput(arguments.vectors.string() + ": has " + std::to_string(header.count) +
+                     " vectors, but --codewords is " + std::to_string(arguments.codewords) +
+                     ": each needs one at least");
+}
+
 void check_memory(const QuantizeArguments& arguments, const PointsHeader& header,
                   std::uint64_t vectors) {
   const std::string name = arguments.vectors.string();
-  const auto codewords = static_cast<Index>(
-      std::min<std::uint64_t>(static_cast<std::uint64_t>(arguments.codewords), header.count));
   const bool single = header.scalar == ScalarType::float32;
   const bool mapped = single ? MappedPoints<float>::can_map(arguments.vectors, arguments.reading)
                              : MappedPoints<double>::can_map(arguments.vectors, arguments.reading);
   const double bytes =
       training_bytes({vectors, header.dimension, single ? sizeof(float) : sizeof(double), mapped},
-                     codewords, arguments.method != CodebookMethod::lloyd);
+                     arguments.codewords, arguments.method != CodebookMethod::lloyd);
   const std::string needed = check_bytes(name, vectors, header.dimension, bytes);
-  if (!arguments.quiet && bytes >= kWorthTelling && codewords == arguments.codewords) {
+  if (!arguments.quiet && bytes >= kWorthTelling) {
     std::cerr << one_line("ccvt: " + name + ": training takes up to about " + needed +
                           " of memory");
   }
@@ -202,6 +212,7 @@ int finish_training(const QuantizeArguments& arguments, Publication& outputs,
 
 template <class Scalar>
 int quantize_vectors(const QuantizeArguments& arguments, const PointsHeader& header) {
+  check_codewords(arguments, header);
   check_memory(arguments, header, header.count);
   tell_if_cut_short(arguments.vectors);
   const MappedPoints<Scalar> vectors(arguments.vectors, arguments.reading);

@@ -15,6 +15,8 @@ namespace ccvt::cli {
 void check_arguments(const QuantizeArguments& arguments);
 /// Throws InvalidInput unless all outputs can be written.
 void check_outputs(const QuantizeArguments& arguments);
+/// Throws InvalidInput unless there is a vector for each codeword.
+void check_codewords(const QuantizeArguments& arguments, const PointsHeader& header);
 /// Throws InvalidInput unless there is memory to train on so many of the vectors; says how much it
 /// takes, if that is worth telling.
 void check_memory(const QuantizeArguments& arguments, const PointsHeader& header,

@@ -156,6 +156,11 @@ std::function<bool()> watch_interrupts() {
 
 bool interrupted() { return interrupted_at != 0; }
 
+void interrupt_too() {
+  std::int64_t before = 0;
+  interrupted_at.compare_exchange_strong(before, now());
+}
+
 EndsHeldBack::EndsHeldBack() { held_back = true; }
 
 EndsHeldBack::~EndsHeldBack() {

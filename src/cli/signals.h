@@ -27,6 +27,9 @@ std::function<bool()> watch_interrupts();
 /// Whether there was a Ctrl-C since they are watched.
 [[nodiscard]] bool interrupted();
 
+/// As if there had been one: it came to another process of the same run.
+void interrupt_too();
+
 /// While one lives, signals that would end the program wait for its end.
 class EndsHeldBack {
  public:

@@ -83,6 +83,12 @@ std::optional<StandIn>& of(Stream stream) {
   return stream == Stream::input ? input : output;
 }
 
+/// The program that knows files only; empty: this one knows streams.
+std::string& refusing() {
+  static std::string program;
+  return program;
+}
+
 /// "csv:-, npy:- or txt:-": what may be a stream.
 std::string list_of_streams(io::Extensions extensions) {
   std::vector<std::string> names;
@@ -175,6 +181,10 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
 
 }  // namespace
 
+void refuse_streams(const std::string& program) { refusing() = program; }
+
+bool streams_are_refused() { return !refusing().empty(); }
+
 bool names_stream(const std::string& text) {
   return text == "-" || (text.ends_with(kMark) && text.size() > kMark.size() &&
                          text.find('/') == std::string::npos);
@@ -182,6 +192,10 @@ bool names_stream(const std::string& text) {
 
 fs::path stand_in(const std::string& option, const std::string& text, Stream stream,
                   io::Extensions extensions) {
+  if (streams_are_refused()) {
+    throw InvalidInput(option + ": '" + text + "' is a stream: " + refusing() +
+                       " reads and writes files only");
+  }
   std::optional<StandIn>& there = of(stream);
   if (there) {
     throw InvalidInput(option + ": " + name_of(stream) + " is that of " + there->option() +

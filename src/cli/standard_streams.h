@@ -13,6 +13,10 @@ namespace ccvt::cli {
 
 enum class Stream { input, output };
 
+/// From now on stand_in() throws InvalidInput: `program` knows files only.
+void refuse_streams(const std::string& program);
+[[nodiscard]] bool streams_are_refused();
+
 /// "-", or "npy:-".
 bool names_stream(const std::string& text);
 

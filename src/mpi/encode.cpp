@@ -86,6 +86,7 @@ int run_encode(const Session& session, const EncodeArguments& given) {
   PointsHeader header;
   session.together([&] {
     require_npy("--output", arguments.output);
+    require_parts(arguments.vectors);
     if (session.is_first()) cli::check_outputs(arguments);
     header = cli::inspect_and_tell(arguments.vectors, arguments.reading, arguments.quiet);
   });

@@ -39,6 +39,7 @@ class Kept {
     };
     auto result = work(options);
     end_if_asked();
+    session_.share_interrupt();
     return result;
   }
 

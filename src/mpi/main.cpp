@@ -14,8 +14,10 @@
 #include "cli/commands.h"
 #include "cli/run.h"
 #include "cli/signals.h"
+#include "cli/standard_streams.h"
 #include "cli/streams.h"
 #include "commands.h"
+#include "help.h"
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -27,21 +29,19 @@ using ccvt::mpi::Session;
 
 constexpr const char* kExamples =
     "Each of the processes that mpirun starts has its part of the points; what comes out is what\n"
-    "ccvt gives, to the bit. The options are those of ccvt; points are read from .npy, vectors "
-    "from\n"
-    ".fvecs and .bvecs too, and what there is for each of them is written to .npy. Of a volume "
-    "each\n"
-    "reads its layers.\n"
+    "ccvt gives, to the bit. The options are those of ccvt; points and vectors are read from\n"
+    ".npy, .fvecs and .bvecs, and what there is for each of them is written to .npy. Of a\n"
+    "volume each reads its layers.\n"
     "\n"
     "Examples:\n"
     "  mpirun -n 4 ccvt-mpi sample --dim 3 --sites 262144 --periodic -o sites.npy\n"
     "  mpirun -n 4 ccvt-mpi tessellate points.npy --sites 1000 -o sites.npy\n"
-    "  mpirun -n 4 ccvt-mpi quantize vectors.fvecs --codewords 1024 --method lloyd -o "
-    "codebook.npy\n"
+    "  mpirun -n 4 ccvt-mpi quantize vectors.fvecs --codewords 1024 -o codebook.npy\n"
     "  mpirun -n 4 ccvt-mpi encode vectors.fvecs --codebook codebook.npy -o codes.npy\n"
     "  mpirun -n 4 ccvt-mpi volume scan.nii --sites 20000 -o samples.ply\n"
     "\n"
-    "Exit status: as of ccvt.";
+    "Open MPI's mpirun answers Ctrl-C by ending all: only what --checkpoint keeps is left then.\n"
+    "Files are files: no FILE may be -. Exit status: as of ccvt.";
 
 int run(const Session& session, int argc, char** argv) {
   CLI::App app("Capacity-constrained Voronoi tessellation by several processes", "ccvt-mpi");
@@ -59,6 +59,8 @@ int run(const Session& session, int argc, char** argv) {
       {add_encode(app, encode), [&] { return run_encode(session, encode); }},
       {add_volume(app, volume), [&] { return run_volume(session, volume); }},
   };
+  ccvt::mpi::fit_help(app);
+  if (argc > 1) ccvt::mpi::require_command(app, argv[1]);
   return ccvt::cli::parse_and_run(app, commands, argc, argv, [&](const std::string& text) {
     if (session.is_first()) ccvt::cli::print(text);
   });
@@ -134,6 +136,7 @@ int main(int argc, char** argv) {
     ccvt::MpiRanks ranks(MPI_COMM_WORLD);
     ccvt::cli::fill_closed_streams();
     ccvt::cli::handle_signals();
+    ccvt::cli::refuse_streams("ccvt-mpi");
     status = run_all(Session(ranks), argc, argv);
   }
   MPI_Finalize();

@@ -27,6 +27,7 @@ void require_supported(const QuantizeArguments& arguments) {
     throw InvalidInput("--image-blocks: is for ccvt only, not for several processes");
   }
   require_npy("--codes-out", arguments.codes_out);
+  require_parts(arguments.vectors);
 }
 
 /// What a rank reads.
@@ -65,6 +66,7 @@ int quantize(const Session& session, const QuantizeArguments& arguments,
   const Session::Share share = session.share(static_cast<std::int64_t>(header.count));
   Inputs<Scalar> inputs;
   session.together([&] {
+    cli::check_codewords(arguments, header);
     const bool all = arguments.method == CodebookMethod::pairwise;  // on every rank
     const auto held = all ? static_cast<std::int64_t>(header.count) : share.size();
     cli::check_memory(arguments, header, session.on_machine(held));
@@ -74,6 +76,7 @@ int quantize(const Session& session, const QuantizeArguments& arguments,
     inputs.vectors.emplace(arguments.vectors, share.of(arguments.reading));
   });
   const Training training = train(session, arguments, inputs);
+  session.share_interrupt();
   session.together([&] { inputs.vectors->check_unchanged(); });
   OwnersFile codes(session, arguments.codes_out, static_cast<std::int64_t>(header.count));
   codes.write(share.begin, training.codes);

@@ -32,9 +32,9 @@ void require_balanced(const cli::CommonArguments& arguments, const std::string& 
 
 std::string describe(const cli::RankFigures& figures) {
   const auto megabytes = [](auto bytes) { return text(static_cast<double>(bytes) / 1e6, 3); };
-  return std::to_string(figures.ranks) + " ranks sent " + megabytes(figures.sent_bytes) +
-         " MB and gathered " + megabytes(figures.gathered_bytes) + " MB in " +
-         std::to_string(figures.messages) + " messages; the largest held " +
+  return std::to_string(figures.ranks) + (figures.ranks == 1 ? " rank sent " : " ranks sent ") +
+         megabytes(figures.sent_bytes) + " MB and gathered " + megabytes(figures.gathered_bytes) +
+         " MB in " + std::to_string(figures.messages) + " messages; the largest held " +
          megabytes(figures.largest_peak_bytes) + " MB\n";
 }
 

@@ -12,6 +12,7 @@
 #include "ccvt/types.h"
 #include "cli/arguments.h"
 #include "cli/run.h"
+#include "cli/signals.h"
 #include "parallel/together.h"
 
 namespace ccvt::mpi {
@@ -65,6 +66,11 @@ class Session {
   /// Calls `work` on each rank for itself. What it throws on one of them ends all, as a Failure.
   template <class Work>
   void together(const Work& work) const;
+
+  /// On all ranks, when a run has ended: what one of them was told by Ctrl-C, all were.
+  void share_interrupt() const {
+    if (any(&ranks_, cli::interrupted())) cli::interrupt_too();
+  }
 
   /// The figures of all ranks.
   [[nodiscard]] cli::RankFigures figures() const;

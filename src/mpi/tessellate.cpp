@@ -11,6 +11,7 @@
 #include "ccvt/solver.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
+#include "cli/tessellate_masses.h"
 #include "commands.h"
 #include "results.h"
 
@@ -25,6 +26,7 @@ void require_supported(const TessellateArguments& arguments) {
   };
   if (!arguments.mass.file.empty()) refuse("--masses");
   if (!arguments.mass.column.empty()) refuse("--mass-column");
+  cli::check_masses(arguments);
   require_npy("--owners-out", arguments.owners_out);
   require_parts(arguments.points);
 }

@@ -305,8 +305,19 @@ def faults():
     for name in ("bad-sites.npy", "bad-owners.npy"):
         pathlib.Path(name).unlink()
     pathlib.Path("masses.csv").write_text("1\n2\n")
-    ends(together(2, "tessellate", "points.npy", "--sites", "40", "--masses", "masses.csv", *outputs), 2,
+    forty = ["tessellate", "points.npy", "--sites", "40", *outputs]
+    ends(together(2, *forty, "--masses", "masses.csv"), 2,
          "--masses: is for ccvt only, not for several processes")
+    ends(together(2, *forty, "--shares-out", "bad-shares.csv"), 2, "--shares-out: needs --masses")
+    ends(together(2, *forty, "--points-per-site", "9"), 2, "--points-per-site: needs --masses")
+    ends(together(2, "stipple", "photo.png"), 2, "stipple: is for ccvt only, not for several processes")
+    ends(together(2, "tessellate", "npy:-", "--sites", "4", *outputs), 2,
+         "POINTS: 'npy:-' is a stream: ccvt-mpi reads and writes files only")
+    ends(together(2, "sample", "--dim", "2", "--sites", "9", "-o", "-"), 2,
+         "--output: '-' is a stream: ccvt-mpi reads and writes files only")
+    texts = together(2, "tessellate", "--help").stdout
+    check("Example: mpirun" in texts and ".csv" not in texts.split("Problem:")[0], texts)
+    check(not any(word in texts for word in ("--masses", "Standard streams", "fast-ccvt")), texts)
     ends(together(2, "sample", "--dim", "2", "--sites", "9", "-o", "bad-sites.npy", "--owners-out",
                   "bad-owners.csv"), 2, ".npy")
     # In the last rank's part only.
@@ -389,13 +400,32 @@ def checkpoints():
 
     for number in (signal.SIGINT, signal.SIGTERM):
         end_by(number, bad, outputs)
+    interrupt_one()
+
+
+def is_open_mpi():
+    version = subprocess.run([given.mpirun, "--version"], capture_output=True, text=True).stdout
+    return "Open MPI" in version
+
+
+def ended_by(number, run):
+    """Whoever gets a signal leaves nothing; but MPICH's mpirun hands Ctrl-C on, with which ranks that
+    have begun end as ccvt does: with a result."""
+    left = sorted(path.name for path in pathlib.Path().iterdir() if "bad-" in path.name)
+    if number == signal.SIGINT and not is_open_mpi() and left:
+        check(run.returncode == 130, f"SIGINT to ranks: status {run.returncode}")
+        check(left == ["bad-owners.npy", "bad-sites.npy"], f"SIGINT to ranks left {left}")
+        for name in left:
+            pathlib.Path(name).unlink()
+        return
+    check(run.returncode != 0, f"{number.name}: it ended well")
+    check(left == [], f"{number.name} left {left}")
 
 
 def end_by(number, bad, outputs):
     """mpirun waits a while and tells the ranks, which are kept once more if there is time. The run is
     long enough for that; nothing else would have kept it again."""
-    version = subprocess.run([given.mpirun, "--version"], capture_output=True, text=True).stdout
-    patient = ["--mca", "odls_base_sigkill_timeout", "10"] if "Open MPI" in version else []
+    patient = ["--mca", "odls_base_sigkill_timeout", "10"] if is_open_mpi() else []
     checkpoint = pathlib.Path("kept/ccvt.checkpoint")
     for sites in (4000, 16000, 64000):
         kept = [*sample_of(sites), "--checkpoint", "kept", "--checkpoint-every", "3600"]
@@ -411,14 +441,26 @@ def end_by(number, bad, outputs):
             for path in left:
                 path.unlink()  # it was at its end
             continue
-        check(run.returncode != 0, f"{number.name} to mpirun: it ended well")
-        check(left == [], f"{number.name} to mpirun left {left}")
+        ended_by(number, run)
         check(errors.count("ccvt-mpi: error: ") < 2, f"{number.name} to mpirun: {errors}")
-        if patient:
+        if patient or number == signal.SIGTERM:
             check("ended by a signal" in errors, f"{number.name} to mpirun: {errors}")
+        if patient:
             check(checkpoint.read_bytes() != before, f"{number.name} to mpirun: not kept once more")
         return goes_on([ALONE], outputs, f"{number.name} to mpirun", kept)
     check(False, f"{number.name} to mpirun is too late")
+
+
+def interrupt_one():
+    """Ctrl-C that comes to one rank ends all with what has been reached, and says so."""
+    sample = [*sample_of(40000), "-o", "part-sites.npy", "--checkpoint", "kept", "--checkpoint-every", "0"]
+    run, ranks = start_kept(2, *sample)
+    os.kill(ranks[1], signal.SIGINT)
+    run.communicate(timeout=300)
+    check(run.returncode == 130, f"SIGINT to one rank: status {run.returncode}")
+    check(pathlib.Path("part-sites.npy").exists(), "SIGINT to one rank: no sites")
+    for kept in pathlib.Path("kept").iterdir():
+        kept.unlink()
 
 
 def processes():
@@ -443,13 +485,12 @@ def kills():
         os.kill(ranks[1] if name == "rank" else run.pid, victim)
         began = time.time()
         try:
-            check(run.wait(timeout=60) != 0, f"{victim} to {name}: it ended well")
+            run.wait(timeout=60)
         except subprocess.TimeoutExpired:
             run.kill()
             check(False, f"{victim} to {name}: it went on")
         print(f"{victim.name} to {name}: ended after {time.time() - began:.1f} s", flush=True)
-        left = [path.name for path in pathlib.Path().iterdir() if "bad-" in path.name]
-        check(left == [], f"{victim} to {name} left {left}")
+        ended_by(victim, run)
 
 
 def soak(problems):
