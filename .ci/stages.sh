@@ -125,6 +125,16 @@ several_processes() {  # which tests
     ctest --preset release -R "$1"
 }
 
+# By the other MPI, whose ranks wait by polling: no more of them than processors.
+several_processes_mpich() {
+  cmake/install-packages.sh libmpich-dev mpich &&
+    cmake --preset release -B build/mpich -DCCVT_BUILD_MPI=ON -DCCVT_BUILD_BENCHMARKS=OFF \
+      -DMPI_CXX_COMPILER=/usr/bin/mpicxx.mpich -DMPIEXEC_EXECUTABLE=/usr/bin/mpiexec.mpich &&
+    cmake --build build/mpich -j "$jobs" --target ccvt_cli ccvt_mpi_cli ccvt_mpi_tests &&
+    ctest --test-dir build/mpich --output-on-failure -R '^mpi\.(ranks_[12]|kills)$' &&
+    python3 -B tests/mpi/program.py build/mpich/bin /usr/bin/mpiexec.mpich --ranks 2 --short
+}
+
 # The documentation site, its guides' commands, links and layers, by README's command.
 documents() {
   cmake/install-packages.sh doxygen graphviz python3 &&
