@@ -276,6 +276,11 @@ TEST_CASE("error examples: the program") {
            "' is longer than 40 letters; see ccvt analyze --help"},
       {"quantize i.png --image-blocks 16 --codewords 2 -o o.csv",
        "i.png: blocks of 16 x 16 pixels do not fit into 8 x 8"},
+      {quantize + "--seeding kmeans",
+       "--seeding: 'kmeans' is neither kmeans++ nor random nor a file of codewords, .npy, .csv, "
+       ".txt, .ply, .fvecs, .bvecs, .gadget or .hdf5"},
+      {"quantize p.csv --codewords 9 -o o.csv",
+       "p.csv: has 8 vectors, but --codewords is 9: each needs one at least"},
       {quantize + "--seeding out.csv", "out.csv: has 2 codewords, but --codewords is 3"},
       {quantize + "--image-out o.png",
        "--image-out: needs --image-blocks; see ccvt quantize --help"},

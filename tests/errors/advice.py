@@ -47,6 +47,7 @@ ADVICE = {
     "src/codebook/train.cpp": _PARAMETER,
     "src/codebook/trainer.h": _PARAMETER,
     "src/domain.cpp": _PARAMETER,
+    "src/mpi/help.cpp": _RANKS,
     "src/mpi/kept.h": "Whoever started the ranks ended them, and what has been reached is kept: run the same "
                       "command again.",
     "src/mpi/main.cpp": "Start all ranks with one command line, and one build of the program.",
@@ -156,6 +157,8 @@ CANNOT_BE_PROVOKED = {
     ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 16 GB together"): _HUGE,
     ("src/mpi/kept.h", "ended by a signal; the same command, or one with other limits, goes on from "): _MPI,
     ("src/mpi/quantize.cpp", "--image-blocks: is for ccvt only, not for several processes"): _MPI,
+    ("src/mpi/help.cpp", ": is for ccvt only, not for several processes"): _MPI,
+    ("src/cli/standard_streams.cpp", " reads and writes files only"): _MPI,
     ("src/mpi/session.h", "out of memory"): "needs a machine without any left",
     ("src/mpi/tessellate.cpp", ": is for ccvt only, not for several processes"): _MPI,
     ("src/mpi/volume.cpp",
