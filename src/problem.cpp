@@ -166,8 +166,9 @@ Problem<Scalar>& Problem<Scalar>::set_capacities(std::vector<Index> capacities) 
                        std::to_string(site_count()) + " sites: there must be one per site");
   }
   validate_capacities(capacities, point_count());
-  // Owners that are there own as many points as the capacities in force say.
-  for (std::size_t s = 0; s < capacities.size() && !initial_owners_.empty(); ++s) {
+  // Owners that are there own as many points as the capacities in force say; of ranks a run sees.
+  const bool owned = !initial_owners_.empty() && ranks() == nullptr;
+  for (std::size_t s = 0; s < capacities.size() && owned; ++s) {
     if (capacities[s] == capacities_[s]) continue;
     throw InvalidInput("capacities[" + std::to_string(s) + "] is " + std::to_string(capacities[s]) +
                        ", but the initial_owners set before give that site " +
@@ -209,26 +210,28 @@ Problem<Scalar>& Problem<Scalar>::set_fixed_sites(Columns<Scalar> sites) {
 
 template <class Scalar>
 Problem<Scalar>& Problem<Scalar>::set_initial_owners(std::vector<Index> owners) {
-  if (part_) throw InvalidInput("initial_owners: a problem of ranks cannot have any");
-  if (std::cmp_not_equal(owners.size(), point_count())) {
-    throw InvalidInput("initial_owners: there are " + std::to_string(owners.size()) + " for " +
-                       std::to_string(point_count()) + " points: there must be one per point");
-  }
   std::vector<Index> room = capacities_;
-  for (std::size_t p = 0; p < owners.size(); ++p) {
-    const std::string element = "initial_owners[" + std::to_string(p) + "]";
-    if (owners[p] < 0 || owners[p] >= site_count()) {
-      throw InvalidInput(element + " is " + std::to_string(owners[p]) + ": it must be in 0.." +
-                         std::to_string(site_count() - 1));
+  agree(ranks(), [&] {
+    if (std::cmp_not_equal(owners.size(), own_points().count)) {
+      throw InvalidInput("initial_owners: there are " + std::to_string(owners.size()) + " for " +
+                         std::to_string(own_points().count) +
+                         " points: there must be one per point");
     }
-    const SiteNumber owner(owners[p]);
-    if (room[owner]-- == 0) {
-      throw InvalidInput(element + " is " + std::to_string(owners[p]) +
-                         ": that site owns more points than its capacity " +
-                         std::to_string(capacities_[owner]) +
-                         "; capacities that are not equal must be set first");
+    for (std::size_t p = 0; p < owners.size(); ++p) {
+      const std::string element = "initial_owners[" + std::to_string(p) + "]";
+      if (owners[p] < 0 || owners[p] >= site_count()) {
+        throw InvalidInput(element + " is " + std::to_string(owners[p]) + ": it must be in 0.." +
+                           std::to_string(site_count() - 1));
+      }
+      const SiteNumber owner(owners[p]);
+      if (room[owner]-- == 0) {
+        throw InvalidInput(element + " is " + std::to_string(owners[p]) +
+                           ": that site owns more points than its capacity " +
+                           std::to_string(capacities_[owner]) +
+                           "; capacities that are not equal must be set first");
+      }
     }
-  }
+  });
   initial_owners_ = std::move(owners);
   return *this;
 }

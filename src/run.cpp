@@ -17,6 +17,7 @@
 #include "relax/initial_sites.h"
 #include "relax/initialize.h"
 #include "relax/levels.h"
+#include "relax/moved_points.h"
 #include "relax/relaxer.h"
 #include "relax/site_order.h"
 #include "relax/update.h"
@@ -62,7 +63,7 @@ Options resolved(Ranks* ranks, Options options, int dimension, bool one_level) {
 template <class Scalar>
 Run<Scalar>::Run(Problem<Scalar> given_problem, Options given_options)
     : problem(std::move(given_problem)),
-      warm(!problem.initial_owners().empty()),
+      warm(any(problem.ranks(), !problem.initial_owners().empty())),
       options(resolved(problem.ranks(), std::move(given_options), problem.dimension(),
                        warm || problem.fixed_sites().cols() == problem.site_count())),
       // Ranks end together: see cancelled_together().
@@ -267,11 +268,19 @@ template <class Scalar>
 void Run<Scalar>::take_owners() {
   std::vector<SiteNumber> rank(site_of.size());
   for (const SiteNumber k : state.sites.all()) rank[site_of[k]] = k;
-  state.cells = Cells<Scalar>(problem.dimension(), levels[0].capacities);
+  state.cells = Cells<Scalar>(problem.dimension(), levels[0].capacities, state.tiling.own_sites());
   Filling<Scalar> filling(state.cells, problem.points(), state.tiling);
-  for (const PointNumber p : points_below(problem.point_count())) {
-    filling.add(rank[SiteNumber(problem.initial_owners()[p])], p);
+  MovedPoints<Scalar> moved(filling);  // between ranks, whose points follow each other
+  for (std::size_t k = 0; k < problem.initial_owners().size(); ++k) {
+    const SiteNumber site = rank[SiteNumber(problem.initial_owners()[k])];
+    const PointNumber p(problem.first_own_point() + static_cast<std::ptrdiff_t>(k));
+    if (ranks() == nullptr) {
+      filling.add(site, p);
+    } else {
+      moved.send(p, problem.points()[p.index()], site);
+    }
   }
+  moved.arrive(arena);
   begin_level();
 }
 

@@ -92,6 +92,7 @@ struct Run {
   // Of several ranks, in run_ranks.cpp.
   [[nodiscard]] Ranks* ranks() const { return problem.ranks(); }
   void require_for_ranks() const;
+  void require_full_cells() const;
   bool cancelled_together(bool own);
   [[nodiscard]] std::vector<Index> owners_at_home() const;
   void fetch_coordinates(const Arena& apart, Cells<Scalar>& cells) const;
@@ -120,7 +121,7 @@ struct Run {
   /// Of a run that was cancelled, when there was no time for more: the owners, by deal_rest().
   std::vector<SiteNumber> dealt;
 
-  std::optional<std::uint64_t> points_digest;  ///< once it is asked for
+  std::optional<PointDigests> point_digests;  ///< once they are asked for
   std::chrono::steady_clock::time_point kept_at;
   bool keeping_fails = false;
 };

@@ -89,14 +89,8 @@ std::uint64_t total_of(const std::vector<std::size_t>& sizes) {
 
 template <class Scalar>
 RunIdentity Run<Scalar>::identity(const Arena& apart) {
-  if (!points_digest) {
-    std::uint64_t own = 0;
-    agree(ranks(),
-          [&] { own = digest_of_points(problem.own_points(), problem.first_own_point(), apart); });
-    const std::vector<std::uint64_t> all = of_all(ranks(), own);
-    points_digest = std::accumulate(all.begin(), all.end(), std::uint64_t{0});
-  }
-  return {problem, options, *points_digest};
+  if (!point_digests) point_digests = digests_of_points(problem, apart);
+  return {problem, options, *point_digests};
 }
 
 /// What there is of the run and of all sites.

@@ -1,12 +1,14 @@
 #include "run_identity.h"
 
 #include <cstddef>
+#include <numeric>
 #include <span>
 #include <utility>
 
 #include "ccvt/version.h"
 #include "checkpoint/digest.h"
 #include "parallel/loops.h"
+#include "parallel/together.h"
 
 namespace ccvt {
 namespace {
@@ -25,39 +27,51 @@ std::uint64_t digest_of_columns(const Columns<Scalar>& columns) {
       std::span<const Scalar>(columns.data(), static_cast<std::size_t>(columns.size())), rows);
 }
 
+PointDigests plus(const PointDigests& a, const PointDigests& b) {
+  return {a.points + b.points, a.owners + b.owners};
+}
+
 }  // namespace
 
 template <class Scalar>
-std::uint64_t digest_of_points(const PointsView<Scalar>& points, Index first, const Arena& arena) {
+PointDigests digests_of_points(const Problem<Scalar>& problem, const Arena& arena) {
+  const PointsView<Scalar>& points = problem.own_points();
+  const std::vector<Index>& owners = problem.initial_owners();
   const auto dimension = static_cast<std::size_t>(points.dimension);
-  return reduce(
-      arena, static_cast<std::size_t>(points.count), kPointsPerGrain, std::uint64_t{0},
-      [&](std::size_t begin, std::size_t end) {
-        std::uint64_t sum = 0;
-        for (std::size_t p = begin; p < end; ++p) {
-          const auto number = static_cast<std::uint64_t>(first) + p;
-          sum += digest_of(std::span(points[static_cast<Index>(p)], dimension), number);
-        }
-        return sum;
-      },
-      [](std::uint64_t a, std::uint64_t b) { return a + b; });
+  PointDigests own;
+  agree(problem.ranks(), [&] {
+    own = reduce(
+        arena, static_cast<std::size_t>(points.count), kPointsPerGrain, PointDigests(),
+        [&](std::size_t begin, std::size_t end) {
+          PointDigests sums;
+          for (std::size_t p = begin; p < end; ++p) {
+            const auto number = static_cast<std::uint64_t>(problem.first_own_point()) + p;
+            sums.points += digest_of(std::span(points[static_cast<Index>(p)], dimension), number);
+            if (!owners.empty()) sums.owners += digest_of(std::span(&owners[p], 1), number);
+          }
+          return sums;
+        },
+        plus);
+  });
+  const std::vector<PointDigests> all = of_all(problem.ranks(), own);
+  return std::accumulate(all.begin(), all.end(), PointDigests(), plus);
 }
 
 template <class Scalar>
 RunIdentity::RunIdentity(const Problem<Scalar>& problem, const Options& options,
-                         std::uint64_t points)
+                         const PointDigests& digests)
     : version_(CCVT_VERSION) {
   add("the type of coordinates", sizeof(Scalar) == sizeof(float) ? "float" : "double");
   add("the number of dimensions", std::to_string(problem.dimension()));
   add("the number of points", std::to_string(problem.point_count()));
   add("the number of sites", std::to_string(problem.site_count()));
   add_options(options);
-  add_digest("the points", points);
+  add_digest("the points", digests.points);
   add_digest("the capacities", digest_of(std::span<const Index>(problem.capacities())));
   add_domain(problem.domain());
   add_digest("the initial sites", digest_of_columns(problem.initial_sites()));
   add_digest("the fixed sites", digest_of_columns(problem.fixed_sites()));
-  add_digest("the initial owners", digest_of(std::span<const Index>(problem.initial_owners())));
+  add_digest("the initial owners", digests.owners);
 }
 
 void RunIdentity::add_digest(std::string name, std::uint64_t digest) {
@@ -129,9 +143,9 @@ std::string RunIdentity::objection_to(const RunIdentity& kept) const {
   return {};
 }
 
-template std::uint64_t digest_of_points(const PointsView<float>&, Index, const Arena&);
-template std::uint64_t digest_of_points(const PointsView<double>&, Index, const Arena&);
-template RunIdentity::RunIdentity(const Problem<float>&, const Options&, std::uint64_t);
-template RunIdentity::RunIdentity(const Problem<double>&, const Options&, std::uint64_t);
+template PointDigests digests_of_points(const Problem<float>&, const Arena&);
+template PointDigests digests_of_points(const Problem<double>&, const Arena&);
+template RunIdentity::RunIdentity(const Problem<float>&, const Options&, const PointDigests&);
+template RunIdentity::RunIdentity(const Problem<double>&, const Options&, const PointDigests&);
 
 }  // namespace ccvt

@@ -12,17 +12,21 @@
 
 namespace ccvt {
 
-/// Of points, their numbers, from `first` on, and their bits: a sum over points, so that it can be
-/// made of parts.
+/// Sums over the points of all ranks, of their numbers and of what there is of each.
+struct PointDigests {
+  std::uint64_t points = 0;
+  std::uint64_t owners = 0;  ///< initial ones
+};
+/// On all ranks.
 template <class Scalar>
-std::uint64_t digest_of_points(const PointsView<Scalar>& points, Index first, const Arena& arena);
+PointDigests digests_of_points(const Problem<Scalar>& problem, const Arena& arena);
 
 /// What the bits of a run follow from, to tell whether two runs are one: a few words on each part.
 class RunIdentity {
  public:
-  /// `options`: as they are used. `points`: their digest.
+  /// `options`: as they are used.
   template <class Scalar>
-  RunIdentity(const Problem<Scalar>& problem, const Options& options, std::uint64_t points);
+  RunIdentity(const Problem<Scalar>& problem, const Options& options, const PointDigests& digests);
   explicit RunIdentity(ByteReader& in);
   void save(ByteWriter& out) const;
 

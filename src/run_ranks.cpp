@@ -5,7 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "cell_sizes.h"
 #include "number_text.h"
+#include "numbers.h"
 #include "parallel/alike.h"
 #include "parallel/bytes.h"
 #include "parallel/together.h"
@@ -53,7 +55,7 @@ template <class Scalar>
 void Run<Scalar>::require_for_ranks() const {
   if (ranks() == nullptr) return;
   agree(ranks(), [this] {
-    if (options.initialization != Initialization::balanced) {
+    if (!warm && options.initialization != Initialization::balanced) {
       const bool coherent = options.initialization == Initialization::coherent;
       throw InvalidInput(std::string("options.initialization: is ") +
                          (coherent ? "coherent" : "random") + ", which is the default beyond " +
@@ -61,11 +63,30 @@ void Run<Scalar>::require_for_ranks() const {
                          " dimensions, too: several ranks need balanced");
     }
   });
-  std::vector<Given> given = RunIdentity(problem, options, 0).parts();
+  std::vector<Given> given = RunIdentity(problem, options, {}).parts();
   given.push_back({"the option max_iterations", std::to_string(options.max_iterations)});
   given.push_back({"the option energy_tolerance", concat(options.energy_tolerance)});
   given.push_back({"the option checkpoint", options.checkpoint.empty() ? "none" : "a file"});
   require_alike(*ranks(), given);
+  if (warm) require_full_cells();
+}
+
+/// Throws InvalidInput on all ranks unless the initial owners meet the capacities.
+template <class Scalar>
+void Run<Scalar>::require_full_cells() const {
+  agree(ranks(), [this] {
+    if (std::cmp_equal(problem.initial_owners().size(), problem.own_points().count)) return;
+    throw InvalidInput("initial_owners: are given on some ranks, but not on all");
+  });
+  const std::vector<Index>& capacities = problem.capacities();
+  const std::vector<Index> sizes =
+      summed(ranks(), cell_sizes(problem.initial_owners(), capacities.size()));
+  for (const SiteNumber s : sites_below(sizes.size())) {
+    if (sizes[s] == capacities[s]) continue;
+    throw InvalidInput(concat("initial_owners: on all ranks give site ", s.index(), " ", sizes[s],
+                              " points, but its capacity is ", capacities[s],
+                              ": the two must be equal"));
+  }
 }
 
 /// Whether one of the ranks is to end: they do so together, after an iteration.
@@ -145,6 +166,8 @@ void Run<Scalar>::fetch_coordinates(const Arena& apart, Cells<Scalar>& cells) co
   });
 }
 
+template void Run<float>::require_full_cells() const;
+template void Run<double>::require_full_cells() const;
 template void Run<float>::require_for_ranks() const;
 template void Run<double>::require_for_ranks() const;
 template bool Run<float>::cancelled_together(bool);

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -167,6 +168,56 @@ TEST_CASE("ranks: the same in as many dimensions as they can have, where pairs a
   check_same({8, 900, 300, false}, 4);
 }
 
+TEST_CASE("ranks: initial owners, in any number of dimensions, lead to the bits of one process") {
+  for (const int dimension : {2, 12}) {
+    CAPTURE(dimension);
+    constexpr Index kPoints = 3001;
+    constexpr Index kSites = 150;
+    const auto points = ccvt::sample_uniform<float>(Box::unit(dimension), kPoints, 4);
+    std::vector<Index> capacities(kSites, 20);
+    capacities[7] = 21;
+    std::vector<Index> owners;
+    for (Index s = 0; s < kSites; ++s) {
+      owners.insert(owners.end(), static_cast<std::size_t>(capacities[static_cast<std::size_t>(s)]),
+                    s);
+    }
+    ccvt::Random(3, 3).shuffle(std::span(owners));
+    const Options options{.threads = 1};
+    Problem<float> alone(points, kSites);
+    alone.set_capacities(capacities).set_initial_owners(owners);
+    const auto expected = ccvt::tessellate(alone, options);
+    for (const int count : {1, 2, 3, 5}) {
+      CAPTURE(count);
+      // The last but one of three and more has no points.
+      const auto begin_of = [&](int rank) {
+        if (count > 2 && rank == count - 1) --rank;
+        return kPoints * rank / count;
+      };
+      std::vector<Index> found(kPoints, -1);
+      std::atomic<int> same = 0;
+      ThreadRanks(count).run([&](ccvt::Ranks& on_time) {
+        LateRanks ranks(on_time);
+        const Index begin = begin_of(ranks.rank());
+        const Index end = begin_of(ranks.rank() + 1);
+        const ccvt::Points<float> own = points.middleCols(begin, end - begin);
+        Problem<float> problem(ranks, ccvt::view_points(own), kSites);
+        problem.set_capacities(capacities)
+            .set_initial_owners({owners.begin() + begin, owners.begin() + end});
+        const auto result = ccvt::tessellate(problem, options);
+        std::copy(result.owners.begin(), result.owners.end(), found.begin() + begin);
+        same += result.sites == expected.sites &&
+                        result.summary.energy == expected.summary.energy &&
+                        result.summary.swaps == expected.summary.swaps &&
+                        result.summary.initialization_used == "owners"
+                    ? 1
+                    : 0;
+      });
+      CHECK(found == expected.owners);
+      CHECK(same == count);
+    }
+  }
+}
+
 TEST_CASE("ranks: what is wrong with a problem is thrown on all") {
   const Box box = Box::unit(2);
   const auto points = [&](Index count) { return ccvt::sample_uniform<double>(box, count, 3); };
@@ -199,7 +250,39 @@ TEST_CASE("ranks: what is wrong with a problem is thrown on all") {
       "points: there are 4000000000 of them on all ranks, but at most 2147483647");
   check_message(
       2, [&](ccvt::Ranks& ranks) { problem(ranks, 40).set_initial_owners({0}); },
-      "initial_owners: a problem of ranks cannot have any");
+      "initial_owners: there are 1 for 3000 points: there must be one per point");
+  const auto from = [&](ccvt::Ranks& ranks, const std::vector<Index>& owners) {
+    Problem<double> made = problem(ranks, 3000);
+    made.set_initial_owners(owners);
+    ccvt::tessellate(made);
+  };
+  std::vector<Index> owners(3000);
+  for (Index p = 0; p < 3000; ++p) owners[static_cast<std::size_t>(p)] = p;
+  check_message(
+      2,
+      [&](ccvt::Ranks& ranks) {
+        std::vector<Index> own = owners;
+        if (ranks.rank() == 1) own[5] = 3000;
+        from(ranks, own);
+      },
+      "initial_owners[5] is 3000: it must be in 0..2999");
+  check_message(
+      2,
+      [&](ccvt::Ranks& ranks) {
+        std::vector<Index> own = owners;
+        if (ranks.rank() == 1) own[5] = 4;
+        from(ranks, own);
+      },
+      "initial_owners: on all ranks give site 4 3 points, but its capacity is 2: the two must be "
+      "equal");
+  check_message(
+      2,
+      [&](ccvt::Ranks& ranks) {
+        Problem<double> made = problem(ranks, 3000);
+        made.set_initial_owners(owners);
+        ccvt::tessellate(ranks.rank() == 1 ? made : problem(ranks, 3000));
+      },
+      "initial_owners: are given on some ranks, but not on all");
   check_message(
       2,
       [&](ccvt::Ranks& ranks) {

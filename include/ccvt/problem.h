@@ -39,8 +39,8 @@ class CCVT_EXPORT Problem {
   /// problem, its setters and the options of its solvers must be the same on all ranks; so are then
   /// the sites, to the bit those of one process with all points, and owners are those of a rank's
   /// own points. Each rank has in memory its points, about as many points of whole cells, and what
-  /// there is of all sites. Not: initial owners, and other starts than the balanced one (so at most
-  /// 8 dimensions).
+  /// there is of all sites. Not: other starts than from initial owners or the balanced one, which
+  /// at most 8 dimensions have.
   Problem(Ranks& ranks, PointsView<Scalar> own, Index sites, int threads = 1);
 
   /// Default: Euclidean space. A box must have the points' dimension and contain all points (a
@@ -75,7 +75,8 @@ class CCVT_EXPORT Problem {
   Problem& set_fixed_sites(Columns<Scalar> sites);
   /// A warm start: the owner of every point, in 0..n-1, each site owning as many points as its
   /// capacity; capacities that are not equal must be set first. Sites that are not fixed start at
-  /// the centroids of the cells.
+  /// the centroids of the cells. Of ranks each gives those of its own points; a run finds out, and
+  /// throws InvalidInput, where these do not meet the capacities together.
   Problem& set_initial_owners(std::vector<Index> owners);
 
   /// Of a problem of ranks, only those of this rank may be read.

@@ -24,32 +24,46 @@ double unit_of(PointsView<Scalar> vectors, const Arena& arena) {
   return std::abs(exponent) > kModerate ? std::exp2(exponent) : 1;
 }
 
+/// The points times `unit`.
+template <class Scalar>
+Points<Scalar> scaled(PointsView<Scalar> points, double unit) {
+  Points<Scalar> in_units(points.dimension, points.count);
+  for (Index p = 0; p < points.count; ++p) {
+    std::transform(points[p], points[p] + points.dimension, in_units.col(p).data(),
+                   [unit](double x) { return static_cast<Scalar>(x * unit); });
+  }
+  return in_units;
+}
+
 }  // namespace
 
 template <class Scalar>
-PairwiseCells pairwise_cells(PointsView<Scalar> vectors, std::span<const double> sites,
-                             std::vector<Index> capacities, Options options, const Arena& arena) {
-  const double unit = unit_of(vectors, arena);
-  Points<Scalar> scaled;
+PairwiseCells pairwise_cells(const Vectors<Scalar>& vectors, PointsView<Scalar> all,
+                             std::span<const double> sites, std::vector<Index> capacities,
+                             Options options, const Arena& arena) {
+  const double unit = unit_of(all, arena);
+  Points<Scalar> in_units;
   if (unit != 1) {
-    scaled.resize(vectors.dimension, vectors.count);
-    for (Index p = 0; p < vectors.count; ++p) {
-      std::transform(vectors[p], vectors[p] + vectors.dimension, scaled.col(p).data(),
-                     [unit](double x) { return static_cast<Scalar>(x * unit); });
-    }
-    vectors = view_points(scaled);
+    in_units = scaled(all, unit);
+    all = view_points(in_units);
   }
   std::vector<double> start(sites.begin(), sites.end());
   for (double& x : start) x *= unit;
   const auto n = static_cast<Index>(capacities.size());
-  Problem<Scalar> problem(vectors, n);
+  const auto& [ranks, first] = vectors.part();
+  const PointsView<Scalar> own{all.count > 0 ? all[static_cast<Index>(first)] : nullptr,
+                               all.dimension, vectors.own().count, all.stride};
+  Problem<Scalar> problem = ranks == nullptr ? Problem<Scalar>(own, n, options.threads)
+                                             : Problem<Scalar>(*ranks, own, n, options.threads);
   problem.set_capacities(std::move(capacities));
-  if (vectors.dimension > kBalancedDimensions) {
+  if (all.dimension > kBalancedDimensions) {
     // tessellate() would let vectors choose their sites one by one.
-    problem.set_initial_owners(deal_to_nearest(vectors, start, problem.capacities(), arena));
+    const std::vector<Index> owners = deal_to_nearest(all, start, problem.capacities(), arena);
+    const auto begin = owners.begin() + static_cast<std::ptrdiff_t>(first);
+    problem.set_initial_owners(std::vector<Index>(begin, begin + own.count));
   } else {
-    problem.set_initial_sites(Eigen::Map<const Points<double>>(start.data(), vectors.dimension, n)
-                                  .template cast<Scalar>());
+    problem.set_initial_sites(
+        Eigen::Map<const Points<double>>(start.data(), all.dimension, n).template cast<Scalar>());
   }
   if (options.on_iteration) {
     options.on_iteration = [unit,
@@ -62,9 +76,11 @@ PairwiseCells pairwise_cells(PointsView<Scalar> vectors, std::span<const double>
   return {std::move(result.owners), result.summary.termination};
 }
 
-template PairwiseCells pairwise_cells(PointsView<float>, std::span<const double>,
-                                      std::vector<Index>, Options, const Arena&);
-template PairwiseCells pairwise_cells(PointsView<double>, std::span<const double>,
-                                      std::vector<Index>, Options, const Arena&);
+template PairwiseCells pairwise_cells(const Vectors<float>&, PointsView<float>,
+                                      std::span<const double>, std::vector<Index>, Options,
+                                      const Arena&);
+template PairwiseCells pairwise_cells(const Vectors<double>&, PointsView<double>,
+                                      std::span<const double>, std::vector<Index>, Options,
+                                      const Arena&);
 
 }  // namespace ccvt

@@ -6,19 +6,21 @@
 #include "ccvt/options.h"
 #include "ccvt/summary.h"
 #include "ccvt/types.h"
+#include "codebook/vectors.h"
 #include "parallel/arena.h"
 
 namespace ccvt {
 
 struct PairwiseCells {
   std::vector<Index> owners;
-  Termination termination;
+  Termination termination = Termination::running;
 };
 
 /// What tessellate() makes of the vectors, from `sites`, one after the other; for coordinates of
-/// any magnitude alike.
+/// any magnitude alike. Of several ranks, owners are those of a rank's own, and `all` are gathered.
 template <class Scalar>
-PairwiseCells pairwise_cells(PointsView<Scalar> vectors, std::span<const double> sites,
-                             std::vector<Index> capacities, Options options, const Arena& arena);
+PairwiseCells pairwise_cells(const Vectors<Scalar>& vectors, PointsView<Scalar> all,
+                             std::span<const double> sites, std::vector<Index> capacities,
+                             Options options, const Arena& arena);
 
 }  // namespace ccvt

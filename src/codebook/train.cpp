@@ -69,7 +69,7 @@ void check_given(const Columns<double>& codewords, int dimension, const Codebook
 
 }  // namespace
 
-/// Calls work(). Of several ranks, each does it all.
+/// Calls work(). Of several ranks, each does it all, but for what work() divides itself.
 template <class Scalar>
 template <class Work>
 void Trainer<Scalar>::undivided(const Work& work) {
@@ -165,36 +165,24 @@ bool Trainer<Scalar>::go_on(Index vectors, double energy, std::int64_t moved) {
   return go_on(record);
 }
 
-/// Calls work(points) for all these vectors. Of several ranks, each does it all, and then has the
-/// owners, if there are any, of its own.
-template <class Scalar>
-template <class Work>
-void Trainer<Scalar>::with_all(const Vectors<Scalar>& vectors, const Work& work) {
-  const auto& [ranks, first] = vectors.part();
-  if (ranks == nullptr) return work(vectors.own());
-  const Points<Scalar> all = vectors.all();
-  undivided([&] { work(view_points(all)); });
-  if (owners_.empty()) return;
-  const auto own = owners_.begin() + first;
-  owners_ = std::vector<Index>(own, own + vectors.own().count);
-}
-
 /// Puts seeds where capacities want them; then, if asked for, exchanges between pairs of cells and
 /// centroids in turn.
 template <class Scalar>
 void Trainer<Scalar>::start_balanced(const Vectors<Scalar>& vectors, std::vector<Index> capacities,
                                      std::optional<double> pairs_tolerance) {
-  with_all(vectors, [&](PointsView<Scalar> all) {
-    if (!placed_ && options_.seeding == Seeding::kmeans_plus_plus) {
-      sites_ = share_sites(all, sites_, capacities, options_.seed, arena_);
-    }
-    if (pairs_tolerance) exchange_pairs(all, std::move(capacities), *pairs_tolerance);
-  });
+  const bool several = vectors.part().ranks != nullptr;
+  const Points<Scalar> gathered = several ? vectors.all() : Points<Scalar>();
+  const PointsView<Scalar> all = several ? view_points(gathered) : vectors.own();
+  if (!placed_ && options_.seeding == Seeding::kmeans_plus_plus) {
+    undivided([&] { sites_ = share_sites(all, sites_, capacities, options_.seed, arena_); });
+  }
+  if (pairs_tolerance) exchange_pairs(vectors, all, std::move(capacities), *pairs_tolerance);
 }
 
+/// `all`: of several ranks, gathered.
 template <class Scalar>
-void Trainer<Scalar>::exchange_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities,
-                                     double tolerance) {
+void Trainer<Scalar>::exchange_pairs(const Vectors<Scalar>& vectors, PointsView<Scalar> all,
+                                     std::vector<Index> capacities, double tolerance) {
   Options options;
   options.threads = options_.threads;
   options.seed = options_.seed;
@@ -206,11 +194,15 @@ void Trainer<Scalar>::exchange_pairs(PointsView<Scalar> vectors, std::vector<Ind
   };
   if (problem_.ranks() == nullptr) options.cancelled = options_.cancelled;  // ranks end together
   options.multilevel = false;  // the seeds are better than what a coarse level would make of them
-  PairwiseCells cells = pairwise_cells(vectors, sites_, std::move(capacities), options, arena_);
+  PairwiseCells cells;
+  undivided([&] {
+    cells = pairwise_cells(vectors, all, sites_, std::move(capacities), options, arena_);
+  });
   if (!ended()) summary_.termination = cells.termination;
   owners_ = std::move(cells.owners);
   const Stop::Pause pause(stop_);  // what comes is short
-  move_to_centroids(metric_, vectors, Grouping(owners_, weights_.size()), arena_, sites_);
+  move_to_centroids(metric_, vectors.own(), Grouping(owners_, weights_.size()), arena_, sites_, {},
+                    vectors.part().ranks);
 }
 
 template <class Scalar>

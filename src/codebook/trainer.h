@@ -66,11 +66,10 @@ class Trainer {
   void pairwise();
   template <class Work>
   void undivided(const Work& work);
-  template <class Work>
-  void with_all(const Vectors<Scalar>& vectors, const Work& work);
   void start_balanced(const Vectors<Scalar>& vectors, std::vector<Index> capacities,
                       std::optional<double> pairs_tolerance);
-  void exchange_pairs(PointsView<Scalar> vectors, std::vector<Index> capacities, double tolerance);
+  void exchange_pairs(const Vectors<Scalar>& vectors, PointsView<Scalar> all,
+                      std::vector<Index> capacities, double tolerance);
   void start_exact(const Vectors<Scalar>& vectors, std::vector<Index> capacities, double work);
   void exact();
   void exact_level(const Vectors<Scalar>& vectors, std::vector<Index> capacities, double work);

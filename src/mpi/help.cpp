@@ -1,6 +1,6 @@
 #include "help.h"
 
-#include <string_view>
+#include <algorithm>
 #include <vector>
 
 #include "ccvt/io.h"
@@ -68,7 +68,7 @@ void fit_help(CLI::App& app) {
       ->footer(kBalanced + example("tessellate points.npy --sites 1000 -o sites.npy"));
   app.get_subcommand("quantize")
       ->footer(
-          "With --method pairwise each process has all vectors, and does all of the work.\n\n" +
+          "With --method pairwise each process has all vectors.\n\n" +
           example("quantize vectors.fvecs --codewords 1024 -o codebook.npy"));
   app.get_subcommand("encode")->footer(
       example("encode vectors.fvecs --codebook codebook.npy -o codes.npy"));
@@ -78,10 +78,9 @@ void fit_help(CLI::App& app) {
 
 void require_command(const CLI::App& app, const std::string& word) {
   const auto has = [&](const CLI::App& one) {
-    for (const CLI::App* const command : cli::commands_of(one)) {
-      if (command->get_name() == word) return true;
-    }
-    return false;
+    const std::vector<const CLI::App*> commands = cli::commands_of(one);
+    return std::any_of(commands.begin(), commands.end(),
+                       [&](const CLI::App* command) { return command->get_name() == word; });
   };
   if (has(app) || !has(cli::CommandLine().app())) return;
   throw InvalidInput(word + ": is for ccvt only, not for several processes");

@@ -68,6 +68,32 @@ void put_drawn(const Problem<Scalar>& problem, const Buffer<PointNumber>& drawn,
   for (const SiteNumber s : sites_below(drawn.size())) put(s, all.data() + s * dimension);
 }
 
+/// Calls put(site, x) for the first point that each site owns.
+template <class Scalar, class Put>
+void put_first(const Problem<Scalar>& problem, const Put& put) {
+  const auto& points = problem.own_points();
+  const std::vector<Index>& owners = problem.initial_owners();
+  std::vector<Index> first(static_cast<std::size_t>(problem.site_count()), points.count);
+  for (Index p = points.count; p-- > 0;) first[SiteNumber(owners[PointNumber(p)])] = p;
+  const auto dimension = static_cast<std::size_t>(points.dimension);
+  ByteWriter own;
+  for (const SiteNumber s : sites_below(first.size())) {
+    if (first[s] == points.count) continue;
+    own.put(s);
+    own.put(std::span(points[first[s]], dimension));
+  }
+  std::vector<Ranks::Bytes> all(1, std::move(own.bytes));
+  if (problem.ranks() != nullptr) all = problem.ranks()->gather(all.front());
+  std::vector<Scalar> x(dimension);
+  for (std::size_t rank = all.size(); rank-- > 0;) {  // the lowest one stays
+    for (ByteReader reader(all[rank]); !reader.done();) {
+      const auto site = reader.get<SiteNumber>();
+      reader.get(std::span(x));
+      put(site, x.data());
+    }
+  }
+}
+
 }  // namespace
 
 template <class Scalar>
@@ -86,12 +112,8 @@ SiteState initial_sites(const Problem<Scalar>& problem, const Metric& metric, st
   bool drawn_freely = false;
   if (problem.initial_sites().size() > 0) {
     for (const SiteNumber s : sites.all()) put(s, problem.initial_sites().col(s.index()).data());
-  } else if (!problem.initial_owners().empty()) {
-    const auto& owners = problem.initial_owners();
-    // From the last to the first, which stays.
-    for (Index p = problem.point_count(); p-- > 0;) {
-      put(SiteNumber(owners[PointNumber(p)]), problem.points()[p]);
-    }
+  } else if (any(problem.ranks(), !problem.initial_owners().empty())) {
+    put_first(problem, put);
   } else {
     const auto points = static_cast<std::size_t>(problem.point_count());
     const auto drawn = distinct_points(sites.count(), points, seed, arena);

@@ -59,7 +59,8 @@ ADVICE = {
     "src/mpi/quantize.cpp": _RANKS,
     "src/mpi/tessellate.cpp": _RANKS,
     "src/mpi/volume.cpp": _RANKS,
-    "src/run_ranks.cpp": "Several ranks start balanced, as up to 8 dimensions do by default.",
+    "src/run_ranks.cpp": "Several ranks start balanced, as up to 8 dimensions do by default, or from initial "
+                         "owners, of which each has those of its points.",
     "src/no_checkpoint.h": "Only what runs one solver keeps a checkpoint: leave Options::checkpoint "
                            "empty.",
     "src/geometry/linear_map.cpp": "Give a regular matrix.",

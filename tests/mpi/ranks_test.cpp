@@ -208,7 +208,7 @@ TEST_CASE("ranks: what several cannot do is refused") {
           ccvt::tessellate(problem, {.initialization = ccvt::Initialization::random});
         }).starts_with("options.initialization: is random, "));
   CHECK(message_of([&] { problem.set_initial_owners({0}); }) ==
-        "initial_owners: a problem of ranks cannot have any");
+        "initial_owners: there are 1 for 6000 points: there must be one per point");
 }
 
 TEST_CASE("ranks: all end when one is cancelled, or the time is over") {
