@@ -51,7 +51,8 @@ class Covariance {
     std::copy(rest.begin(), rest.end(), block_.data());
   }
 
-  void add(const Eigen::VectorXd& deviation) {
+  template <class Deviation>
+  void add(const Eigen::MatrixBase<Deviation>& deviation) {
     block_.col(size_++) = deviation;
     if (size_ == kBlock) end_block();
   }
@@ -85,9 +86,6 @@ struct Spread {
 template <class Scalar>
 Spread spread_of(Ranks* ranks, const PointsView<Scalar>& own) {
   const auto points = matrix_of(own);
-  const auto at = [&](Eigen::Index p) -> Eigen::VectorXd {
-    return points.col(p).template cast<double>();
-  };
   if (ranks != nullptr) {
     require_alike(*ranks, std::vector<Given>{{"points.dimension", concat(own.dimension)}});
   }
@@ -105,8 +103,7 @@ Spread spread_of(Ranks* ranks, const PointsView<Scalar>& own) {
   const auto dimension = static_cast<std::size_t>(own.dimension);
   std::vector<double> head;
   if (own.count > 0) {
-    const Eigen::VectorXd x = at(0);
-    head.assign(x.begin(), x.end());
+    head.assign(own[0], own[0] + own.dimension);
   }
   const std::vector<double> heads = joined(ranks, std::move(head));
   const Eigen::VectorXd first = Eigen::Map<const Eigen::VectorXd>(heads.data(), own.dimension);
@@ -114,14 +111,16 @@ Spread spread_of(Ranks* ranks, const PointsView<Scalar>& own) {
   const std::vector<double> shifts =
       in_turn(ranks, std::vector<double>(dimension, 0.0), [&](std::vector<double>& values) {
         Eigen::Map<Eigen::VectorXd> sum(values.data(), own.dimension);
-        for (Eigen::Index p = 0; p < points.cols(); ++p) sum += at(p) - first;
+        for (Eigen::Index p = 0; p < points.cols(); ++p)
+          sum += points.col(p).template cast<double>() - first;
       });
   const Eigen::VectorXd mean =
       first + Eigen::Map<const Eigen::VectorXd>(shifts.data(), own.dimension) / count;
   const std::vector<double> products = in_turn(
       ranks, std::vector<double>(dimension * dimension, 0.0), [&](std::vector<double>& values) {
         Covariance sum(values, own.dimension, count);
-        for (Eigen::Index p = 0; p < points.cols(); ++p) sum.add(at(p) - mean);
+        for (Eigen::Index p = 0; p < points.cols(); ++p)
+          sum.add(points.col(p).template cast<double>() - mean);
         values = sum.values();
       });
   Covariance sum(products, own.dimension, count);
