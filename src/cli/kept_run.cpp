@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <fstream>
 #include <iostream>
 #include <system_error>
+#include <thread>
 
 #include "cli/run.h"
 
@@ -20,6 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kName = "ccvt.checkpoint";
+constexpr std::chrono::milliseconds kBetweenTries{50};
 constexpr std::array<char, 8> kBegins{'c', 'c', 'v', 't', 'c', 'k', 'p', 't'};
 
 [[noreturn]] void refuse(const fs::path& directory, const std::string& reason) {
@@ -40,7 +43,7 @@ fs::path checkpoint_file(const CommonArguments& arguments) {
   return arguments.checkpoint.empty() ? fs::path() : arguments.checkpoint / kName;
 }
 
-KeptRun::KeptRun(const CommonArguments& arguments, bool holds)
+KeptRun::KeptRun(const CommonArguments& arguments, bool holds, std::chrono::milliseconds patience)
     : directory_(arguments.checkpoint),
       seconds_(arguments.checkpoint_every),
       quiet_(arguments.quiet) {
@@ -50,7 +53,7 @@ KeptRun::KeptRun(const CommonArguments& arguments, bool holds)
   std::error_code error;
   fs::create_directory(directory_, error);
   if (error) refuse(directory_, "cannot be made: " + error.message());
-  hold();
+  hold(patience);
 }
 
 KeptRun::~KeptRun() {
@@ -58,17 +61,23 @@ KeptRun::~KeptRun() {
 }
 
 /// The lock goes when the process does, however that ends. Some file systems have none.
-void KeptRun::hold() {
+void KeptRun::hold(std::chrono::milliseconds patience) {
   descriptor_ = ::open(directory_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor_ < 0 || ::access(directory_.c_str(), W_OK) != 0) {
     const int error = errno;
     if (descriptor_ >= 0) ::close(descriptor_);
     refuse(directory_, std::generic_category().message(error));
   }
-  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return remove_left_over();
-  if (errno != EWOULDBLOCK) return;
-  ::close(descriptor_);
-  refuse(directory_, "another process keeps its run there");
+  const auto until = std::chrono::steady_clock::now() + patience;
+  while (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) return;
+    if (std::chrono::steady_clock::now() >= until) {
+      ::close(descriptor_);
+      refuse(directory_, "another process keeps its run there");
+    }
+    std::this_thread::sleep_for(kBetweenTries);
+  }
+  remove_left_over();
 }
 
 void KeptRun::remove_left_over() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -20,9 +21,10 @@ class KeptRun {
  public:
   /// Makes the directory, and removes what a process that was killed has left of a checkpoint that
   /// it was writing. Throws InvalidInput where that cannot be, or another process has the
-  /// directory. Of several processes that make one run, one `holds` the directory, and the others
-  /// leave it alone.
-  explicit KeptRun(const CommonArguments& arguments, bool holds = true);
+  /// directory for longer than `patience`. Of several processes that make one run, one `holds` the
+  /// directory, and the others leave it alone.
+  explicit KeptRun(const CommonArguments& arguments, bool holds = true,
+                   std::chrono::milliseconds patience = {});
   KeptRun(const KeptRun&) = delete;
   KeptRun& operator=(const KeptRun&) = delete;
   ~KeptRun();
@@ -49,7 +51,7 @@ class KeptRun {
   void end(const Summary& summary) const;
 
  private:
-  void hold();
+  void hold(std::chrono::milliseconds patience);
   void remove_left_over() const;
   void tell(const CheckpointRecord& record, Progress& progress) const;
 

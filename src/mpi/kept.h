@@ -2,6 +2,7 @@
 
 #include <mpi.h>
 
+#include <chrono>
 #include <optional>
 
 #include "ccvt/options.h"
@@ -20,7 +21,7 @@ class Kept {
   /// On all ranks. `arguments` must outlive it.
   Kept(const Session& session, const cli::CommonArguments& arguments)
       : session_(session), arguments_(arguments) {
-    session_.together([&] { run_.emplace(arguments_, session_.is_first()); });
+    session_.together([&] { run_.emplace(arguments_, session_.is_first(), kTimeToNotice); });
   }
 
   /// Gives work(options), which runs a Solver. mpirun passes Ctrl-C on as SIGTERM, and does not
@@ -47,6 +48,9 @@ class Kept {
   void end(const Summary& summary) const { run_->end(summary); }
 
  private:
+  /// Ranks whose mpirun was killed, and which hold the directory, end within so long.
+  static constexpr std::chrono::milliseconds kTimeToNotice{5'000};
+
   /// On all ranks, when one has been told to end.
   void end_if_asked() const {
     int signal = cli::EndsAsked::signal();

@@ -402,6 +402,12 @@ def checkpoints():
         end_by(number, bad, outputs)
     interrupt_one()
 
+    # The ranks of an mpirun that was killed need a while to notice: who comes next waits for them.
+    run, _ = start_kept(2, *KEPT, *bad)
+    run.kill()
+    run.communicate(timeout=60)
+    goes_on([given.mpirun, "-n", "2", TOGETHER], outputs, "mpirun was killed")
+
 
 def is_open_mpi():
     version = subprocess.run([given.mpirun, "--version"], capture_output=True, text=True).stdout
