@@ -125,7 +125,7 @@ several_processes() {  # which tests
     ctest --preset release -R "$1"
 }
 
-# By the other MPI, whose ranks wait by polling: no more of them than processors.
+# By the other MPI, whose ranks wait by polling: few of them.
 several_processes_mpich() {
   cmake/install-packages.sh libmpich-dev mpich &&
     cmake --preset release -B build/mpich -DCCVT_BUILD_MPI=ON -DCCVT_BUILD_BENCHMARKS=OFF \

@@ -218,7 +218,8 @@ Problem<Scalar>& Problem<Scalar>::set_initial_owners(std::vector<Index> owners) 
                          " points: there must be one per point");
     }
     for (std::size_t p = 0; p < owners.size(); ++p) {
-      const std::string element = "initial_owners[" + std::to_string(p) + "]";
+      const std::string element =
+          "initial_owners[" + std::to_string(static_cast<std::size_t>(first_own_point()) + p) + "]";
       if (owners[p] < 0 || owners[p] >= site_count()) {
         throw InvalidInput(element + " is " + std::to_string(owners[p]) + ": it must be in 0.." +
                            std::to_string(site_count() - 1));

@@ -270,17 +270,20 @@ void Run<Scalar>::take_owners() {
   for (const SiteNumber k : state.sites.all()) rank[site_of[k]] = k;
   state.cells = Cells<Scalar>(problem.dimension(), levels[0].capacities, state.tiling.own_sites());
   Filling<Scalar> filling(state.cells, problem.points(), state.tiling);
-  MovedPoints<Scalar> moved(filling);  // between ranks, whose points follow each other
-  for (std::size_t k = 0; k < problem.initial_owners().size(); ++k) {
-    const SiteNumber site = rank[SiteNumber(problem.initial_owners()[k])];
-    const PointNumber p(problem.first_own_point() + static_cast<std::ptrdiff_t>(k));
-    if (ranks() == nullptr) {
-      filling.add(site, p);
-    } else {
-      moved.send(p, problem.points()[p.index()], site);
+  const auto for_own = [&](const auto& add) {
+    for (std::size_t k = 0; k < problem.initial_owners().size(); ++k) {
+      add(rank[SiteNumber(problem.initial_owners()[k])],
+          PointNumber(problem.first_own_point() + static_cast<std::ptrdiff_t>(k)));
     }
+  };
+  if (ranks() == nullptr) {
+    for_own([&](SiteNumber site, PointNumber p) { filling.add(site, p); });
+  } else {
+    MovedPoints<Scalar> moved(filling);  // the ranks' points follow each other
+    for_own(
+        [&](SiteNumber site, PointNumber p) { moved.send(p, problem.points()[p.index()], site); });
+    moved.arrive(arena);
   }
-  moved.arrive(arena);
   begin_level();
 }
 

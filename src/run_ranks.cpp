@@ -76,15 +76,16 @@ template <class Scalar>
 void Run<Scalar>::require_full_cells() const {
   agree(ranks(), [this] {
     if (std::cmp_equal(problem.initial_owners().size(), problem.own_points().count)) return;
-    throw InvalidInput("initial_owners: are given on some ranks, but not on all");
+    throw InvalidInput(concat("initial_owners: rank ", ranks()->rank(),
+                              " has none for its points, others have: all must be given"));
   });
   const std::vector<Index>& capacities = problem.capacities();
   const std::vector<Index> sizes =
       summed(ranks(), cell_sizes(problem.initial_owners(), capacities.size()));
   for (const SiteNumber s : sites_below(sizes.size())) {
     if (sizes[s] == capacities[s]) continue;
-    throw InvalidInput(concat("initial_owners: on all ranks give site ", s.index(), " ", sizes[s],
-                              " points, but its capacity is ", capacities[s],
+    throw InvalidInput(concat("initial_owners: site ", s.index(), " owns ", sizes[s],
+                              " points on all ranks together, but its capacity is ", capacities[s],
                               ": the two must be equal"));
   }
 }

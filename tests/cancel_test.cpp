@@ -94,6 +94,20 @@ TEST_CASE("tessellate: every start, in the start and after it") {
   }
 }
 
+TEST_CASE("tessellate: initial owners stay when a run is cancelled or late from the first") {
+  const auto points = sample_uniform<double>(Box::unit(2), 3000, 6);
+  std::vector<Index> owners(3000);
+  for (std::size_t p = 0; p < owners.size(); ++p) owners[p] = static_cast<Index>(p % 100);
+  Problem<double> problem(points, 100);
+  problem.set_initial_owners(owners);
+  const auto cancelled = tessellate(problem, {.cancelled = [] { return true; }});
+  CHECK(cancelled.owners == owners);
+  CHECK(cancelled.summary.termination == Termination::cancelled);
+  const auto late = tessellate(problem, {.time_limit = 1e-9});
+  CHECK(late.owners == owners);
+  CHECK(late.summary.termination == Termination::time_limit);
+}
+
 TEST_CASE("tessellate: too many points for a start of their own are dealt out near by") {
   // Cancelled at once: what must not take long is the join of 2^24 points and more.
   const Index sites = 2000;

@@ -22,6 +22,7 @@
 #include "checkpoint/tile_parts.h"
 #include "parallel/recorder.h"
 #include "parallel/together.h"
+#include "random.h"
 #include "support/files.h"
 #include "support/generate.h"
 #include "support/message.h"
@@ -304,6 +305,31 @@ TEST_CASE("With capacities, sites that stay and sites that are given, fewer tile
   };
   check_all_ways(given, {2}, {0, 2, 4});
   check_all_ways(cloud<float>(2, 600, 10, {}), {2}, {0, 2, 3});
+}
+
+TEST_CASE("From initial owners on, which a digest of all ranks tells from others") {
+  std::vector<Index> owners(800);
+  for (std::size_t p = 0; p < owners.size(); ++p) owners[p] = static_cast<Index>(p % 40);
+  ccvt::Random(7, 7).shuffle(std::span(owners));
+  Given<double> given = cloud<double>(2, 800, 40, {.tile_sites = 5});
+  const auto set_up = [&](Problem<double>& problem) {
+    problem.set_domain(Domain::periodic(uneven_box(2)));
+    problem.set_fixed_sites(given.points.leftCols(3));
+    const auto first = owners.begin() + problem.first_own_point();
+    problem.set_initial_owners({first, first + problem.own_points().count});
+  };
+  given.set_up = set_up;
+  check_all_ways(given, {1, 4}, {0, 1, 2, 4});
+  const TemporaryDirectory directory;
+  save_after(given, 3, 1, directory / "run");
+  std::swap(owners[500], owners[700]);
+  REQUIRE(owners[500] != owners[700]);
+  for (const int count : {0, 4}) {
+    given.solve(count, [&](Solver<double>& solver, const Ranks*) {
+      const std::string message = message_of([&] { solver.load(directory / "run"); });
+      CHECK(message.find("the initial owners are not the same") != std::string::npos);
+    });
+  }
 }
 
 TEST_CASE("With cells that are large enough for patches") {

@@ -265,7 +265,7 @@ TEST_CASE("ranks: what is wrong with a problem is thrown on all") {
         if (ranks.rank() == 1) own[5] = 3000;
         from(ranks, own);
       },
-      "initial_owners[5] is 3000: it must be in 0..2999");
+      "initial_owners[3005] is 3000: it must be in 0..2999");
   check_message(
       2,
       [&](ccvt::Ranks& ranks) {
@@ -273,8 +273,8 @@ TEST_CASE("ranks: what is wrong with a problem is thrown on all") {
         if (ranks.rank() == 1) own[5] = 4;
         from(ranks, own);
       },
-      "initial_owners: on all ranks give site 4 3 points, but its capacity is 2: the two must be "
-      "equal");
+      "initial_owners: site 4 owns 3 points on all ranks together, but its capacity is 2: the two "
+      "must be equal");
   check_message(
       2,
       [&](ccvt::Ranks& ranks) {
@@ -282,7 +282,7 @@ TEST_CASE("ranks: what is wrong with a problem is thrown on all") {
         made.set_initial_owners(owners);
         ccvt::tessellate(ranks.rank() == 1 ? made : problem(ranks, 3000));
       },
-      "initial_owners: are given on some ranks, but not on all");
+      "initial_owners: rank 0 has none for its points, others have: all must be given");
   check_message(
       2,
       [&](ccvt::Ranks& ranks) {

@@ -223,7 +223,7 @@ TEST_CASE("whitening: no linear map of the points changes who owns what") {
 }
 
 TEST_CASE("whitening: of several ranks, to the bit that of one process") {
-  constexpr Index kPoints = 10'000;  // in blocks of 4096, none of which a rank has alone
+  constexpr Index kPoints = 10'000;  // in blocks of 4096, most of which several ranks share
   const auto cube =
       ccvt::sample_uniform<float>(Box::unit(3), kPoints, 8, ccvt::Distribution::white);
   const LinearMap alone = LinearMap::whitening(cube);

@@ -75,8 +75,9 @@ class CCVT_EXPORT Problem {
   Problem& set_fixed_sites(Columns<Scalar> sites);
   /// A warm start: the owner of every point, in 0..n-1, each site owning as many points as its
   /// capacity; capacities that are not equal must be set first. Sites that are not fixed start at
-  /// the centroids of the cells. Of ranks each gives those of its own points; a run finds out, and
-  /// throws InvalidInput, where these do not meet the capacities together.
+  /// the centroids of the cells. Of ranks each gives those of its own points, and errors number
+  /// them as those of all; a run finds out, and throws InvalidInput, where they do not meet the
+  /// capacities together.
   Problem& set_initial_owners(std::vector<Index> owners);
 
   /// Of a problem of ranks, only those of this rank may be read.

@@ -19,8 +19,9 @@ void check_outputs(const QuantizeArguments& arguments);
 void check_codewords(const QuantizeArguments& arguments, const PointsHeader& header);
 /// Throws InvalidInput unless there is memory to train on so many of the vectors; says how much it
 /// takes, if that is worth telling.
+/// `beside`: bytes of what else is held.
 void check_memory(const QuantizeArguments& arguments, const PointsHeader& header,
-                  std::uint64_t vectors);
+                  std::uint64_t vectors, double beside = 0);
 
 /// Options that draw on `progress`, which must outlive them, and end training when the user
 /// interrupts it. Without capacities.

@@ -6,7 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "geometry/point_matrix.h"
+#include "geometry/as_matrix.h"
+#include "geometry/finite_points.h"
 #include "number_text.h"
 
 namespace ccvt {
@@ -91,7 +92,7 @@ template <class Scalar>
 Columns<Scalar> LinearMap::mapped(PointsView<Scalar> points) const {
   require_dimension(points, dimension());
   Columns<Scalar> result(points.dimension, points.count);
-  const auto all = matrix_of(points);
+  const auto all = as_matrix(points);
   const Eigen::VectorXd factors = matrix_.eigen().diagonal();
   const bool diagonal = is_diagonal();
   const auto matrix = matrix_.eigen();
@@ -112,7 +113,7 @@ template <class Scalar>
 Columns<Scalar> LinearMap::mapped_back(PointsView<Scalar> points) const {
   require_dimension(points, dimension());
   Columns<Scalar> result(points.dimension, points.count);
-  const auto all = matrix_of(points);
+  const auto all = as_matrix(points);
   const auto inverse = inverse_.eigen();
   const auto origin = origin_.eigen();
   auto out = result.eigen();

@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "ccvt/linear_map.h"
-#include "geometry/point_matrix.h"
+#include "geometry/as_matrix.h"
+#include "geometry/finite_points.h"
 #include "number_text.h"
 #include "parallel/alike.h"
 #include "parallel/together.h"
@@ -85,7 +86,7 @@ struct Spread {
 /// Of the points of all ranks. Throws InvalidInput unless there are any, and all are finite.
 template <class Scalar>
 Spread spread_of(Ranks* ranks, const PointsView<Scalar>& own) {
-  const auto points = matrix_of(own);
+  const auto points = as_matrix(own);
   if (ranks != nullptr) {
     require_alike(*ranks, std::vector<Given>{{"points.dimension", concat(own.dimension)}});
   }

@@ -29,6 +29,8 @@ const std::vector<Change>& changes() {
       {"tessellate", "POINTS", "Points, a row each: " + parts},
       {"tessellate", "--owners-out", "Write the owner of each point too: .npy"},
       {"tessellate", "--preset", preset},
+      {"tessellate", "--capacities",
+       "How many points each site owns, summing to the number of points [equal]: .npy, .csv, .txt"},
       {"tessellate", "--masses", ""},
       {"tessellate", "--mass-column", ""},
       {"tessellate", "--mass-method", ""},
@@ -46,6 +48,7 @@ const std::vector<Change>& changes() {
   return all;
 }
 
+constexpr const char* kForCcvtOnly = "is for ccvt only, not for several processes";
 constexpr const char* kBalanced =
     "Several processes start balanced: in up to 8 dimensions, and with the presets that do.\n\n";
 
@@ -58,6 +61,7 @@ void fit_help(CLI::App& app) {
     CLI::Option* const option = app.get_subcommand(command)->get_option(name);
     if (text.empty()) {
       option->group("");  // hidden
+      option->check(CLI::Validator([](std::string&) { return std::string(kForCcvtOnly); }, ""));
     } else {
       option->description(text);
     }
@@ -67,9 +71,8 @@ void fit_help(CLI::App& app) {
   app.get_subcommand("tessellate")
       ->footer(kBalanced + example("tessellate points.npy --sites 1000 -o sites.npy"));
   app.get_subcommand("quantize")
-      ->footer(
-          "With --method pairwise each process has all vectors.\n\n" +
-          example("quantize vectors.fvecs --codewords 1024 -o codebook.npy"));
+      ->footer("With --method pairwise each process has all vectors.\n\n" +
+               example("quantize vectors.fvecs --codewords 1024 -o codebook.npy"));
   app.get_subcommand("encode")->footer(
       example("encode vectors.fvecs --codebook codebook.npy -o codes.npy"));
   app.get_subcommand("volume")->footer(kBalanced +
@@ -83,7 +86,7 @@ void require_command(const CLI::App& app, const std::string& word) {
                        [&](const CLI::App* command) { return command->get_name() == word; });
   };
   if (has(app) || !has(cli::CommandLine().app())) return;
-  throw InvalidInput(word + ": is for ccvt only, not for several processes");
+  throw InvalidInput(word + ": " + kForCcvtOnly);
 }
 
 }  // namespace ccvt::mpi

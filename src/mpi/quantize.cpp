@@ -23,9 +23,6 @@ namespace {
 using cli::QuantizeArguments;
 
 void require_supported(const QuantizeArguments& arguments) {
-  if (arguments.image_blocks > 0) {
-    throw InvalidInput("--image-blocks: is for ccvt only, not for several processes");
-  }
   require_npy("--codes-out", arguments.codes_out);
   require_parts(arguments.vectors);
 }
@@ -37,6 +34,15 @@ struct Inputs {
   std::optional<Points<double>> codewords;
   std::vector<Index> capacities;
 };
+
+/// What ranks on this machine hold of vectors that each of them gathers: as they come, and at last.
+template <class Scalar>
+double gathered_bytes(const Session& session, const QuantizeArguments& arguments,
+                      const PointsHeader& header) {
+  if (arguments.method != CodebookMethod::pairwise) return 0;
+  const auto all = session.on_machine(static_cast<std::int64_t>(header.count));
+  return 2.0 * sizeof(Scalar) * header.dimension * static_cast<double>(all);
+}
 
 template <class Scalar>
 Training train(const Session& session, const QuantizeArguments& arguments,
@@ -67,9 +73,8 @@ int quantize(const Session& session, const QuantizeArguments& arguments,
   Inputs<Scalar> inputs;
   session.together([&] {
     cli::check_codewords(arguments, header);
-    const bool all = arguments.method == CodebookMethod::pairwise;  // on every rank
-    const auto held = all ? static_cast<std::int64_t>(header.count) : share.size();
-    cli::check_memory(arguments, header, session.on_machine(held));
+    cli::check_memory(arguments, header, session.on_machine(share.size()),
+                      gathered_bytes<Scalar>(session, arguments, header));
     inputs.codewords = cli::read_codewords(arguments);
     if (!arguments.capacities.empty()) inputs.capacities = read_indices(arguments.capacities);
     cli::tell_if_cut_short(arguments.vectors);

@@ -11,7 +11,6 @@
 #include "ccvt/solver.h"
 #include "cli/memory.h"
 #include "cli/outputs.h"
-#include "cli/tessellate_masses.h"
 #include "commands.h"
 #include "results.h"
 
@@ -21,12 +20,6 @@ namespace {
 using cli::TessellateArguments;
 
 void require_supported(const TessellateArguments& arguments) {
-  const auto refuse = [](const std::string& option) {
-    throw InvalidInput(option + ": is for ccvt only, not for several processes");
-  };
-  if (!arguments.mass.file.empty()) refuse("--masses");
-  if (!arguments.mass.column.empty()) refuse("--mass-column");
-  cli::check_masses(arguments);
   require_npy("--owners-out", arguments.owners_out);
   require_parts(arguments.points);
 }

@@ -40,10 +40,6 @@ Headers check(const Session& session, const VolumeArguments& arguments) {
   Headers headers;
   session.together([&] {
     cli::check_labels(arguments);
-    if (!arguments.preview.empty()) {
-      throw InvalidInput(
-          "--preview: is for ccvt only, as no process has all of the volume; leave it out");
-    }
     cli::Outputs outputs;
     outputs.add("--output", arguments.output, io::kSampleFiles)
         .add("--summary", arguments.summary)

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "parallel/loops.h"
 #include "parallel/together.h"
@@ -73,20 +77,37 @@ template <class Scalar, class Put>
 void put_first(const Problem<Scalar>& problem, const Put& put) {
   const auto& points = problem.own_points();
   const std::vector<Index>& owners = problem.initial_owners();
-  std::vector<Index> first(static_cast<std::size_t>(problem.site_count()), points.count);
+  const auto n = static_cast<std::size_t>(problem.site_count());
+  std::vector<Index> first(n, points.count);
   for (Index p = points.count; p-- > 0;) first[SiteNumber(owners[PointNumber(p)])] = p;
-  const auto dimension = static_cast<std::size_t>(points.dimension);
-  ByteWriter own;
-  for (const SiteNumber s : sites_below(first.size())) {
-    if (first[s] == points.count) continue;
-    own.put(s);
-    own.put(std::span(points[first[s]], dimension));
+  Ranks* const ranks = problem.ranks();
+  if (ranks == nullptr) {
+    for (const SiteNumber s : sites_below(n)) put(s, points[first[s]]);
+    return;
   }
-  std::vector<Ranks::Bytes> all(1, std::move(own.bytes));
-  if (problem.ranks() != nullptr) all = problem.ranks()->gather(all.front());
+  // Of each site, some rank finds out which rank's point is the first.
+  const auto dimension = static_cast<std::size_t>(points.dimension);
+  std::vector<ByteWriter> messages(static_cast<std::size_t>(ranks->count()));
+  for (const SiteNumber s : sites_below(n)) {
+    if (first[s] == points.count) continue;
+    ByteWriter& message = messages[s * messages.size() / n];
+    message.put(s);
+    message.put(std::span(points[first[s]], dimension));
+  }
+  std::vector<std::uint8_t> found(n, 0);
+  ByteWriter own;
   std::vector<Scalar> x(dimension);
-  for (std::size_t rank = all.size(); rank-- > 0;) {  // the lowest one stays
-    for (ByteReader reader(all[rank]); !reader.done();) {
+  for (const Ranks::Bytes& come : exchanged(*ranks, std::move(messages))) {  // the lowest first
+    for (ByteReader reader(come); !reader.done();) {
+      const auto site = reader.get<SiteNumber>();
+      reader.get(std::span(x));
+      if (std::exchange(found[site], std::uint8_t{1}) != 0) continue;
+      own.put(site);
+      own.put(std::span(std::as_const(x)));
+    }
+  }
+  for (const Ranks::Bytes& of_rank : ranks->gather(own.bytes)) {
+    for (ByteReader reader(of_rank); !reader.done();) {
       const auto site = reader.get<SiteNumber>();
       reader.get(std::span(x));
       put(site, x.data());

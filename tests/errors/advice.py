@@ -64,7 +64,7 @@ ADVICE = {
     "src/no_checkpoint.h": "Only what runs one solver keeps a checkpoint: leave Options::checkpoint "
                            "empty.",
     "src/geometry/linear_map.cpp": "Give a regular matrix.",
-    "src/geometry/point_matrix.h": "Leave out points that have such a coordinate.",
+    "src/geometry/finite_points.h": "Leave out points that have such a coordinate.",
     "src/geometry/whitening.cpp": "Points that lie in a plane cannot be whitened: take away a dimension.",
     "src/io/byte_stream.cpp": _DAMAGED,
     "src/io/columns.cpp": "Name columns as the header does, or number them from 1.",
@@ -157,13 +157,8 @@ _MPI = "tests/mpi/program.py provokes it, where there is MPI"
 CANNOT_BE_PROVOKED = {
     ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 16 GB together"): _HUGE,
     ("src/mpi/kept.h", "ended by a signal; the same command, or one with other limits, goes on from "): _MPI,
-    ("src/mpi/quantize.cpp", "--image-blocks: is for ccvt only, not for several processes"): _MPI,
-    ("src/mpi/help.cpp", ": is for ccvt only, not for several processes"): _MPI,
     ("src/cli/standard_streams.cpp", " reads and writes files only"): _MPI,
     ("src/mpi/session.h", "out of memory"): "needs a machine without any left",
-    ("src/mpi/tessellate.cpp", ": is for ccvt only, not for several processes"): _MPI,
-    ("src/mpi/volume.cpp",
-     "--preview: is for ccvt only, as no process has all of the volume; leave it out"): _MPI,
     ("src/mpi/results.h", ": what several processes write together goes into .npy"): _MPI,
     ("src/mpi/shared_file.cpp", ": cannot be opened by all ranks: "): "needs machines that do not see the same "
                                                                   "files",

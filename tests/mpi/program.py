@@ -131,7 +131,7 @@ def volumes():
 def volume_faults():
     outputs = ["--sites", "20", "-o", "bad-samples.csv"]
     raw = "--shape 24,20,40 --type int16".split()
-    ends(together(3, "volume", "v.nrrd", *outputs, "--preview", "bad-p.png"), 2, "--preview")
+    ends(together(3, "volume", "v.nrrd", *outputs, "--preview", "bad-p.png"), 2, "--preview: is for ccvt only")
     ends(together(3, "volume", "v.nrrd", *outputs, "--label", "3"), 2, "--label: needs --mask")
     ends(together(3, "volume", "absent.nrrd", *outputs), 2, "absent.nrrd")
     ends(together(3, "volume", "v.raw", *raw, "--mask", "labels.raw", "--label", "9", *outputs), 2,
@@ -240,7 +240,7 @@ def codebook_faults():
     ends(together(2, "quantize", "many.npy", "--codewords", "4", "--capacities", "few.csv", *outputs), 2,
          "few.csv: ")
     ends(together(2, "quantize", "many.npy", *lloyd, "--image-blocks", "4", *outputs), 2,
-         "--image-blocks")
+         "--image-blocks: is for ccvt only")
     ends(together(2, "quantize", "many.npy", *lloyd, "-o", "bad-book.npy", "--codes-out",
                   "bad-codes.csv"), 2, "--codes-out: bad-codes.csv")
     ends(together(3, "quantize", "many.npy", "--method", "lloyd", "--codewords", "5000", *outputs), 2,
@@ -308,8 +308,8 @@ def faults():
     forty = ["tessellate", "points.npy", "--sites", "40", *outputs]
     ends(together(2, *forty, "--masses", "masses.csv"), 2,
          "--masses: is for ccvt only, not for several processes")
-    ends(together(2, *forty, "--shares-out", "bad-shares.csv"), 2, "--shares-out: needs --masses")
-    ends(together(2, *forty, "--points-per-site", "9"), 2, "--points-per-site: needs --masses")
+    ends(together(2, *forty, "--shares-out", "bad-shares.csv"), 2, "--shares-out: is for ccvt only")
+    ends(together(2, *forty, "--points-per-site", "9"), 2, "--points-per-site: is for ccvt only")
     ends(together(2, "stipple", "photo.png"), 2, "stipple: is for ccvt only, not for several processes")
     ends(together(2, "tessellate", "npy:-", "--sites", "4", *outputs), 2,
          "POINTS: 'npy:-' is a stream: ccvt-mpi reads and writes files only")
@@ -317,7 +317,7 @@ def faults():
          "--output: '-' is a stream: ccvt-mpi reads and writes files only")
     texts = together(2, "tessellate", "--help").stdout
     check("Example: mpirun" in texts and ".csv" not in texts.split("Problem:")[0], texts)
-    check(not any(word in texts for word in ("--masses", "Standard streams", "fast-ccvt")), texts)
+    check(not any(word in texts for word in ("mass", "Standard streams", "fast-ccvt")), texts)
     ends(together(2, "sample", "--dim", "2", "--sites", "9", "-o", "bad-sites.npy", "--owners-out",
                   "bad-owners.csv"), 2, ".npy")
     # In the last rank's part only.

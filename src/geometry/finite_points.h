@@ -10,14 +10,6 @@
 
 namespace ccvt {
 
-/// Points as columns, where they lie.
-template <class Scalar>
-auto matrix_of(const PointsView<Scalar>& points) {
-  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-  return Eigen::Map<const Matrix, 0, Eigen::OuterStride<>>(
-      points.data, points.dimension, points.count, Eigen::OuterStride<>(points.stride));
-}
-
 /// Throws InvalidInput unless all are finite; `is` is what they do, `first` the number of the
 /// first.
 template <class Matrix>
