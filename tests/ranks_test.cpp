@@ -278,9 +278,10 @@ TEST_CASE("ranks: what is wrong with a problem is thrown on all") {
   check_message(
       2,
       [&](ccvt::Ranks& ranks) {
-        Problem<double> made = problem(ranks, 3000);
-        made.set_initial_owners(owners);
-        ccvt::tessellate(ranks.rank() == 1 ? made : problem(ranks, 3000));
+        const Problem<double> without = problem(ranks, 3000);
+        Problem<double> with = without;
+        with.set_initial_owners(owners);
+        ccvt::tessellate(ranks.rank() == 1 ? with : without);
       },
       "initial_owners: rank 0 has none for its points, others have: all must be given");
   check_message(

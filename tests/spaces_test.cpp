@@ -264,8 +264,9 @@ TEST_CASE("whitening: of several ranks, to the bit that of one process") {
         }) == std::set<std::string>{"points: there are none"});
   CHECK(ccvt::test::messages_of(2,
                                 [](ccvt::Ranks& ranks) {
-                                  LinearMap::whitening(ranks,
-                                                       Points<float>::Random(2 + ranks.rank(), 9));
+                                  const Points<float> own =
+                                      Points<float>::Random(2 + ranks.rank(), 9);
+                                  LinearMap::whitening(ranks, own);
                                 }) ==
         std::set<std::string>{
             "points.dimension is 3 on rank 1, but 2 on rank 0: all ranks must be given the "
