@@ -144,7 +144,7 @@ std::vector<OptionGroup> option_groups(const CLI::App& command) {
   for (const char* const title : kTitles) {
     OptionGroup group{title, {}};
     for (const CLI::Option* const option : command.get_options()) {
-      if (option->get_positional() || option->get_group().empty()) continue;  // empty: hidden
+      if (option->get_positional() || option->get_group() == kHiddenGroup) continue;
       OptionHelp help = help_of(*option);
       if (title_of(command, help.longest()) == title) group.options.push_back(std::move(help));
     }

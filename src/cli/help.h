@@ -8,6 +8,9 @@
 /// from the options as the program itself knows them.
 namespace ccvt::cli {
 
+/// CLI11's group of options that help does not show. With its own, an empty one, they have no name.
+constexpr const char* kHiddenGroup = "hidden";
+
 struct OptionHelp {
   std::vector<std::string> names;  ///< with dashes, the short one first; of an argument its name
   std::string value;               ///< a placeholder; empty: a flag

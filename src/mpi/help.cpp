@@ -60,7 +60,7 @@ void fit_help(CLI::App& app) {
   for (const auto& [command, name, text] : changes()) {
     CLI::Option* const option = app.get_subcommand(command)->get_option(name);
     if (text.empty()) {
-      option->group("");  // hidden
+      option->group(cli::kHiddenGroup);
       option->check(CLI::Validator([](std::string&) { return std::string(kForCcvtOnly); }, ""));
     } else {
       option->description(text);

@@ -308,7 +308,7 @@ def faults():
     forty = ["tessellate", "points.npy", "--sites", "40", *outputs]
     ends(together(2, *forty, "--masses", "masses.csv"), 2,
          "--masses: is for ccvt only, not for several processes")
-    ends(together(2, *forty, "--shares-out", "bad-shares.csv"), 2, "--shares-out: is for ccvt only")
+    ends(together(2, *forty, "--shares-out", "bad-shares.csv"), 2, "error: --shares-out: is for ccvt only, not for several processes")
     ends(together(2, *forty, "--points-per-site", "9"), 2, "--points-per-site: is for ccvt only")
     ends(together(2, "stipple", "photo.png"), 2, "stipple: is for ccvt only, not for several processes")
     ends(together(2, "tessellate", "npy:-", "--sites", "4", *outputs), 2,
