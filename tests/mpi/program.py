@@ -403,10 +403,16 @@ def checkpoints():
     interrupt_one()
 
     # The ranks of an mpirun that was killed need a while to notice: who comes next waits for them.
+    alone(*sample_of(4000), *files("alone-", *outputs))
     run, _ = start_kept(2, *KEPT, *bad)
     run.kill()
     run.communicate(timeout=60)
     goes_on([given.mpirun, "-n", "2", TOGETHER], outputs, "mpirun was killed")
+    for _ in range(1200):
+        if not processes():
+            break
+        time.sleep(0.05)
+    check(processes() == [], "mpirun was killed: its ranks went on")
 
 
 def is_open_mpi():
