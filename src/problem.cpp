@@ -218,16 +218,16 @@ Problem<Scalar>& Problem<Scalar>::set_initial_owners(std::vector<Index> owners) 
                          " points: there must be one per point");
     }
     for (std::size_t p = 0; p < owners.size(); ++p) {
-      const std::string element =
-          "initial_owners[" + std::to_string(static_cast<std::size_t>(first_own_point()) + p) + "]";
+      const auto owner_is = [&] {
+        const std::size_t number = static_cast<std::size_t>(first_own_point()) + p;
+        return concat("initial_owners[", number, "] is ", owners[p]);
+      };
       if (owners[p] < 0 || owners[p] >= site_count()) {
-        throw InvalidInput(element + " is " + std::to_string(owners[p]) + ": it must be in 0.." +
-                           std::to_string(site_count() - 1));
+        throw InvalidInput(owner_is() + ": it must be in 0.." + std::to_string(site_count() - 1));
       }
       const SiteNumber owner(owners[p]);
       if (room[owner]-- == 0) {
-        throw InvalidInput(element + " is " + std::to_string(owners[p]) +
-                           ": that site owns more points than its capacity " +
+        throw InvalidInput(owner_is() + ": that site owns more points than its capacity " +
                            std::to_string(capacities_[owner]) +
                            "; capacities that are not equal must be set first");
       }

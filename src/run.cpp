@@ -63,7 +63,7 @@ Options resolved(Ranks* ranks, Options options, int dimension, bool one_level) {
 template <class Scalar>
 Run<Scalar>::Run(Problem<Scalar> given_problem, Options given_options)
     : problem(std::move(given_problem)),
-      warm(any(problem.ranks(), !problem.initial_owners().empty())),
+      warm(has_initial_owners(problem)),
       options(resolved(problem.ranks(), std::move(given_options), problem.dimension(),
                        warm || problem.fixed_sites().cols() == problem.site_count())),
       // Ranks end together: see cancelled_together().

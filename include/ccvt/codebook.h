@@ -269,9 +269,9 @@ Training train_codebook_from(const Eigen::DenseBase<Derived>& vectors,
 /// Vectors stay where they are; samples are gathered on all ranks: those that seeds come from; for
 /// `exact` what pairs exchange before the first assignment, 32 a codeword or 8192 vectors, all of
 /// them where there are not twice as many; and 1024 a codeword where codebooks are bred. For
-/// `pairwise` all vectors are gathered. on_iteration and cancelled of
-/// each rank are asked after an iteration; where one wants to end, all do; `exact` then proves an
-/// assignment, however long that takes, and nobody is asked while codebooks are bred.
+/// `pairwise` all vectors are gathered. on_iteration and cancelled of each rank are asked after an
+/// iteration; where one wants to end, all do; `exact` then proves an assignment, however long that
+/// takes, and nobody is asked while codebooks are bred.
 template <class Scalar>
 CCVT_EXPORT Training train_codebook(Ranks& ranks, PointsView<Scalar> own, Index codewords,
                                     const CodebookOptions& options);

@@ -235,9 +235,7 @@ std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, i
 template <class Scalar>
 std::vector<Index> Codebook::encode(Ranks& ranks, PointsView<Scalar> own, Coding coding,
                                     int threads) const {
-  const std::vector<std::int64_t> counts = of_all(&ranks, std::int64_t{own.count});
-  const RankPart part{
-      &ranks, std::accumulate(counts.begin(), counts.begin() + ranks.rank(), std::int64_t{0})};
+  const RankPart part{&ranks, part_of_all(&ranks, own.count).first};
   agree(&ranks, [&] {
     check_threads(threads);
     check_vectors(own, dimension(), part.first);

@@ -51,8 +51,8 @@ PairwiseCells pairwise_cells(const Vectors<Scalar>& vectors, PointsView<Scalar> 
   for (double& x : start) x *= unit;
   const auto n = static_cast<Index>(capacities.size());
   const auto& [ranks, first] = vectors.part();
-  const PointsView<Scalar> own{all.count > 0 ? all[static_cast<Index>(first)] : nullptr,
-                               all.dimension, vectors.own().count, all.stride};
+  const PointsView<Scalar> own{all[static_cast<Index>(first)], all.dimension, vectors.own().count,
+                               all.stride};
   Problem<Scalar> problem = ranks == nullptr ? Problem<Scalar>(own, n, options.threads)
                                              : Problem<Scalar>(*ranks, own, n, options.threads);
   problem.set_capacities(std::move(capacities));

@@ -170,10 +170,12 @@ bool Trainer<Scalar>::go_on(Index vectors, double energy, std::int64_t moved) {
 template <class Scalar>
 void Trainer<Scalar>::start_balanced(const Vectors<Scalar>& vectors, std::vector<Index> capacities,
                                      std::optional<double> pairs_tolerance) {
+  const bool shared = !placed_ && options_.seeding == Seeding::kmeans_plus_plus;
+  if (!shared && !pairs_tolerance) return;
   const bool several = vectors.part().ranks != nullptr;
   const Points<Scalar> gathered = several ? vectors.all() : Points<Scalar>();
   const PointsView<Scalar> all = several ? view_points(gathered) : vectors.own();
-  if (!placed_ && options_.seeding == Seeding::kmeans_plus_plus) {
+  if (shared) {
     undivided([&] { sites_ = share_sites(all, sites_, capacities, options_.seed, arena_); });
   }
   if (pairs_tolerance) exchange_pairs(vectors, all, std::move(capacities), *pairs_tolerance);

@@ -29,14 +29,10 @@ Points<Scalar> gathered(Ranks& ranks, const Points<Scalar>& own, Index count) {
 }  // namespace
 
 template <class Scalar>
-Vectors<Scalar>::Vectors(PointsView<Scalar> own, Ranks* ranks) : own_(own), count_(0) {
-  std::int64_t before = 0;
-  const std::vector<std::int64_t> counts = of_all(ranks, std::int64_t{own.count});
-  for (std::size_t rank = 0; rank < counts.size(); ++rank) {
-    if (ranks != nullptr && std::cmp_less(rank, ranks->rank())) before += counts[rank];
-    count_ += static_cast<Index>(counts[rank]);
-  }
-  part_ = {ranks, before};
+Vectors<Scalar>::Vectors(PointsView<Scalar> own, Ranks* ranks) : own_(own) {
+  const PartOfAll part = part_of_all(ranks, own.count);
+  count_ = static_cast<Index>(part.count);
+  part_ = {ranks, part.first};
 }
 
 template <class Scalar>

@@ -90,38 +90,32 @@ Spread spread_of(Ranks* ranks, const PointsView<Scalar>& own) {
   if (ranks != nullptr) {
     require_alike(*ranks, std::vector<Given>{{"points.dimension", concat(own.dimension)}});
   }
-  const std::vector<std::int64_t> counts = of_all(ranks, std::int64_t{own.count});
-  std::int64_t lower = 0;
-  std::int64_t all = 0;
-  for (std::size_t rank = 0; rank < counts.size(); ++rank) {
-    if (ranks != nullptr && std::cmp_less(rank, ranks->rank())) lower += counts[rank];
-    all += counts[rank];
-  }
-  if (own.dimension < 1 || all < 1) throw InvalidInput("points: there are none");
-  agree(ranks, [&] { require_finite(points, "is", lower); });
+  const PartOfAll part = part_of_all(ranks, own.count);
+  if (own.dimension < 1 || part.count < 1) throw InvalidInput("points: there are none");
+  agree(ranks, [&] { require_finite(points, "is", part.first); });
 
   // Deviations from a point, then from the mean: far from the origin squares would cost digits.
   const auto dimension = static_cast<std::size_t>(own.dimension);
   std::vector<double> head;
-  if (own.count > 0) {
-    head.assign(own[0], own[0] + own.dimension);
-  }
+  if (own.count > 0) head.assign(own[0], own[0] + own.dimension);
   const std::vector<double> heads = joined(ranks, std::move(head));
   const Eigen::VectorXd first = Eigen::Map<const Eigen::VectorXd>(heads.data(), own.dimension);
-  const auto count = static_cast<double>(all);
+  const auto count = static_cast<double>(part.count);
   const std::vector<double> shifts =
       in_turn(ranks, std::vector<double>(dimension, 0.0), [&](std::vector<double>& values) {
         Eigen::Map<Eigen::VectorXd> sum(values.data(), own.dimension);
-        for (Eigen::Index p = 0; p < points.cols(); ++p)
+        for (Eigen::Index p = 0; p < points.cols(); ++p) {
           sum += points.col(p).template cast<double>() - first;
+        }
       });
   const Eigen::VectorXd mean =
       first + Eigen::Map<const Eigen::VectorXd>(shifts.data(), own.dimension) / count;
   const std::vector<double> products = in_turn(
       ranks, std::vector<double>(dimension * dimension, 0.0), [&](std::vector<double>& values) {
         Covariance sum(values, own.dimension, count);
-        for (Eigen::Index p = 0; p < points.cols(); ++p)
+        for (Eigen::Index p = 0; p < points.cols(); ++p) {
           sum.add(points.col(p).template cast<double>() - mean);
+        }
         values = sum.values();
       });
   Covariance sum(products, own.dimension, count);

@@ -7,6 +7,7 @@
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/help.h"
+#include "run.h"
 
 namespace ccvt::mpi {
 namespace {
@@ -49,8 +50,12 @@ const std::vector<Change>& changes() {
 }
 
 constexpr const char* kForCcvtOnly = "is for ccvt only, not for several processes";
-constexpr const char* kBalanced =
-    "Several processes start balanced: in up to 8 dimensions, and with the presets that do.\n\n";
+const std::string& balanced() {
+  static const std::string text = "Several processes start balanced: in up to " +
+                                  std::to_string(kBalancedDimensions) +
+                                  " dimensions, and with the presets that do.\n\n";
+  return text;
+}
 
 std::string example(const std::string& line) { return "Example: mpirun -n 4 ccvt-mpi " + line; }
 
@@ -67,15 +72,15 @@ void fit_help(CLI::App& app) {
     }
   }
   app.get_subcommand("sample")->footer(
-      kBalanced + example("sample --dim 3 --sites 262144 --periodic -o sites.npy"));
+      balanced() + example("sample --dim 3 --sites 262144 --periodic -o sites.npy"));
   app.get_subcommand("tessellate")
-      ->footer(kBalanced + example("tessellate points.npy --sites 1000 -o sites.npy"));
+      ->footer(balanced() + example("tessellate points.npy --sites 1000 -o sites.npy"));
   app.get_subcommand("quantize")
       ->footer("With --method pairwise each process has all vectors.\n\n" +
                example("quantize vectors.fvecs --codewords 1024 -o codebook.npy"));
   app.get_subcommand("encode")->footer(
       example("encode vectors.fvecs --codebook codebook.npy -o codes.npy"));
-  app.get_subcommand("volume")->footer(kBalanced +
+  app.get_subcommand("volume")->footer(balanced() +
                                        example("volume scan.nii --sites 20000 -o samples.ply"));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <new>
@@ -66,6 +67,22 @@ inline std::int64_t total(Ranks* ranks, std::int64_t own) {
   if (ranks == nullptr) return own;
   const std::vector<std::int64_t> all = of_all(ranks, own);
   return std::accumulate(all.begin(), all.end(), std::int64_t{0});
+}
+
+/// Of what ranks have one after the other: the number of this rank's first, and how many there are.
+struct PartOfAll {
+  std::int64_t first = 0;
+  std::int64_t count = 0;
+};
+
+inline PartOfAll part_of_all(Ranks* ranks, std::int64_t own) {
+  PartOfAll part;
+  const std::vector<std::int64_t> counts = of_all(ranks, own);
+  for (std::size_t rank = 0; rank < counts.size(); ++rank) {
+    if (ranks != nullptr && std::cmp_less(rank, ranks->rank())) part.first += counts[rank];
+    part.count += counts[rank];
+  }
+  return part;
 }
 
 inline bool any(Ranks* ranks, bool own) { return total(ranks, own ? 1 : 0) > 0; }

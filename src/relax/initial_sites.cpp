@@ -133,7 +133,7 @@ SiteState initial_sites(const Problem<Scalar>& problem, const Metric& metric, st
   bool drawn_freely = false;
   if (problem.initial_sites().size() > 0) {
     for (const SiteNumber s : sites.all()) put(s, problem.initial_sites().col(s.index()).data());
-  } else if (any(problem.ranks(), !problem.initial_owners().empty())) {
+  } else if (has_initial_owners(problem)) {
     put_first(problem, put);
   } else {
     const auto points = static_cast<std::size_t>(problem.point_count());

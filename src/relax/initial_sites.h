@@ -5,9 +5,16 @@
 #include "ccvt/problem.h"
 #include "geometry/metric.h"
 #include "parallel/arena.h"
+#include "parallel/together.h"
 #include "relax/site_state.h"
 
 namespace ccvt {
+
+/// Whether points have initial owners. Of several ranks, all call it: one may have no points.
+template <class Scalar>
+bool has_initial_owners(const Problem<Scalar>& problem) {
+  return any(problem.ranks(), !problem.initial_owners().empty());
+}
 
 /// Where the sites of a problem start, in the caller's order: its initial sites; of initial owners
 /// any point of each cell, from which the centroid update goes on; or else distinct points, each

@@ -47,7 +47,6 @@ ADVICE = {
     "src/codebook/train.cpp": _PARAMETER,
     "src/codebook/trainer.h": _PARAMETER,
     "src/domain.cpp": _PARAMETER,
-    "src/mpi/help.cpp": _RANKS,
     "src/mpi/kept.h": "Whoever started the ranks ended them, and what has been reached is kept: run the same "
                       "command again.",
     "src/mpi/main.cpp": "Start all ranks with one command line, and one build of the program.",
@@ -56,9 +55,6 @@ ADVICE = {
     "src/mpi/results.h": _RANKS,
     "src/mpi/session.h": "Take more ranks on more machines: each then holds less.",
     "src/mpi/shared_file.cpp": "All ranks need a file system that all of them see, with room.",
-    "src/mpi/quantize.cpp": _RANKS,
-    "src/mpi/tessellate.cpp": _RANKS,
-    "src/mpi/volume.cpp": _RANKS,
     "src/run_ranks.cpp": "Several ranks start balanced, as up to 8 dimensions do by default, or from initial "
                          "owners, of which each has those of its points.",
     "src/no_checkpoint.h": "Only what runs one solver keeps a checkpoint: leave Options::checkpoint "

@@ -308,7 +308,8 @@ def faults():
     forty = ["tessellate", "points.npy", "--sites", "40", *outputs]
     ends(together(2, *forty, "--masses", "masses.csv"), 2,
          "--masses: is for ccvt only, not for several processes")
-    ends(together(2, *forty, "--shares-out", "bad-shares.csv"), 2, "error: --shares-out: is for ccvt only, not for several processes")
+    ends(together(2, *forty, "--shares-out", "bad-shares.csv"), 2,
+         "error: --shares-out: is for ccvt only, not for several processes")
     ends(together(2, *forty, "--points-per-site", "9"), 2, "--points-per-site: is for ccvt only")
     ends(together(2, "stipple", "photo.png"), 2, "stipple: is for ccvt only, not for several processes")
     ends(together(2, "tessellate", "npy:-", "--sites", "4", *outputs), 2,
@@ -464,7 +465,7 @@ def end_by(number, bad, outputs):
 
 
 def interrupt_one():
-    """Ctrl-C that comes to one rank ends all with what has been reached, and says so."""
+    """Ctrl-C to a single rank ends all with what has been reached, and says so."""
     sample = [*sample_of(40000), "-o", "part-sites.npy", "--checkpoint", "kept", "--checkpoint-every", "0"]
     run, ranks = start_kept(2, *sample)
     os.kill(ranks[1], signal.SIGINT)
