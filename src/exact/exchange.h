@@ -156,6 +156,8 @@ class ExchangeGraph {
   void tighten(SiteNumber site);
   static Moves& moves_of(Cell& cell, std::size_t slot);
   Moves& weigh(SiteNumber site, std::size_t slot);
+  void weigh_own(SiteNumber site, std::size_t slot);
+  static void set_weighed(Cell& cell, std::size_t slot);
   double find_path(SiteNumber source, const Arena& arena);
   [[nodiscard]] bool settled(SiteNumber site) const { return limit_[site] == -kNone; }
   [[nodiscard]] static bool is_weighed(const Cell& cell, std::size_t slot);
@@ -180,7 +182,8 @@ class ExchangeGraph {
   void find_edges_together(std::size_t edges, Scratch& scratch) const;
   static void put_edges(ByteWriter& message, const Scratch& scratch);
   void join_edges(std::span<ByteReader> ranks, std::size_t edges, Scratch& scratch) const;
-  void weigh_together(Moves& moves, std::size_t kept) const;
+  void weigh_those_that_may_matter(SiteNumber site, bool to_targets);
+  void weigh_together(SiteNumber site, std::span<const std::size_t> slots);
   void bring(std::vector<Mover>& movers);
 
   std::vector<Index>& capacities_;
@@ -209,7 +212,8 @@ class ExchangeGraph {
   std::vector<Way> way_;
   std::vector<SiteNumber> seen_;
   std::vector<SiteNumber> settled_;
-  std::vector<Mover> movers_;  ///< along the path at hand, from its end
+  std::vector<std::size_t> slots_;  ///< of edges that ranks weigh in one message
+  std::vector<Mover> movers_;       ///< along the path at hand, from its end
   std::vector<Step> heap_;
 };
 

@@ -145,19 +145,29 @@ ExchangeGraph::Moves& ExchangeGraph::moves_of(Cell& cell, std::size_t slot) {
 /// The cheapest moves along an edge.
 ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
   Cell& cell = cells_[site];
+  if (is_weighed(cell, slot)) return moves_of(cell, slot);
+  if (part_.ranks != nullptr) {
+    weigh_together(site, std::span(&slot, 1));
+  } else {
+    weigh_own(site, slot);
+    set_weighed(cell, slot);
+  }
+  return moves_of(cell, slot);
+}
+
+/// The cheapest moves of the points that this rank has.
+void ExchangeGraph::weigh_own(SiteNumber site, std::size_t slot) {
+  Cell& cell = cells_[site];
   Moves& moves = moves_of(cell, slot);
-  if (!moves.cheapest.empty()) return moves;
   std::vector<double>& squared = scratch_.own;
   costs_.squared(cell.members, cell.to[slot], squared);
   ++cell.weighings;
-  const std::size_t kept = moves.kept;
-  moves.kept = moves_kept(cell.size);
   std::vector<Move>& cheapest = moves.cheapest;
   moves.beyond = {kNone, 0};
   for (std::size_t k = 0; k < cell.members.size(); ++k) {
     const PointNumber p = cell.members[k];
     const Move move{squared[k] - own_cost_[p], number(p)};
-    if (cheapest.size() == kept) {
+    if (cheapest.size() == moves.kept) {
       moves.beyond = std::min(moves.beyond, std::max(move, cheapest.back()));
       if (!(move < cheapest.back())) continue;
       cheapest.pop_back();
@@ -167,9 +177,12 @@ ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
   if (kept_ != nullptr && !cheapest.empty()) {
     kept_->set(site, cell.to[slot], cheapest.front().cost);
   }
-  if (part_.ranks != nullptr) weigh_together(moves, kept);
-  cell.bound[slot] = cheapest.empty() ? kNone : cheapest.front().cost;
-  return moves;
+}
+
+void ExchangeGraph::set_weighed(Cell& cell, std::size_t slot) {
+  Moves& moves = moves_of(cell, slot);
+  moves.kept = moves_kept(cell.size);
+  cell.bound[slot] = moves.cheapest.empty() ? kNone : moves.cheapest.front().cost;
 }
 
 void ExchangeGraph::remove(const Mover& mover) {

@@ -14,6 +14,9 @@ namespace {
 
 /// Cells whose edges are bounded at a time.
 constexpr std::size_t kCells = 64;
+/// Edges that are weighed in one message, as far as so many may matter: one more takes a rank less
+/// time than a message.
+constexpr std::size_t kEdges = 16;
 
 }  // namespace
 
@@ -109,9 +112,23 @@ void ExchangeGraph::bound_all_together(const Arena& arena) {
   }
 }
 
-/// Of the cheapest moves of each rank, those of all.
-void ExchangeGraph::weigh_together(Moves& moves, std::size_t kept) const {
-  std::vector<Move>& cheapest = moves.cheapest;
+/// Weighs edges of a site that the search at hand may take, or those of them that lead to sites
+/// with too few points: the first in the order of slots, which is about that of their bounds.
+void ExchangeGraph::weigh_those_that_may_matter(SiteNumber site, bool to_targets) {
+  const Cell& cell = cells_[site];
+  const double base = distance_[site] + weights_[site];
+  slots_.clear();
+  for (std::size_t slot = 0; slot < cell.to.size() && slots_.size() < kEdges; ++slot) {
+    const SiteNumber j = cell.to[slot];
+    if (is_weighed(cell, slot) || (to_targets && surplus(j) >= 0)) continue;
+    const double distance = std::max(distance_[site], base + cell.bound[slot] - weights_[j]);
+    if (may_matter(site, j, distance)) slots_.push_back(slot);
+  }
+  if (!slots_.empty()) weigh_together(site, slots_);
+}
+
+/// Of the cheapest moves of each rank along edges that are not weighed, those of all.
+void ExchangeGraph::weigh_together(SiteNumber site, std::span<const std::size_t> slots) {
   const auto put = [](ByteWriter& message, const Move& move) {
     message.put(move.cost);
     message.put(move.point);
@@ -120,22 +137,38 @@ void ExchangeGraph::weigh_together(Moves& moves, std::size_t kept) const {
     const auto cost = reader.get<double>();
     return Move{cost, reader.get<Index>()};
   };
+  Cell& cell = cells_[site];
   ByteWriter message;
-  put(message, moves.beyond);
-  for (const Move& move : cheapest) put(message, move);
-  cheapest.clear();
-  for (const Ranks::Bytes& bytes : part_.ranks->gather(message.bytes)) {
-    ByteReader reader(bytes);
-    moves.beyond = std::min(moves.beyond, get(reader));
-    while (!reader.done()) cheapest.push_back(get(reader));
+  for (const std::size_t slot : slots) {
+    weigh_own(site, slot);
+    Moves& moves = moves_of(cell, slot);
+    put(message, moves.beyond);
+    message.put(std::uint64_t{moves.cheapest.size()});
+    for (const Move& move : moves.cheapest) put(message, move);
+    moves.cheapest.clear();
   }
-  std::sort(cheapest.begin(), cheapest.end());
-  // What is beyond on one rank may come before what others have.
-  const auto end = std::lower_bound(cheapest.begin(), cheapest.end(), moves.beyond);
-  const auto count = std::min(kept, static_cast<std::size_t>(end - cheapest.begin()));
-  if (count == cheapest.size()) return;
-  moves.beyond = std::min(moves.beyond, cheapest[count]);
-  cheapest.resize(count);
+  const std::vector<Ranks::Bytes> bytes = part_.ranks->gather(message.bytes);
+  std::vector<ByteReader> readers;
+  for (const Ranks::Bytes& of_rank : bytes) readers.emplace_back(of_rank);
+  for (const std::size_t slot : slots) {
+    Moves& moves = moves_of(cell, slot);
+    std::vector<Move>& cheapest = moves.cheapest;
+    for (ByteReader& reader : readers) {
+      moves.beyond = std::min(moves.beyond, get(reader));
+      for (auto left = reader.get<std::uint64_t>(); left > 0; --left) {
+        cheapest.push_back(get(reader));
+      }
+    }
+    std::sort(cheapest.begin(), cheapest.end());
+    // What is beyond on one rank may come before what others have.
+    const auto end = std::lower_bound(cheapest.begin(), cheapest.end(), moves.beyond);
+    const auto count = std::min(moves.kept, static_cast<std::size_t>(end - cheapest.begin()));
+    if (count < cheapest.size()) {
+      moves.beyond = std::min(moves.beyond, cheapest[count]);
+      cheapest.resize(count);
+    }
+    set_weighed(cell, slot);
+  }
 }
 
 /// Tells all ranks the positions of points that move.
