@@ -125,7 +125,6 @@ void ExchangeGraph::relax_edge(SiteNumber from, std::size_t slot) {
 void ExchangeGraph::reach_directly(SiteNumber source) {
   const Cell& cell = cells_[source];
   const double base = weights_[source];
-  if (part_.ranks != nullptr) weigh_those_that_may_matter(source, true);
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
     const SiteNumber j = cell.to[slot];
     const double distance = std::max(0.0, base + cell.bound[slot] - weights_[j]);
@@ -209,9 +208,6 @@ double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
       const Cell& cell = cells_[i];
       if (!may_matter(i, cell.to[slot], step.distance)) continue;
       if (cell.tight || cell.weighings < costs_.weighings() || is_weighed(cell, slot)) {
-        if (part_.ranks != nullptr && !is_weighed(cell, slot)) {
-          weigh_those_that_may_matter(i, false);
-        }
         relax_edge(i, slot);
         continue;
       }

@@ -182,8 +182,8 @@ class ExchangeGraph {
   void find_edges_together(std::size_t edges, Scratch& scratch) const;
   static void put_edges(ByteWriter& message, const Scratch& scratch);
   void join_edges(std::span<ByteReader> ranks, std::size_t edges, Scratch& scratch) const;
-  void weigh_those_that_may_matter(SiteNumber site, bool to_targets);
-  void weigh_together(SiteNumber site, std::span<const std::size_t> slots);
+  void choose_slots(SiteNumber site, std::size_t slot);
+  void weigh_together(SiteNumber site, std::size_t slot);
   void bring(std::vector<Mover>& movers);
 
   std::vector<Index>& capacities_;

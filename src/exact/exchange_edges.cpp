@@ -147,7 +147,7 @@ ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
   Cell& cell = cells_[site];
   if (is_weighed(cell, slot)) return moves_of(cell, slot);
   if (part_.ranks != nullptr) {
-    weigh_together(site, std::span(&slot, 1));
+    weigh_together(site, slot);
   } else {
     weigh_own(site, slot);
     set_weighed(cell, slot);

@@ -112,23 +112,26 @@ void ExchangeGraph::bound_all_together(const Arena& arena) {
   }
 }
 
-/// Weighs edges of a site that the search at hand may take, or those of them that lead to sites
-/// with too few points: the first in the order of slots, which is about that of their bounds.
-void ExchangeGraph::weigh_those_that_may_matter(SiteNumber site, bool to_targets) {
+/// The edge in that slot, and others of the site that the search at hand may take: the first in the
+/// order of slots, which is about that of their bounds. With one to a site with too few points,
+/// only others to such sites: they may end the search.
+void ExchangeGraph::choose_slots(SiteNumber site, std::size_t slot) {
   const Cell& cell = cells_[site];
   const double base = distance_[site] + weights_[site];
-  slots_.clear();
-  for (std::size_t slot = 0; slot < cell.to.size() && slots_.size() < kEdges; ++slot) {
-    const SiteNumber j = cell.to[slot];
-    if (is_weighed(cell, slot) || (to_targets && surplus(j) >= 0)) continue;
-    const double distance = std::max(distance_[site], base + cell.bound[slot] - weights_[j]);
-    if (may_matter(site, j, distance)) slots_.push_back(slot);
+  const bool to_target = surplus(cell.to[slot]) < 0;
+  slots_.assign(1, slot);
+  for (std::size_t other = 0; other < cell.to.size() && slots_.size() < kEdges; ++other) {
+    const SiteNumber j = cell.to[other];
+    if (other == slot || is_weighed(cell, other) || (to_target && surplus(j) >= 0)) continue;
+    const double distance = std::max(distance_[site], base + cell.bound[other] - weights_[j]);
+    if (may_matter(site, j, distance)) slots_.push_back(other);
   }
-  if (!slots_.empty()) weigh_together(site, slots_);
 }
 
-/// Of the cheapest moves of each rank along edges that are not weighed, those of all.
-void ExchangeGraph::weigh_together(SiteNumber site, std::span<const std::size_t> slots) {
+/// Of the cheapest moves of each rank along an edge that is not weighed, and along others in the
+/// same message, those of all.
+void ExchangeGraph::weigh_together(SiteNumber site, std::size_t slot) {
+  choose_slots(site, slot);
   const auto put = [](ByteWriter& message, const Move& move) {
     message.put(move.cost);
     message.put(move.point);
@@ -139,9 +142,9 @@ void ExchangeGraph::weigh_together(SiteNumber site, std::span<const std::size_t>
   };
   Cell& cell = cells_[site];
   ByteWriter message;
-  for (const std::size_t slot : slots) {
-    weigh_own(site, slot);
-    Moves& moves = moves_of(cell, slot);
+  for (const std::size_t chosen : slots_) {
+    weigh_own(site, chosen);
+    Moves& moves = moves_of(cell, chosen);
     put(message, moves.beyond);
     message.put(std::uint64_t{moves.cheapest.size()});
     for (const Move& move : moves.cheapest) put(message, move);
@@ -150,8 +153,8 @@ void ExchangeGraph::weigh_together(SiteNumber site, std::span<const std::size_t>
   const std::vector<Ranks::Bytes> bytes = part_.ranks->gather(message.bytes);
   std::vector<ByteReader> readers;
   for (const Ranks::Bytes& of_rank : bytes) readers.emplace_back(of_rank);
-  for (const std::size_t slot : slots) {
-    Moves& moves = moves_of(cell, slot);
+  for (const std::size_t chosen : slots_) {
+    Moves& moves = moves_of(cell, chosen);
     std::vector<Move>& cheapest = moves.cheapest;
     for (ByteReader& reader : readers) {
       moves.beyond = std::min(moves.beyond, get(reader));
@@ -167,7 +170,7 @@ void ExchangeGraph::weigh_together(SiteNumber site, std::span<const std::size_t>
       moves.beyond = std::min(moves.beyond, cheapest[count]);
       cheapest.resize(count);
     }
-    set_weighed(cell, slot);
+    set_weighed(cell, chosen);
   }
 }
 
