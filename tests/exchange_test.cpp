@@ -154,6 +154,7 @@ TEST_CASE("exchange: the same whatever bounds say, and whatever is as short") {
       check_all_bounds_alike(9, 4001, 90, floating, grid);
       check_all_bounds_alike(5, 4001, 1000, floating, grid);  // many more sites than slots
     }
+    check_all_bounds_alike(8, 6003, 600, floating, false);  // edges whose known moves are all gone
   }
 }
 

@@ -222,6 +222,7 @@ TEST_CASE("ranks: balanced codebooks are those of one process") {
   near.tolerance = 1e-3;
   near.threads = 2;
   check_training(clouds<double>(3, 17'011, 2), 20, near);
+  check_training(clouds<float>(8, 9011, 2), 300, near);
   // Bred seeds, at first on a sample.
   CodebookOptions bred = near;
   bred.effort = 4;

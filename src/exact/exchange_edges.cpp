@@ -257,11 +257,11 @@ void ExchangeGraph::insert(const Mover& mover) {
 
 /// A way for a point that has come.
 void ExchangeGraph::add_move(Cell& cell, std::size_t slot, const Move& move) {
-  if (move.cost < cell.bound[slot]) {
-    cell.bound[slot] = move.cost;
-    double& page = cell.page[slot / kPage];
-    page = std::min(page, move.cost - weights_[cell.to[slot]]);
-  }
+  cell.bound[slot] = std::min(cell.bound[slot], move.cost);
+  // Not only where the bound falls: one of an edge whose known moves are all gone may be below its
+  // page's.
+  double& page = cell.page[slot / kPage];
+  page = std::min(page, move.cost - weights_[cell.to[slot]]);
   if (cell.weighed[slot] == kNotWeighed) return;
   Moves& moves = moves_of(cell, slot);
   if (moves.beyond < move) return;
