@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "random.h"
 #include "support/files.h"
 
 namespace ccvt::test {
@@ -62,6 +63,14 @@ double union_area(const ccvt::Columns<Scalar>& dots, double radius, int width, i
     }
   }
   return static_cast<double>(covered) / (fine * fine);
+}
+
+/// Dots anywhere in a square.
+Points<double> scattered(Index count, double side) {
+  ccvt::Random random(5, 1);
+  Points<double> dots(2, count);
+  for (double& x : dots.reshaped()) x = side * random.uniform();
+  return dots;
 }
 
 }  // namespace
@@ -193,8 +202,11 @@ TEST_CASE("dot radius: single dots and overlaps") {
   const Points<double> many = Eigen::Vector2d(50, 40).replicate(1, 9);
   CHECK(dot_radius_for(many, 100, 80, 100) ==
         doctest::Approx(std::sqrt(100 / std::numbers::pi)).epsilon(0.01));
-  const Points<double> random = (Points<double>::Random(2, 60).array() + 1) * 40;
-  for (const double ink : {10.0, 500.0, 3000.0, 5500.0, 6400.0}) {
+  const Points<double> random = scattered(60, 80);
+  // Dots that small lie apart.
+  CHECK(60 * std::numbers::pi * std::pow(dot_radius_for(random, 80, 80, 10), 2) ==
+        doctest::Approx(10).epsilon(0.01));
+  for (const double ink : {500.0, 3000.0, 5500.0, 6400.0}) {
     const double radius = dot_radius_for(random, 80, 80, ink);
     CAPTURE(ink);
     CHECK(union_area(ccvt::Columns<double>(random), radius, 80, 80) ==
@@ -213,7 +225,7 @@ TEST_CASE("SVG has one circle a dot, where the dot is") {
   stippling.width = 40;
   stippling.height = 30;
   stippling.dot_radius = 0.5;
-  stippling.dots = (Points<double>::Random(2, 500).array() + 1) * 15;
+  stippling.dots = scattered(500, 30);
   stippling.dots.eigen().col(0) << 0, 12;
   write_svg(directory / "s.svg", stippling);
   const std::string svg = get(directory / "s.svg");
