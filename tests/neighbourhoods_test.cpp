@@ -93,17 +93,21 @@ TEST_CASE("neighbourhoods: clouds that lie apart are in groups of their own") {
 
 TEST_CASE_TEMPLATE("pricing of many sites with few points each finds what looking at all finds",
                    Scalar, float, double) {
-  for (const int dimension : {2, 5, 24}) {
+  for (const int dimension : {2, 3, 5, 24}) {
     CAPTURE(dimension);
-    const std::size_t n = dimension == 5 ? 2100 : 700;
+    const bool line = dimension == 3;  // of which each site would be a group of its own
+    const std::size_t n = dimension == 5 ? 2100 : line ? 540 : 700;
     const auto width = static_cast<std::size_t>(dimension);
-    const std::vector<double> sites = clouds(n, width, 2);
+    std::vector<double> sites = clouds(n, width, 2);
+    for (std::size_t k = 0; line && k < sites.size(); ++k) {
+      sites[k] = 1e-2 * static_cast<double>(k / width);
+    }
     const std::vector<double> many = clouds(5 * n, width, 3);
     const ccvt::Points<Scalar> points = as_points(many, dimension).template cast<Scalar>();
     Random random(4, 4);
     std::vector<double> weights(n);
     for (double& weight : weights) weight = 0.2 * random.uniform();
-    weights[n - 1] = weights[n - 2];  // they are in one place
+    weights[n - 1] = weights[n - 2];  // they are in one place, but along a line
     std::vector<Index> given(5 * n);
     for (Index& owner : given) owner = random.index_below(static_cast<Index>(n));
     const Metric metric(dimension, Domain());

@@ -202,25 +202,31 @@ template <class Scalar>
 std::vector<Index> Pricer<Scalar>::cheapest(const WeightedSites& sites) const {
   const std::size_t n = sites.count();
   std::vector<Index> owners(static_cast<std::size_t>(points_.count));
-  if (n < kManySites || metric_.periodic()) {
-    const std::vector<double> centre(sites.at(SiteNumber(0)), sites.at(SiteNumber(1)));
-    price_regions({.sites = sites,
-                   .owners = owners,
-                   .first = true,
-                   .packs = packs_of(sites.position, sites.dimension)},
-                  std::vector<Index>(owners.size(), 0), centre);
-    return owners;
-  }
-  // Of the sites near the centre that is nearest; then of those that may be cheaper.
-  const auto most = static_cast<std::size_t>(std::sqrt(static_cast<double>(n)));
+  if (n >= kManySites && !metric_.periodic() && cheapest_by_groups(sites, owners)) return owners;
+  const std::vector<double> centre(sites.at(SiteNumber(0)), sites.at(SiteNumber(1)));
+  price_regions({.sites = sites,
+                 .owners = owners,
+                 .first = true,
+                 .packs = packs_of(sites.position, sites.dimension)},
+                std::vector<Index>(owners.size(), 0), centre);
+  return owners;
+}
+
+/// Of the sites near the centre that is nearest; then of those that may be cheaper. False, and
+/// nothing is done, where most sites are groups of their own, as where they lie along a line.
+template <class Scalar>
+bool Pricer<Scalar>::cheapest_by_groups(const WeightedSites& sites,
+                                        std::vector<Index>& owners) const {
+  const auto most = static_cast<std::size_t>(std::sqrt(static_cast<double>(sites.count())));
   const SiteGroups groups(sites, most, arena_);
+  if (2 * groups.count() > sites.count()) return false;
   const std::vector<double> none(groups.count(), 0.0);
   const std::vector<Index> region = cheapest({groups.centres, none});
   for (const bool first : {true, false}) {
     price_regions({.sites = sites, .owners = owners, .first = first, .groups = &groups}, region,
                   groups.centres);
   }
-  return owners;
+  return true;
 }
 
 /// What a part costs now, and how far it reaches.

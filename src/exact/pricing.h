@@ -68,6 +68,7 @@ class Pricer {
   std::vector<Part> parts_of(Task& task, const Grouping& groups) const;
   static std::vector<Part> parts_around(std::span<const double> centres, const Grouping& groups);
   [[nodiscard]] Prices total(PriceSums own) const;
+  bool cheapest_by_groups(const WeightedSites& sites, std::vector<Index>& owners) const;
   PriceSums price_regions(const Task& task, std::span<const Index> region,
                           std::span<const double> centres) const;
   PriceSums price_cells(const WeightedSites& sites, std::vector<Index>& owners,
