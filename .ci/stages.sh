@@ -120,8 +120,9 @@ pages() {
 
 # By MPI, with the library and the program that the release preset built.
 several_processes() {  # which tests
-  cmake/install-packages.sh libopenmpi-dev openmpi-bin &&
+  cmake/install-packages.sh libopenmpi-dev openmpi-bin fish groff-base zsh &&
     cmake --preset release -DCCVT_BUILD_MPI=ON && cmake --build --preset release -j "$jobs" &&
+    tests/pages/check.sh build/release/bin/ccvt build/release/pages build/release/bin/ccvt-mpi &&
     ctest --preset release -R "$1"
 }
 

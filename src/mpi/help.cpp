@@ -53,11 +53,14 @@ constexpr const char* kForCcvtOnly = "is for ccvt only, not for several processe
 const std::string& balanced() {
   static const std::string text = "Several processes start balanced: in up to " +
                                   std::to_string(kBalancedDimensions) +
-                                  " dimensions, and with the presets that do.\n\n";
+                                  " dimensions, and with the presets that do.";
   return text;
 }
 
-std::string example(const std::string& line) { return "Example: mpirun -n 4 ccvt-mpi " + line; }
+/// What a command's help ends with: an example, and what else there is to know.
+std::string ending(const std::string& line, const std::string& notes = "") {
+  return "Example: mpirun -n 4 ccvt-mpi " + line + (notes.empty() ? "" : "\n\n" + notes);
+}
 
 }  // namespace
 
@@ -71,17 +74,15 @@ void fit_help(CLI::App& app) {
       option->description(text);
     }
   }
-  app.get_subcommand("sample")->footer(
-      balanced() + example("sample --dim 3 --sites 262144 --periodic -o sites.npy"));
-  app.get_subcommand("tessellate")
-      ->footer(balanced() + example("tessellate points.npy --sites 1000 -o sites.npy"));
-  app.get_subcommand("quantize")
-      ->footer("With --method pairwise each process has all vectors.\n\n" +
-               example("quantize vectors.fvecs --codewords 1024 -o codebook.npy"));
-  app.get_subcommand("encode")->footer(
-      example("encode vectors.fvecs --codebook codebook.npy -o codes.npy"));
-  app.get_subcommand("volume")->footer(balanced() +
-                                       example("volume scan.nii --sites 20000 -o samples.ply"));
+  const auto end = [&app](const char* command, const std::string& text) {
+    app.get_subcommand(command)->footer(text);
+  };
+  end("sample", ending("sample --dim 3 --sites 262144 --periodic -o sites.npy", balanced()));
+  end("tessellate", ending("tessellate points.npy --sites 1000 -o sites.npy", balanced()));
+  end("quantize", ending("quantize vectors.fvecs --codewords 1024 -o codebook.npy",
+                         "With --method pairwise each process has all vectors."));
+  end("encode", ending("encode vectors.fvecs --codebook codebook.npy -o codes.npy"));
+  end("volume", ending("volume scan.nii --sites 20000 -o samples.ply", balanced()));
 }
 
 void require_command(const CLI::App& app, const std::string& word) {

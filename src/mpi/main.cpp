@@ -11,11 +11,11 @@
 #include "ccvt/mpi.h"
 #include "ccvt/version.h"
 #include "cli/command_line.h"
-#include "cli/commands.h"
 #include "cli/run.h"
 #include "cli/signals.h"
 #include "cli/standard_streams.h"
 #include "cli/streams.h"
+#include "command_line.h"
 #include "commands.h"
 #include "help.h"
 
@@ -27,41 +27,17 @@ namespace {
 
 using ccvt::mpi::Session;
 
-constexpr const char* kExamples =
-    "Each of the processes that mpirun starts has its part of the points; what comes out is what\n"
-    "ccvt gives, to the bit. The options are those of ccvt; points and vectors are read from\n"
-    ".npy, .fvecs and .bvecs, and what there is for each of them is written to .npy. Of a\n"
-    "volume each reads its layers.\n"
-    "\n"
-    "Examples:\n"
-    "  mpirun -n 4 ccvt-mpi sample --dim 3 --sites 262144 --periodic -o sites.npy\n"
-    "  mpirun -n 4 ccvt-mpi tessellate points.npy --sites 1000 -o sites.npy\n"
-    "  mpirun -n 4 ccvt-mpi quantize vectors.fvecs --codewords 1024 -o codebook.npy\n"
-    "  mpirun -n 4 ccvt-mpi encode vectors.fvecs --codebook codebook.npy -o codes.npy\n"
-    "  mpirun -n 4 ccvt-mpi volume scan.nii --sites 20000 -o samples.ply\n"
-    "\n"
-    "Open MPI's mpirun answers Ctrl-C by ending all: only what --checkpoint keeps is left then.\n"
-    "Files are files: no FILE may be -. Exit status: as of ccvt.";
-
 int run(const Session& session, int argc, char** argv) {
-  CLI::App app("Capacity-constrained Voronoi tessellation by several processes", "ccvt-mpi");
-  ccvt::cli::set_up(app);
-  app.footer(kExamples);
-  ccvt::cli::SampleArguments sample;
-  ccvt::cli::TessellateArguments tessellate;
-  ccvt::cli::QuantizeArguments quantize;
-  ccvt::cli::EncodeArguments encode;
-  ccvt::cli::VolumeArguments volume;
+  ccvt::mpi::CommandLine line;
   const ccvt::cli::Commands commands = {
-      {add_sample(app, sample), [&] { return run_sample(session, sample); }},
-      {add_tessellate(app, tessellate), [&] { return run_tessellate(session, tessellate); }},
-      {add_quantize(app, quantize), [&] { return run_quantize(session, quantize); }},
-      {add_encode(app, encode), [&] { return run_encode(session, encode); }},
-      {add_volume(app, volume), [&] { return run_volume(session, volume); }},
+      {line.sample.command, [&] { return run_sample(session, line.sample.arguments); }},
+      {line.tessellate.command, [&] { return run_tessellate(session, line.tessellate.arguments); }},
+      {line.quantize.command, [&] { return run_quantize(session, line.quantize.arguments); }},
+      {line.encode.command, [&] { return run_encode(session, line.encode.arguments); }},
+      {line.volume.command, [&] { return run_volume(session, line.volume.arguments); }},
   };
-  ccvt::mpi::fit_help(app);
-  if (argc > 1) ccvt::mpi::require_command(app, argv[1]);
-  return ccvt::cli::parse_and_run(app, commands, argc, argv, [&](const std::string& text) {
+  if (argc > 1) ccvt::mpi::require_command(line.app, argv[1]);
+  return ccvt::cli::parse_and_run(line.app, commands, argc, argv, [&](const std::string& text) {
     if (session.is_first()) ccvt::cli::print(text);
   });
 }

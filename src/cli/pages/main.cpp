@@ -3,37 +3,24 @@
 
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <stdexcept>
-#include <string>
 
 #include "cli/command_line.h"
-#include "cli/help.h"
 #include "cli/pages/completions.h"
 #include "cli/pages/manual.h"
+#include "cli/pages/page_file.h"
 
 namespace {
-
-void write(const std::filesystem::path& path, const std::string& text) {
-  std::filesystem::create_directories(path.parent_path());
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw std::runtime_error(path.string() + ": cannot be written");
-}
 
 void write_pages(const std::filesystem::path& directory) {
   const ccvt::cli::CommandLine line;
   const CLI::App& app = line.app();
-  write(directory / "man1" / "ccvt.1", ccvt::cli::manual_page(app, nullptr));
-  for (const CLI::App* const command : ccvt::cli::commands_of(app)) {
-    write(directory / "man1" / ("ccvt-" + command->get_name() + ".1"),
-          ccvt::cli::manual_page(app, command));
-  }
-  write(directory / "completions" / "ccvt.bash", ccvt::cli::bash_completion(app));
-  write(directory / "completions" / "_ccvt", ccvt::cli::zsh_completion(app));
-  write(directory / "completions" / "ccvt.fish", ccvt::cli::fish_completion(app));
+  ccvt::cli::write_manual(app, directory / "man1");
+  using ccvt::cli::write_page;
+  write_page(directory / "completions" / "ccvt.bash", ccvt::cli::bash_completion(app));
+  write_page(directory / "completions" / "_ccvt", ccvt::cli::zsh_completion(app));
+  write_page(directory / "completions" / "ccvt.fish", ccvt::cli::fish_completion(app));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "ccvt/version.h"
 #include "cli/help.h"
+#include "cli/pages/page_file.h"
 
 namespace ccvt::cli {
 
@@ -66,8 +67,9 @@ std::string footer_text(const CLI::App& command) {
 
 std::string manual_page(const CLI::App& app, const CLI::App* command) {
   const CLI::App& shown = command == nullptr ? app : *command;
-  const std::string name = command == nullptr ? "ccvt" : "ccvt-" + command->get_name();
-  const std::string line = command == nullptr ? "ccvt" : "ccvt " + command->get_name();
+  const std::string& program = app.get_name();
+  const std::string name = command == nullptr ? program : program + "-" + command->get_name();
+  const std::string line = command == nullptr ? program : program + " " + command->get_name();
   std::string page = ".TH " + upper(name) + " 1 \"\" \"ccvt " CCVT_VERSION "\" \"ccvt\"\n";
   page += ".SH NAME\n" + escaped(name) + " \\- " + escaped(shown.get_description()) + "\n";
   page += ".SH SYNOPSIS\n" + escaped(usage_of(shown, line)) + "\n";
@@ -78,7 +80,7 @@ std::string manual_page(const CLI::App& app, const CLI::App* command) {
   if (!commands.empty()) page += ".SH COMMANDS\n";
   for (const CLI::App* const one : commands) {
     page += tagged(bold(one->get_name()),
-                   one->get_description() + ": see ccvt-" + one->get_name() + "(1)");
+                   one->get_description() + ": see " + program + "-" + one->get_name() + "(1)");
   }
   page += ".SH OPTIONS\n";
   for (const OptionGroup& group : option_groups(shown)) {
@@ -88,8 +90,16 @@ std::string manual_page(const CLI::App& app, const CLI::App* command) {
   const std::string streams = streams_text(shown);
   if (!streams.empty()) page += ".SH STANDARD STREAMS\n" + escaped(streams) + "\n";
   page += footer_text(shown);
-  if (command != nullptr) page += ".SH SEE ALSO\n.BR ccvt (1)\n";
+  if (command != nullptr) page += ".SH SEE ALSO\n.BR " + escaped(program) + " (1)\n";
   return page;
+}
+
+void write_manual(const CLI::App& app, const std::filesystem::path& directory) {
+  write_page(directory / (app.get_name() + ".1"), manual_page(app, nullptr));
+  for (const CLI::App* const command : commands_of(app)) {
+    write_page(directory / (app.get_name() + "-" + command->get_name() + ".1"),
+               manual_page(app, command));
+  }
 }
 
 }  // namespace ccvt::cli

@@ -1,11 +1,15 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <string>
 
 namespace ccvt::cli {
 
-/// A manual page in roff: of the whole program (`command` empty), or of one command.
+/// The manual page of a program, or of one of its commands, as roff for man.
 std::string manual_page(const CLI::App& app, const CLI::App* command);
+
+/// Writes the pages of a program and of all its commands into a directory.
+void write_manual(const CLI::App& app, const std::filesystem::path& directory);
 
 }  // namespace ccvt::cli
