@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ccvt/io.h"
+#include "ccvt/point_cloud.h"
 #include "support/files.h"
 #include "support/message.h"
 #include "support/npy.h"
@@ -58,6 +59,12 @@ TEST_CASE("columns: those that a header calls x, y, z or x0, x1 are the coordina
        {"x", "y"},
        {"city", "heat, in K"}},
       {"name x y\n'a 1 2\n\"b c\" 3 4\n", matrix(2, {1, 2, 3, 4}), {"x", "y"}, {"name"}},
+      // Tabs of a header keep blanks together, in rows that have as many.
+      {"home town\tx\ty\nNew York\t1\t2\n\t 3\t4 \nRome 5   6\n",
+       matrix(2, {1, 2, 3, 4, 5, 6}),
+       {"x", "y"},
+       {"home town"}},
+      {"\t1\t2\n 3\t 4\n", matrix(2, {1, 2, 3, 4}), {}, {}},
       // Without x or x0 all are, as in a file without a header.
       {"longitude in degrees, latitude\n1,2\n",
        matrix(2, {1, 2}),
@@ -67,6 +74,7 @@ TEST_CASE("columns: those that a header calls x, y, z or x0, x1 are the coordina
       {"1,2\n", matrix(2, {1, 2}), {}, {}},
       // A title, not a list of names.
       {"points of x\n1 2\n", matrix(2, {1, 2}), {}, {}},
+      {"points, of x\n1 2 3\n", matrix(3, {1, 2, 3}), {}, {}},
   };
   for (const Case& c : cases) {
     CAPTURE(c.text);
@@ -77,6 +85,24 @@ TEST_CASE("columns: those that a header calls x, y, z or x0, x1 are the coordina
     CHECK(header.columns == c.columns);
     CHECK(header.left_out == c.left_out);
   }
+}
+
+TEST_CASE("columns: a header names all or none") {
+  const TemporaryDirectory directory;
+  const auto refusal = [&](const std::string& text) {
+    const auto path = put(directory / "p.csv", text);
+    const std::string message = message_of([&] { read_points<double>(path); });
+    CHECK(message_of([&] { inspect_points(path); }) == message);
+    CHECK(message_of([&] { ccvt::read_point_cloud(path); }) == message);
+    return message.substr(message.find("p.csv"));
+  };
+  const std::string rule = "; all columns need a name, or none";
+  CHECK(refusal("# cities\nx,y\n1,2,3\n") ==
+        "p.csv: line 3: has 3 fields, but line 2 names 2 columns" + rule);
+  CHECK(refusal("x;y;m\n1;2\n") ==
+        "p.csv: line 2: has 2 fields, but line 1 names 3 columns" + rule);
+  CHECK(refusal("x\ty\n\n1\t2\t3\n") ==
+        "p.csv: line 3: has 3 fields, but line 1 names 2 columns" + rule);
 }
 
 TEST_CASE("columns: by name or number, in any order, from every format") {

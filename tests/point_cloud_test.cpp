@@ -145,6 +145,29 @@ TEST_CASE("text: fields are written word by word, with a header where there was 
   CHECK(get(directory / "q.txt") == "3 4 2\n");
 }
 
+TEST_CASE("text: what a field holds stays one field, whatever parts fields") {
+  const TemporaryDirectory directory;
+  const std::vector<Index> all = {0, 1, 2, 3};
+  const std::string rows =
+      "1,2,New York,\"a, b\",\n3,4,Rome,\"say \"\"hi\"\"\",7\n5,6,\"#1\",;,x\n7,8,1;5,,\" \"\n";
+  const auto path = put(directory / "p.csv", "x,y,\"the, town\",b,c\n" + rows);
+  const PointCloud cloud = read_point_cloud(path);
+  REQUIRE(cloud.points.cols() == 4);
+  write_point_cloud(directory / "q.csv", cloud, all, all);
+  CHECK(get(directory / "q.csv") ==
+        "x,y,\"the, town\",b,c,count\n1,2,New York,\"a, b\",,0\n3,4,Rome,\"say \"\"hi\"\"\",7,1\n"
+        "5,6,\"#1\",\";\",x,2\n7,8,\"1;5\",,\" \",3\n");
+  write_point_cloud(directory / "q.txt", cloud, all, all);
+  CHECK(get(directory / "q.txt") ==
+        "x y \"the, town\" b c count\n1 2 \"New York\" \"a, b\" \"\" 0\n"
+        "3 4 Rome \"say \"\"hi\"\"\" 7 1\n5 6 \"#1\" \";\" x 2\n7 8 \"1;5\" \"\" \" \" 3\n");
+  for (const char* const again : {"q.csv", "q.txt"}) {
+    const PointCloud back = read_point_cloud(directory / again);
+    CHECK(back.points == cloud.points);
+    CHECK(back.kept == std::vector<std::string>{"the, town", "b", "c", "count"});
+  }
+}
+
 TEST_CASE("points of other files are written with their counts") {
   const TemporaryDirectory directory;
   Points<float> points(3, 2);

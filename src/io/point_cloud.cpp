@@ -23,6 +23,8 @@ namespace {
 using Records = PointCloud::Records;
 
 constexpr std::size_t kBlock = std::size_t{1} << 16;
+/// Ends each field of a text's records: no field has one.
+constexpr char kFieldEnd = '\n';
 
 /// Which of the columns that are no coordinates are nx, ny and nz, all three; else nothing.
 std::vector<std::size_t> find_normals(const std::vector<std::string>& names,
@@ -156,12 +158,15 @@ void write_ply(const std::filesystem::path& path, const PointCloud& cloud,
              });
 }
 
-/// Words that are parted by blanks, and one more.
-void append_row(std::string& text, std::string_view words, const std::string& last,
+/// Fields, and one more.
+void append_row(std::string& text, std::string_view fields, const std::string& last,
                 char separator) {
-  const std::size_t from = text.size();
-  text += words;
-  std::replace(text.begin() + static_cast<std::ptrdiff_t>(from), text.end(), ' ', separator);
+  while (!fields.empty()) {
+    const std::size_t end = fields.find(kFieldEnd);
+    append_field(text, fields.substr(0, end), separator);
+    text += separator;
+    fields.remove_prefix(end + 1);
+  }
   text += last + '\n';
 }
 
@@ -177,21 +182,24 @@ void write_text(const std::filesystem::path& path, char separator, const PointCl
     }
   }
   std::string head;
-  for (const std::string& name : names) head += name + separator;
+  for (const std::string& name : names) {
+    append_field(head, name, separator);
+    head += separator;
+  }
   if (!names.empty()) head += count_name(names) + '\n';
   write_rows(path, head, chosen.size(), [&](std::size_t k, std::string& text) {
-    std::string words;
+    std::string fields;
     if (whole) {
-      words = cloud.records->record(chosen[k]);
+      fields = cloud.records->record(chosen[k]);
     } else {
       for (std::ptrdiff_t d = 0; d < cloud.points.rows(); ++d) {
         const double x = cloud.points(d, chosen[k]);
-        cloud.scalar == ScalarType::float32 ? append(words, static_cast<float>(x))
-                                            : append(words, x);
-        words += ' ';
+        cloud.scalar == ScalarType::float32 ? append(fields, static_cast<float>(x))
+                                            : append(fields, x);
+        fields += kFieldEnd;
       }
     }
-    append_row(text, words, std::to_string(counts[k]), separator);
+    append_row(text, fields, std::to_string(counts[k]), separator);
   });
 }
 
@@ -222,7 +230,7 @@ PointCloud read_text_cloud(const std::filesystem::path& path, const ReadOptions&
   const std::uint64_t first_line = rows.line();
   auto records = std::make_shared<Records>();
   records->kind = Records::Kind::text;
-  if (rows.names().size() == fields) records->names = rows.names();
+  records->names = rows.names();
   const TableColumns columns = choose_columns(rows.file(), options.columns, records->names, fields);
   const auto normal_columns = find_normals(records->names, columns.at);
   std::vector<double> points;
@@ -238,7 +246,7 @@ PointCloud read_text_cloud(const std::filesystem::path& path, const ReadOptions&
       rows.fail("is one point too many; at most 2147483647 are supported");
     }
     records->first.push_back(records->bytes.size());
-    for (const std::string_view field : rows.fields()) (records->bytes += field) += ' ';
+    for (const std::string_view text : rows.texts()) (records->bytes += text) += kFieldEnd;
     for (const std::size_t at : columns.at) points.push_back(parse_field(rows, at, false));
     std::array<double, 3> normal{};
     for (std::size_t k = 0; k < normal_columns.size(); ++k) {

@@ -68,10 +68,7 @@ io::TableColumns text_columns(const TextRows& rows, const ReadOptions& options) 
   if (count > kMostDimensions) {
     rows.fail("has " + std::to_string(count) + " coordinates; at most 16777216 are supported");
   }
-  // A header that is no list of names, such as a title.
-  const bool named = rows.names().size() == count;
-  return io::choose_columns(rows.file(), options.columns,
-                            named ? rows.names() : std::vector<std::string>(), count);
+  return io::choose_columns(rows.file(), options.columns, rows.names(), count);
 }
 
 /// Parses the coordinates of the row that `rows` is at.

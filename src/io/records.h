@@ -11,7 +11,8 @@
 namespace ccvt {
 
 /// Of a PLY file the vertices, each as it is encoded, in ascii its words with a blank after each;
-/// of a text file the fields of each line, in the same way. Of other files nothing.
+/// of a text file the fields of each line, with their quotes, and a line feed after each. Of other
+/// files nothing.
 struct PointCloud::Records {
   enum class Kind { none, ply, text };
 

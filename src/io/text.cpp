@@ -82,19 +82,33 @@ const char* check_finite(double value) {
 
 TextRows::TextRows(const std::filesystem::path& path) : lines_(path, "a table of numbers") {}
 
+char TextRows::separator_of_next(std::string_view line) const {
+  const char separator = separator_of(line, separator_ == '\t' ? ' ' : separator_);
+  if (separator != ' ') return separator;
+  std::size_t tabs = 0;
+  visit_unquoted(first_ ? trimmed(line) : line, [&](std::size_t, char c) {
+    if (c == '\t') ++tabs;
+    return true;
+  });
+  const bool as_named = names_separator_ == '\t' && tabs + 1 == names_.size();
+  return (first_ ? tabs > 0 : as_named) ? '\t' : ' ';
+}
+
 /// Text between quotes, of a column that nobody reads, may hold anything.
-void TextRows::split(std::string_view line) {
+void TextRows::split(std::string_view line, char separator) {
+  separator_ = separator;
   fields_.clear();
-  line = trimmed(line);
-  if (line.empty()) return;
-  separator_ = separator_of(line, separator_);
-  const auto parts = [&](char c) { return separator_ == ' ' ? is_blank(c) : c == separator_; };
+  texts_.clear();
+  if (trimmed(line).empty()) return;
+  if (separator != '\t') line = trimmed(line);
+  const auto parts = [&](char c) { return separator == ' ' ? is_blank(c) : c == separator; };
   std::size_t start = 0;
   const auto end_field = [&](std::size_t end) {
     const std::string_view field = trimmed(line.substr(start, end - start));
     start = end + 1;
-    if (separator_ == ' ' && field.empty()) return;  // several blanks
+    if (separator == ' ' && field.empty()) return;  // several blanks
     fields_.push_back(is_quoted(field) ? field.substr(1, field.size() - 2) : field);
+    texts_.push_back(field);
   };
   visit_unquoted(line, [&](std::size_t at, char c) {
     if (parts(c)) end_field(at);
@@ -107,17 +121,31 @@ bool TextRows::next() {
   std::string_view line;
   while (lines_.next(line)) {
     if (lines_.number() == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
-    split(without_comment(line));
+    line = without_comment(line);
+    split(line, separator_of_next(line));
     if (fields_.empty()) continue;
     const bool header = first_ && std::none_of(fields_.begin(), fields_.end(), looks_numeric);
-    first_ = false;
     if (header) {
       names_.assign(fields_.begin(), fields_.end());
-      continue;
+      names_separator_ = separator_;
+      names_line_ = lines_.number();
+    } else if (first_ && separator_ == '\t') {
+      split(line, ' ');
     }
-    return true;
+    first_ = false;
+    if (!header) return true;
   }
   return false;
+}
+
+std::vector<std::string> TextRows::names() const {
+  if (names_.size() == fields_.size()) return names_;
+  // A title has blanks, or what parts no fields.
+  const bool list = names_separator_ == separator_ || names_separator_ == '\t';
+  if (names_.size() < 2 || names_separator_ == ' ' || !list) return {};
+  fail("has " + std::to_string(fields_.size()) + " fields, but line " +
+       std::to_string(names_line_) + " names " + std::to_string(names_.size()) +
+       " columns; all columns need a name, or none");
 }
 
 void TextRows::fail_field(std::size_t at, const char* wrong) const {
@@ -159,6 +187,21 @@ const char* parse(std::string_view field, std::int32_t& value) {
   const auto error = parse_whole(field, value).ec;
   if (error == std::errc::result_out_of_range) return "does not fit 32 bits";
   return error == std::errc() ? nullptr : "is not a whole number";
+}
+
+void append_field(std::string& text, std::string_view field, char separator) {
+  const auto parts = [&](char c) { return is_separator(c) || (separator == ' ' && is_blank(c)); };
+  const bool whole =
+      is_quoted(field) ||
+      (trimmed(field).size() == field.size() && std::none_of(field.begin(), field.end(), parts) &&
+       field.find('#') == std::string_view::npos && !(separator == ' ' && field.empty()));
+  if (whole) {
+    text += field;
+    return;
+  }
+  text += '"';
+  for (const char c : field) text += c == '"' ? std::string(2, c) : std::string(1, c);
+  text += '"';
 }
 
 void append(std::string& text, float value) { append_text(text, value); }

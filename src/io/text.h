@@ -13,7 +13,7 @@ namespace ccvt::io {
 
 /// The rows of fields of a text file, without comments, blank lines and the header. Fields are
 /// parted by commas, or semicolons, or blanks, and may stand between quotes, where these part
-/// nothing.
+/// nothing. Where tabs part what a header calls the columns, they part rows of as many fields too.
 class TextRows {
  public:
   explicit TextRows(const std::filesystem::path& path);
@@ -22,8 +22,11 @@ class TextRows {
   bool next();
   /// The fields of the row, valid until the next call of next(). Never empty.
   [[nodiscard]] const std::vector<std::string_view>& fields() const { return fields_; }
-  /// What the header calls the columns; empty where there is none. After next().
-  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+  /// The same with the quotes that they stand between.
+  [[nodiscard]] const std::vector<std::string_view>& texts() const { return texts_; }
+  /// What the header calls the columns of the row; empty where there is none, or a title in its
+  /// place. Throws InvalidInput where it names more or fewer.
+  [[nodiscard]] std::vector<std::string> names() const;
   /// 1-based number of the line that the row is on.
   [[nodiscard]] std::uint64_t line() const { return lines_.number(); }
   /// Counts the lines left in the file, by their ends; next() is then of no use any more.
@@ -38,15 +41,23 @@ class TextRows {
   [[nodiscard]] const InputFile& file() const { return lines_.file(); }
 
  private:
-  /// Fills fields_.
-  void split(std::string_view line);
+  [[nodiscard]] char separator_of_next(std::string_view line) const;
+  /// Fills fields_ and texts_.
+  void split(std::string_view line, char separator);
 
   Lines lines_;
   bool first_ = true;
   char separator_ = ' ';  ///< of the last line
   std::vector<std::string_view> fields_;
+  std::vector<std::string_view> texts_;
   std::vector<std::string> names_;
+  char names_separator_ = ' ';
+  std::uint64_t names_line_ = 0;
 };
+
+/// Appends the text of a field, put between quotes where that separator, ',' or ' ', would not
+/// leave it whole.
+void append_field(std::string& text, std::string_view field, char separator);
 
 /// The value of a whole field. Sets it and returns nullptr, or returns what is wrong with it.
 const char* parse(std::string_view field, float& value);
