@@ -1,6 +1,7 @@
 #include "cli/argument_kinds.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <map>
 #include <sstream>
@@ -200,13 +201,18 @@ void add_box(CLI::App& app, std::vector<double>& box, const std::string& descrip
 }
 
 std::vector<std::string> reversed_arguments(int argc, const char* const* argv) {
+  // What is a number to C, such as nan, is --box's to refuse.
+  const auto is_number = [](const char* text) {
+    char* end = nullptr;
+    std::strtod(text, &end);
+    return end != text && *end == '\0';
+  };
   std::vector<std::string> result;
   for (int i = 1; i < argc; ++i) {
     result.emplace_back(argv[i]);
     if (result.back() != "--box") continue;
     std::string numbers;
-    double value = 0;
-    while (i + 1 < argc && parse_number(argv[i + 1], Range<double>{}, value).empty()) {
+    while (i + 1 < argc && is_number(argv[i + 1])) {
       numbers += (numbers.empty() ? "" : " ") + std::string(argv[++i]);
     }
     if (!numbers.empty()) result.back() += "=" + numbers;

@@ -83,8 +83,10 @@ std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* const command = given.empty() ? nullptr : given.front();
   const std::string name = command == nullptr ? "" : command->get_name();
   const std::vector<std::string> unknown = app.remaining(true);
+  // A value that is not allowed may be the next option, whose own value is unknown then.
+  const bool known = unknown.empty() || error.get_name() == "ValidationError";
   const std::string what =
-      unknown.empty() ? reason(app, name, error) : unknown_word(app, command, unknown.front());
+      known ? reason(app, name, error) : unknown_word(app, command, unknown.front());
   return what + (what.ends_with("?") ? " See" : "; see") + " " + app.get_name() + " " +
          (name.empty() ? "" : name + " ") + "--help";
 }
