@@ -21,7 +21,7 @@ using ccvt::Arena;
 using ccvt::Box;
 using ccvt::Cells;
 using ccvt::Domain;
-using ccvt::ExactSum;
+using ccvt::CompensatedSum;
 using ccvt::Index;
 using ccvt::Metric;
 using ccvt::MovingCells;
@@ -250,7 +250,7 @@ TEST_CASE("a cell wears out when it changes much, or is large on a torus") {
 }
 
 TEST_CASE("a sum that takes away what it was given is as exact as one that never had it") {
-  ExactSum sum;
+  CompensatedSum sum;
   Random random(3);
   std::vector<double> large;
   for (int k = 0; k < 1000; ++k) large.push_back(1e9 * random.uniform());

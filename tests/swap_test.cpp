@@ -323,6 +323,22 @@ TEST_CASE_TEMPLATE("cells in patches: the same points move, and no others", Scal
   }
 }
 
+TEST_CASE_TEMPLATE("cells in patches that have next to no width: bins in it are not divided",
+                   Scalar, float, double) {
+  const Metric metric(2, Domain());
+  auto points = make_points<Scalar>(Layout::random, Box::unit(2), 9000);
+  for (Index p = 0; p < 9000; ++p) {
+    points(0, p) = p % 2 == 0 ? 0 : std::numeric_limits<Scalar>::denorm_min();
+  }
+  PairOfCells<Scalar> pair(metric, points, 4000);
+  Patches<Scalar> patches(2, 2);
+  wear(patches, pair.cells);
+  for (const SiteNumber s : pair.cells.sites()) {
+    CHECK(patches.has(s));
+    CHECK(box_faults(pair.cells, patches, s) == "");
+  }
+}
+
 // The kernels' cut is rounded as coordinates are, and bounds must be on that one.
 TEST_CASE("cells in patches far from the origin: their coordinates are coarse") {
   for (const double offset : {1e3, 1e4, 1e5}) {

@@ -16,7 +16,7 @@ namespace ccvt {
 
 /// A sum that loses no digits that matter: its rounding errors are summed, too [Knuth 1969; Dekker
 /// 1971].
-class ExactSum {
+class CompensatedSum {
  public:
   void add(double x) {
     const double sum = high_ + x;
@@ -99,10 +99,10 @@ class MovingCells {
   }
 
  private:
-  ExactSum& square(SiteNumber site) { return sums_[site * (dimension_ + 1) + dimension_]; }
+  CompensatedSum& square(SiteNumber site) { return sums_[site * (dimension_ + 1) + dimension_]; }
   template <class Scalar>
   void add(SiteNumber site, const Scalar* x, double sign) {
-    ExactSum* const sums = &sums_[site * (dimension_ + 1)];
+    CompensatedSum* const sums = &sums_[site * (dimension_ + 1)];
     double squared = 0;
     for (std::size_t d = 0; d < dimension_; ++d) {
       const double to = x[d];
@@ -119,7 +119,7 @@ class MovingCells {
   std::vector<double> origin_;  ///< of the sites, where they were taken
   std::vector<Index> count_;
   std::vector<Index> first_count_;
-  std::vector<ExactSum> sums_;  ///< of each site, for each dimension and of the squares
+  std::vector<CompensatedSum> sums_;  ///< of each site, for each dimension and of the squares
 };
 
 }  // namespace ccvt

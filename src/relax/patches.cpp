@@ -36,7 +36,9 @@ class Grid {
       const auto [low, high] = kernels::range(block, count);
       const double bins = std::max(1.0, std::floor(along * (last ? kBinsOfPatch : 1)));
       const double width = static_cast<double>(high) - static_cast<double>(low);
-      axes_.push_back({low, static_cast<Scalar>(width > 0 ? bins / width : 0),
+      // Where a cell is so narrow that this is infinite, it is not divided along.
+      const auto per_width = static_cast<Scalar>(width > 0 ? bins / width : 0);
+      axes_.push_back({low, std::isfinite(per_width) ? per_width : Scalar{0},
                        static_cast<std::uint32_t>(bins)});
     }
   }
