@@ -58,6 +58,11 @@ TEST_CASE("columns: those that a header calls x, y, z or x0, x1 are the coordina
        matrix(2, {1, 2, 3, 4, 5, 6}),
        {"x", "y"},
        {"city", "heat, in K"}},
+      // What parted fields before parts them after a blank line, too.
+      {"x;y;town\n1;2;Rome, GA\n\n# those that are far\n3;4;Paris, TX\n",
+       matrix(2, {1, 2, 3, 4}),
+       {"x", "y"},
+       {"town"}},
       {"name x y\n'a 1 2\n\"b c\" 3 4\n", matrix(2, {1, 2, 3, 4}), {"x", "y"}, {"name"}},
       // Tabs of a header keep blanks together, in rows that have as many.
       {"home town\tx\ty\nNew York\t1\t2\n\t 3\t4 \nRome 5   6\n",

@@ -84,14 +84,13 @@ TextRows::TextRows(const std::filesystem::path& path) : lines_(path, "a table of
 
 char TextRows::separator_of_next(std::string_view line) const {
   const char separator = separator_of(line, separator_ == '\t' ? ' ' : separator_);
-  if (separator != ' ') return separator;
+  if (separator != ' ' || !(first_ || names_separator_ == '\t')) return separator;
   std::size_t tabs = 0;
   visit_unquoted(first_ ? trimmed(line) : line, [&](std::size_t, char c) {
     if (c == '\t') ++tabs;
     return true;
   });
-  const bool as_named = names_separator_ == '\t' && tabs + 1 == names_.size();
-  return (first_ ? tabs > 0 : as_named) ? '\t' : ' ';
+  return (first_ ? tabs > 0 : tabs + 1 == names_.size()) ? '\t' : ' ';
 }
 
 /// Text between quotes, of a column that nobody reads, may hold anything.
@@ -99,7 +98,6 @@ void TextRows::split(std::string_view line, char separator) {
   separator_ = separator;
   fields_.clear();
   texts_.clear();
-  if (trimmed(line).empty()) return;
   if (separator != '\t') line = trimmed(line);
   const auto parts = [&](char c) { return separator == ' ' ? is_blank(c) : c == separator; };
   std::size_t start = 0;
@@ -122,8 +120,8 @@ bool TextRows::next() {
   while (lines_.next(line)) {
     if (lines_.number() == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
     line = without_comment(line);
+    if (trimmed(line).empty()) continue;
     split(line, separator_of_next(line));
-    if (fields_.empty()) continue;
     const bool header = first_ && std::none_of(fields_.begin(), fields_.end(), looks_numeric);
     if (header) {
       names_.assign(fields_.begin(), fields_.end());
@@ -200,7 +198,7 @@ void append_field(std::string& text, std::string_view field, char separator) {
     return;
   }
   text += '"';
-  for (const char c : field) text += c == '"' ? std::string(2, c) : std::string(1, c);
+  for (const char c : field) text.append(c == '"' ? 2 : 1, c);
   text += '"';
 }
 

@@ -42,7 +42,7 @@ class TextRows {
 
  private:
   [[nodiscard]] char separator_of_next(std::string_view line) const;
-  /// Fills fields_ and texts_.
+  /// Fills fields_ and texts_ from a line that is not blank.
   void split(std::string_view line, char separator);
 
   Lines lines_;
