@@ -20,8 +20,8 @@
 using ccvt::Arena;
 using ccvt::Box;
 using ccvt::Cells;
-using ccvt::Domain;
 using ccvt::CompensatedSum;
+using ccvt::Domain;
 using ccvt::Index;
 using ccvt::Metric;
 using ccvt::MovingCells;
