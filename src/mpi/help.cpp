@@ -57,9 +57,11 @@ const std::string& balanced() {
   return text;
 }
 
-/// What a command's help ends with: an example, and what else there is to know.
-std::string ending(const std::string& line, const std::string& notes = "") {
-  return "Example: mpirun -n 4 ccvt-mpi " + line + (notes.empty() ? "" : "\n\n" + notes);
+/// Ends a command's help with an example, and what else there is to know.
+void end(CLI::App& app, const std::string& command, const std::string& arguments,
+         const std::string& notes = "") {
+  app.get_subcommand(command)->footer("Example: mpirun -n 4 ccvt-mpi " + command + " " + arguments +
+                                      (notes.empty() ? "" : "\n\n" + notes));
 }
 
 }  // namespace
@@ -74,15 +76,12 @@ void fit_help(CLI::App& app) {
       option->description(text);
     }
   }
-  const auto end = [&app](const char* command, const std::string& text) {
-    app.get_subcommand(command)->footer(text);
-  };
-  end("sample", ending("sample --dim 3 --sites 262144 --periodic -o sites.npy", balanced()));
-  end("tessellate", ending("tessellate points.npy --sites 1000 -o sites.npy", balanced()));
-  end("quantize", ending("quantize vectors.fvecs --codewords 1024 -o codebook.npy",
-                         "With --method pairwise each process has all vectors."));
-  end("encode", ending("encode vectors.fvecs --codebook codebook.npy -o codes.npy"));
-  end("volume", ending("volume scan.nii --sites 20000 -o samples.ply", balanced()));
+  end(app, "sample", "--dim 3 --sites 262144 --periodic -o sites.npy", balanced());
+  end(app, "tessellate", "points.npy --sites 1000 -o sites.npy", balanced());
+  end(app, "quantize", "vectors.fvecs --codewords 1024 -o codebook.npy",
+      "With --method pairwise each process has all vectors.");
+  end(app, "encode", "vectors.fvecs --codebook codebook.npy -o codes.npy");
+  end(app, "volume", "scan.nii --sites 20000 -o samples.ply", balanced());
 }
 
 void require_command(const CLI::App& app, const std::string& word) {

@@ -18,7 +18,8 @@ from advice import ADVICE, CANNOT_BE_PROVOKED
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 PAGE = HERE / "README.md"
-SKIPPED = ("src/python/", "src/cli/pages/", "src/mpi/pages.cpp")  # of Python's tests, and of the build
+# Of Python's tests, and of the build.
+SKIPPED = ("src/python/", "src/cli/pages/", "src/mpi/pages.cpp")
 LONGEST = 300  # letters of an example
 
 TOKEN = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:[^"\\\n]|\\.)*"|\'(?:[^\'\\\n]|\\.)\'', re.S)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <string>
 
 #include "ccvt/version.h"
 #include "cli/help.h"
@@ -63,8 +64,7 @@ std::string footer_text(const CLI::App& command) {
   return text;
 }
 
-}  // namespace
-
+/// Of the whole program (`command` empty), or of one command.
 std::string manual_page(const CLI::App& app, const CLI::App* command) {
   const CLI::App& shown = command == nullptr ? app : *command;
   const std::string& program = app.get_name();
@@ -93,6 +93,8 @@ std::string manual_page(const CLI::App& app, const CLI::App* command) {
   if (command != nullptr) page += ".SH SEE ALSO\n.BR " + escaped(program) + " (1)\n";
   return page;
 }
+
+}  // namespace
 
 void write_manual(const CLI::App& app, const std::filesystem::path& directory) {
   write_page(directory / (app.get_name() + ".1"), manual_page(app, nullptr));
