@@ -43,14 +43,18 @@ inline double largest_coordinate(const Box& box) {
   return std::max(box.lower.eigen().cwiseAbs().maxCoeff(), box.upper.eigen().cwiseAbs().maxCoeff());
 }
 
-/// The same of points and sites. `measured`: see measured_domain().
+/// The same of points and sites. `measured`: see measured_domain(). A box that only bounds may be
+/// much wider than the points, and rounding is taken to be as large as coordinates can be.
 template <class Scalar>
 double largest_coordinate(const Problem<Scalar>& problem, const Domain& measured,
-                          const Box& bounding_box) {
-  double largest =
-      largest_coordinate(measured.is_partly_periodic() ? measured.box() : bounding_box);
-  const Columns<Scalar>& fixed = problem.fixed_sites();
-  if (fixed.size() > 0) largest = std::max(largest, double{fixed.eigen().cwiseAbs().maxCoeff()});
+                          const Arena& arena) {
+  double largest = largest_coordinate(measured.is_periodic() ? measured.box()
+                                                             : box_around_points(problem, arena));
+  for (const Columns<Scalar>* sites : {&problem.initial_sites(), &problem.fixed_sites()}) {
+    if (sites->size() > 0) {
+      largest = std::max(largest, double{sites->eigen().cwiseAbs().maxCoeff()});
+    }
+  }
   return largest;
 }
 

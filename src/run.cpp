@@ -230,6 +230,7 @@ void Run<Scalar>::place_sites() {
   const auto charge = arena.phase(Phase::sites);
   box = bounding_box(problem, arena);
   around = search_box(domain, box);
+  coordinate_bound = largest_coordinate(problem, domain, arena);
   const SiteState given = initial_sites(problem, metric, options.seed, arena);
   state.tiling = Tiling::of_points(problem.site_count(), problem.point_count(), options.tile_sites);
   site_of = spatial_order(given, state.tiling.sites_per_tile(), arena);
@@ -357,7 +358,7 @@ void Run<Scalar>::deal(const Cells<Scalar>& owned, std::span<const Index> filled
 template <class Scalar>
 std::unique_ptr<Relaxer<Scalar>> Run<Scalar>::make_relaxer() {
   return std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, state.sites.count(),
-                                           largest_coordinate(problem, domain, box));
+                                           coordinate_bound);
 }
 
 /// All points of the level are in cells: the sites move to their centroids.

@@ -107,8 +107,9 @@ struct Run {
   Arena arena;
   Domain domain;  ///< in which distances are measured
   Metric metric;
-  Box box;     ///< of the points
-  Box around;  ///< where sites are looked for
+  Box box;                      ///< of the points
+  Box around;                   ///< where sites are looked for
+  double coordinate_bound = 0;  ///< on the absolute values of those of points and sites
 
   /// The solver numbers sites by where they are: site_of[k] is the caller's number of site k.
   std::vector<SiteNumber> site_of;

@@ -170,6 +170,20 @@ TEST_CASE("each scale works or is refused, from the least number to the largest"
   }
 }
 
+TEST_CASE("a box that only bounds may be as wide as it likes") {
+  const auto points = make_points<double>(Layout::random, Box::unit(2), 2000);
+  const double energy = tessellate(points, 40).summary.energy;
+  for (const double half : {1e3, 1e14, 1e30}) {
+    Problem<double> problem(points, 40);
+    problem.set_domain(Domain::euclidean({{-half, -half}, {half, half}}));
+    const auto wide = tessellate(problem);
+    CHECK(wide.summary.termination == Termination::stable);
+    CHECK(wide.summary.energy == doctest::Approx(energy).epsilon(0.01));
+    problem.set_initial_sites(wide.sites);
+    CHECK(lloyd(problem).summary.energy < wide.summary.energy);
+  }
+}
+
 TEST_CASE("what is refused says what to do") {
   const Points<double> tiny = unit_points<double>(2, 50) * 1e-155;
   CHECK(message_of([&] { Problem<double>(tiny, 5); }) ==

@@ -306,6 +306,21 @@ TEST_CASE("it ends when told to, with all masses within the bound") {
   }
 }
 
+TEST_CASE("cancelled while unit points move, a run ends with what has been reached") {
+  const auto points = make_points<double>(Layout::random, Box::unit(2), 20000);
+  const auto masses = make_masses(Masses::even, 20000);
+  for (const int stop_at : {1, 4, 16}) {
+    MassOptions options;
+    int seen = 0;
+    options.relaxation.on_iteration = [&](const ccvt::IterationRecord&) { return ++seen > 0; };
+    options.relaxation.cancelled = [&] { return seen >= stop_at; };
+    const auto result = tessellate_masses(points, masses, 200, options);
+    CHECK(result.summary.termination == Termination::cancelled);
+    CHECK(result.summary.iterations <= stop_at + 1);
+    CHECK(whole_faults(points, masses, options, result) == "");
+  }
+}
+
 TEST_CASE("a cancelled run ends soon, at whatever time") {
   const auto points = make_points<float>(Layout::random, Box::unit(2), 60000);
   const auto masses = make_masses(Masses::even, 60000);
