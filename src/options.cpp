@@ -26,6 +26,16 @@ void Options::validate() const {
   require(time_limit >= 0, "time_limit", text(time_limit), "it must be 0 (none) or more seconds");
   require(checkpoint_seconds >= 0, "checkpoint_seconds", text(checkpoint_seconds),
           "it must be 0 (after each iteration) or more seconds");
+  const auto one_of = [](const char* field, auto value, auto last) {
+    const int number = static_cast<int>(value);
+    require(number >= 0 && number <= static_cast<int>(last), field, std::to_string(number),
+            "it must be one of the enumerators");
+  };
+  one_of("initialization", initialization, Initialization::random);
+  one_of("swap", swap, SwapMethod::sort);
+  one_of("point_pruning", point_pruning, PointPruning::extremes);
+  one_of("pairs", pairs, PairSelection::meeting);
+  one_of("until", until, Until::blue_noise);
   at_least("level_points", level_points, 1, "it must be 1 or more");
   at_least("level_factor", level_factor, 2, "it must be 2 or more");
   at_least("descent_points", descent_points, 0, "it must be 0 (never) or more");

@@ -176,9 +176,9 @@ Training train(const QuantizeArguments& arguments, const std::string& source,
   std::vector<Index> capacities;
   if (!arguments.capacities.empty()) {
     capacities = read_indices(arguments.capacities);
-    blame(arguments.capacities, [&] {
-      Problem<Scalar>(vectors, arguments.codewords, arguments.threads).set_capacities(capacities);
-    });
+    auto problem = blame(
+        source, [&] { return Problem<Scalar>(vectors, arguments.codewords, arguments.threads); });
+    blame(arguments.capacities, [&] { problem.set_capacities(capacities); });
   }
   const std::optional<Points<double>> codewords = read_codewords(arguments);
   Progress progress(arguments.quiet);

@@ -115,7 +115,7 @@ Box make_box(const std::vector<double>& numbers, int dimension, const std::strin
   for (int i = 0; i < dimension; ++i) {
     if (box.lower[i] < box.upper[i]) continue;
     throw InvalidInput("--box: dimension " + std::to_string(i) + " goes from " +
-                       std::to_string(box.lower[i]) + " to " + std::to_string(box.upper[i]) +
+                       text(box.lower[i]) + " to " + text(box.upper[i]) +
                        "; the upper bound must be above the lower one");
   }
   return box;

@@ -52,9 +52,10 @@ Training train(const Session& session, const QuantizeArguments& arguments,
   options.capacities = inputs.capacities;
   const PointsView<Scalar> own = inputs.vectors->view();
   if (!inputs.capacities.empty()) {
-    cli::blame(arguments.capacities, [&] {
-      Problem<Scalar>(session.ranks(), own, arguments.codewords).set_capacities(inputs.capacities);
+    auto problem = cli::blame(arguments.vectors, [&] {
+      return Problem<Scalar>(session.ranks(), own, arguments.codewords);
     });
+    cli::blame(arguments.capacities, [&] { problem.set_capacities(inputs.capacities); });
   }
   if (inputs.codewords) {
     return cli::blame(arguments.seeding, [&] {
