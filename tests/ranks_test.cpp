@@ -157,6 +157,19 @@ TEST_CASE("ranks: threads that are ranks get the bits of one process, however la
   }
 }
 
+TEST_CASE("ranks: messages get on while tasks are run") {
+  const ccvt::Box box = ccvt::Box::unit(2);
+  ThreadRanks all(2);
+  all.run([&](ccvt::Ranks& ranks) {
+    const Index begin = 10000 * ranks.rank();
+    const auto own = ccvt::sample_uniform_part<float>(box, 20000, begin, begin + 10000, 3);
+    const Problem<float> problem(ranks, ccvt::view_points(own), 400);
+    const auto result = ccvt::tessellate(problem, {.threads = 1});
+    CHECK(result.summary.swaps > 0);
+  });
+  CHECK(all.progressed() > 100);
+}
+
 TEST_CASE("ranks: the same in as many dimensions as they can have, where pairs are screened") {
   for (const int dimension : {1, 5, 7, 8}) {
     for (const bool periodic : {false, true}) {

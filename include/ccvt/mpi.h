@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <list>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "ccvt/ranks.h"
@@ -28,7 +29,7 @@ struct MpiFailure {
 ///
 /// Its functions throw MpiFailure. What is thrown while this lives is best caught while it lives,
 /// and ends all ranks unless it was thrown on all: see Ranks. MPI's own errors end the program.
-class MpiRanks final : public Ranks {
+class MpiRanks final : public Ranks, public MessageProgress {
  public:
   /// Works on a duplicate of `communicator`.
   explicit MpiRanks(MPI_Comm communicator);
@@ -41,6 +42,7 @@ class MpiRanks final : public Ranks {
   [[nodiscard]] std::vector<Bytes> exchange(std::vector<Bytes> to) override;
   void send(int to, Bytes message) override;
   [[nodiscard]] Bytes receive(int from) override;
+  void progress() noexcept override;
 
   /// What this rank has sent since it was made: by send() and exchange() to others, and by
   /// gather(), where what it hands in counts once.
@@ -63,7 +65,8 @@ class MpiRanks final : public Ranks {
   MPI_Comm communicator_ = MPI_COMM_NULL;
   int rank_ = 0;
   int count_ = 1;
-  std::list<Sent> sent_;  ///< that may be on their way
+  std::list<Sent> sent_;    ///< that may be on their way
+  std::thread::id sender_;  ///< the thread that calls
   Traffic traffic_;
 };
 

@@ -40,4 +40,18 @@ class CCVT_EXPORT Ranks {
   [[nodiscard]] virtual Bytes receive(int from) = 0;
 };
 
+/// What Ranks may be as well, where messages get on only while a function of theirs is called, as
+/// long ones of MPI may: else whoever waits for one waits until its sender calls the next.
+class CCVT_EXPORT MessageProgress {
+ public:
+  MessageProgress() = default;
+  MessageProgress(const MessageProgress&) = delete;
+  MessageProgress& operator=(const MessageProgress&) = delete;
+  virtual ~MessageProgress() = default;
+
+  /// Lets what has been sent get on, and waits for nothing. Called every few microseconds of work,
+  /// by all threads that work: those that may not send do nothing.
+  virtual void progress() noexcept = 0;
+};
+
 }  // namespace ccvt

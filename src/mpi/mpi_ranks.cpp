@@ -225,6 +225,7 @@ void MpiRanks::send(int to, Bytes message) {
     if (message.size() > INT_MAX) throw std::length_error("ranks: a message has more than 2 GB");
     ++traffic_.messages;
     traffic_.sent_bytes += static_cast<std::int64_t>(message.size());
+    sender_ = std::this_thread::get_id();
     Sent& sent = sent_.emplace_back();
     sent.message = std::move(message);
     MPI_Isend(sent.message.data(), static_cast<int>(sent.message.size()), MPI_BYTE, to, 0,
@@ -244,6 +245,10 @@ Ranks::Bytes MpiRanks::receive(int from) {
     MPI_Mrecv(bytes.data(), count, MPI_BYTE, &message, MPI_STATUS_IGNORE);
     return bytes;
   });
+}
+
+void MpiRanks::progress() noexcept {
+  if (std::this_thread::get_id() == sender_ && !sent_.empty()) forget_delivered();
 }
 
 void MpiRanks::forget_delivered() {

@@ -41,7 +41,8 @@ std::vector<int> runners(const Tiling& tiling, std::span<const Schedule::Task> t
 /// What it needs of a tile of another rank's is lent to the one that runs it, and comes back
 /// changed. Messages are on their way while a rank's own tiles are worked on; what is lent may come
 /// back as late as when the next task of its tile is to run, so that others need not wait for a
-/// rank that is a little late in one batch.
+/// rank that is a little late in one batch; after each task, they get on, where ranks are
+/// MessageProgress.
 ///
 ///     lender.has_work(task): false where the task has nothing to do: it is left out. The same on
 ///     both its ranks, which ask at different times: no other task may change it
@@ -56,7 +57,10 @@ class BatchRun {
   using Tasks = std::span<const Task>;
 
   BatchRun(const Arena& arena, const Tiling& tiling, Lender lender)
-      : arena_(arena), tiling_(tiling), lender_(std::move(lender)) {
+      : arena_(arena),
+        tiling_(tiling),
+        lender_(std::move(lender)),
+        progress_(dynamic_cast<MessageProgress*>(tiling.ranks())) {
     if (tiling.ranks() != nullptr) holder_.assign(tiling.count(), kHome);
   }
 
@@ -64,7 +68,12 @@ class BatchRun {
   template <class Body>
   void run(Tasks tasks, const Body& body) {
     if (tiling_.ranks() == nullptr) return Schedule::run_batch(arena_, tiling_, tasks, body);
-    const auto work = [&](Tasks some) { Schedule::run_batch(arena_, tiling_, some, body); };
+    const auto work = [&](Tasks some) {
+      Schedule::run_batch(arena_, tiling_, some, [&](const Task& task, int worker) {
+        body(task, worker);
+        if (progress_ != nullptr) progress_->progress();
+      });
+    };
     Dealt dealt = deal(tasks);
     std::map<int, std::vector<Task>> lent_late;
     for (const auto& [rank, theirs] : dealt.lent) {
@@ -205,7 +214,8 @@ class BatchRun {
   const Arena& arena_;
   const Tiling& tiling_;
   Lender lender_;
-  std::vector<int> holder_;  ///< by tile, kHome or the rank that it is lent to
+  MessageProgress* progress_;  ///< of the ranks, or null
+  std::vector<int> holder_;    ///< by tile, kHome or the rank that it is lent to
   std::map<int, Away> away_;
 };
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <map>
@@ -33,10 +35,13 @@ class ThreadRanks {
     for (std::thread& thread : threads) thread.join();
   }
 
+  /// How often messages were let get on, on all.
+  [[nodiscard]] std::int64_t progressed() const { return progressed_; }
+
  private:
   using Bytes = ccvt::Ranks::Bytes;
 
-  class One final : public ccvt::Ranks {
+  class One final : public ccvt::Ranks, public ccvt::MessageProgress {
    public:
     One(ThreadRanks& all, int rank) : all_(all), rank_(rank) {}
     [[nodiscard]] int rank() const override { return rank_; }
@@ -53,6 +58,7 @@ class ThreadRanks {
     }
     void send(int to, Bytes message) override { put(to, 0, std::move(message)); }
     [[nodiscard]] Bytes receive(int from) override { return take(from, 0); }
+    void progress() noexcept override { ++all_.progressed_; }
 
    private:
     void put(int to, int kind, Bytes message) {
@@ -74,6 +80,7 @@ class ThreadRanks {
   };
 
   int count_;
+  std::atomic<std::int64_t> progressed_ = 0;
   std::mutex mutex_;
   std::condition_variable come_;
   /// Of each rank, by the one that sent them and their kind.
