@@ -50,11 +50,8 @@ double largest_coordinate(const Problem<Scalar>& problem, const Domain& measured
                           const Arena& arena) {
   double largest = largest_coordinate(measured.is_periodic() ? measured.box()
                                                              : box_around_points(problem, arena));
-  for (const Columns<Scalar>* sites : {&problem.initial_sites(), &problem.fixed_sites()}) {
-    if (sites->size() > 0) {
-      largest = std::max(largest, double{sites->eigen().cwiseAbs().maxCoeff()});
-    }
-  }
+  const Columns<Scalar>& fixed = problem.fixed_sites();
+  if (fixed.size() > 0) largest = std::max(largest, double{fixed.eigen().cwiseAbs().maxCoeff()});
   return largest;
 }
 
