@@ -43,13 +43,16 @@ inline double largest_coordinate(const Box& box) {
   return std::max(box.lower.eigen().cwiseAbs().maxCoeff(), box.upper.eigen().cwiseAbs().maxCoeff());
 }
 
-/// The same of points and sites. `measured`: see measured_domain(). A box that only bounds may be
-/// much wider than the points, and rounding is taken to be as large as coordinates can be.
+/// The same of points and sites. `measured`, `bounding_box`: those of the problem, see above. A box
+/// that is not periodic may be much wider than the points, and does not count.
 template <class Scalar>
 double largest_coordinate(const Problem<Scalar>& problem, const Domain& measured,
-                          const Arena& arena) {
-  double largest = largest_coordinate(measured.is_periodic() ? measured.box()
-                                                             : box_around_points(problem, arena));
+                          const Box& bounding_box, const Arena& arena) {
+  const auto around = [&] {
+    if (measured.is_periodic()) return measured.box();
+    return measured.has_box() ? box_around_points(problem, arena) : bounding_box;
+  };
+  double largest = largest_coordinate(around());
   const Columns<Scalar>& fixed = problem.fixed_sites();
   if (fixed.size() > 0) largest = std::max(largest, double{fixed.eigen().cwiseAbs().maxCoeff()});
   return largest;

@@ -84,7 +84,7 @@ Lloyd<Scalar>::Lloyd(const Problem<Scalar>& problem, const Options& options)
       metric_(problem.dimension(), domain_),
       box_(problem.bounding_box()),
       around_(search_box(domain_, box_)),
-      coordinate_bound_(largest_coordinate(problem, domain_, Arena(options.threads))),
+      coordinate_bound_(largest_coordinate(problem, domain_, box_, Arena(options.threads))),
       bounds_(metric_, problem.points(), arena_),
       cells_(metric_) {
   summary_.dimension = problem.dimension();

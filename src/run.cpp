@@ -230,7 +230,7 @@ void Run<Scalar>::place_sites() {
   const auto charge = arena.phase(Phase::sites);
   box = bounding_box(problem, arena);
   around = search_box(domain, box);
-  coordinate_bound = largest_coordinate(problem, domain, arena);
+  coordinate_bound = largest_coordinate(problem, domain, box, arena);
   const SiteState given = initial_sites(problem, metric, options.seed, arena);
   state.tiling = Tiling::of_points(problem.site_count(), problem.point_count(), options.tile_sites);
   site_of = spatial_order(given, state.tiling.sites_per_tile(), arena);

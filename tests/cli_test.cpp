@@ -260,6 +260,7 @@ TEST_CASE("bad input: one line, status 2, nothing written") {
   put(directory / "sum.csv", "1\n2\n");
   put(directory / "zero.csv", "0\n4\n");
   put(directory / "three.csv", "0,0,0\n");
+  put(directory / "far.csv", "1e145,0\n0,1\n2,2\n");
   put(directory / "huge.npy",
       "\x93NUMPY\x01\x00\x46\x00{'descr': '<f4', 'fortran_order': False, "
       "'shape': (1000000000, 900)}          \n"s);
@@ -341,6 +342,9 @@ TEST_CASE("bad input: one line, status 2, nothing written") {
       {"tessellate white.png --sites 2 -o o.npy", {"white.png", "extension"}},
       {"tessellate p.csv --initial-sites three.csv -o o.npy", {"three.csv"}},
       {"tessellate p.csv --initial-sites p.csv --sites 2 -o o.npy", {"--initial-sites"}},
+      {"quantize far.csv --codewords 2 --capacities sum.csv -o o.npy",
+       {"error: far.csv: points: coordinate 0 of points[0]"}},
+      {"quantize p.csv --codewords 2 --capacities sum.csv -o o.npy", {"error: sum.csv", "3", "4"}},
       {tessellate + "--capacities sum.csv", {"sum.csv", "3", "4"}},
       {tessellate + "--capacities zero.csv", {"zero.csv", "0"}},
       {tessellate + "--capacities three.csv", {"three.csv", "line 1"}},

@@ -49,8 +49,8 @@ class CCVT_EXPORT MessageProgress {
   MessageProgress& operator=(const MessageProgress&) = delete;
   virtual ~MessageProgress() = default;
 
-  /// Lets what has been sent get on, and waits for nothing. Called every few microseconds of work,
-  /// by all threads that work: those that may not send do nothing.
+  /// Lets what has been sent get on, and waits for nothing. Called after each piece of work by the
+  /// thread that did it: on one that may not call the others it does nothing.
   virtual void progress() noexcept = 0;
 };
 

@@ -239,17 +239,14 @@ void MassRun<Scalar>::own_whole() {
     std::vector<Index> owners = owners_of_most(units_, unit_owners_, inputs_.masses.size());
     own_by_nearest(metric_, problem_.points(), around_, sites_, arena_, owners);
     return MassCells<Scalar>(metric_, problem_.points(), inputs_.masses, inputs_.capacities, owners,
-                             sites_, largest_coordinate(problem_, domain_, arena_), arena_);
+                             sites_, largest_coordinate(problem_, domain_, box_, arena_), arena_);
   };
   MassCells<Scalar> owned = cells();
   units_ = {};
   unit_owners_ = {};
   WholePoints<Scalar> whole(owned, arena_, stop_);
   whole.balance();
-  {
-    const Stop::Pause pause(stop_);  // when it has ended the unit points, there is a result
-    summary.initial_energy = summary.energy = whole.energy() / inputs_.scale;
-  }
+  summary.initial_energy = summary.energy = whole.energy() / inputs_.scale;
   summary.levels += 1;
   for (IterationRecord& record : summary.iterations_log) {
     record.levels = summary.levels;

@@ -134,6 +134,7 @@ typename WholePoints<Scalar>::Sweep WholePoints<Scalar>::sweep() {
 
 template <class Scalar>
 double WholePoints<Scalar>::energy() const {
+  const Stop::Pause pause(stop_);
   return total_energy(cells_.sites(), arena_);
 }
 

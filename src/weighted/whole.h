@@ -40,6 +40,7 @@ class WholePoints {
   /// centres of mass. Without changes there is nothing left to do.
   Sweep sweep();
 
+  /// Also of a run that is to stop.
   [[nodiscard]] double energy() const;
 
  private:
