@@ -7,7 +7,6 @@
 #include "parallel/together.h"
 #include "relax/all_pairs.h"
 #include "relax/loans.h"
-#include "relax/screen.h"
 #include "relax/site_records.h"
 #include "relax/update.h"
 #include "schedule/lending.h"
@@ -28,7 +27,8 @@ Relaxer<Scalar>::Relaxer(const Metric& metric, const Options& options, const Are
       arena_(arena),
       stop_(stop),
       workers_(arena, {PairSwapper<Scalar>(metric, options, coordinate_bound), {}, {}, 0}),
-      patches_(metric.dimension(), sites) {
+      patches_(metric.dimension(), sites),
+      screen_(metric) {
   changed_.assign(sites, 0);
   touched_.assign(changed_.size(), 1);
 }
@@ -82,7 +82,7 @@ void Relaxer<Scalar>::full_pass(LevelState<Scalar>& state) {
   }
   if (!screening_pays(metric_)) return run(AllPairs(state.tiling), state.tiling, true, state);
   const Buffer<Pair> pairs =
-      gaining_pairs(metric_, state.cells, state.sites, touched_, state.tiling, arena_);
+      screen_.gaining(state.cells, state.sites, touched_, state.tiling, arena_);
   // The greedy rule packs few pairs well, but takes too long for many.
   const std::size_t sites = state.sites.count();
   const bool many = pairs.size() > 8 * sites;
@@ -197,6 +197,7 @@ template <class Scalar>
 void Relaxer<Scalar>::forget_pairs() {
   cache_.clear();
   lists_.forget();
+  screen_.forget();
   std::fill(touched_.begin(), touched_.end(), std::uint8_t{1});
   std::fill(touched_tile_.begin(), touched_tile_.end(), std::uint8_t{1});
 }

@@ -11,6 +11,7 @@
 #include "relax/level_state.h"
 #include "relax/loans.h"
 #include "relax/pair_lists.h"
+#include "relax/screen.h"
 #include "relax/swap.h"
 #include "schedule/schedule.h"
 
@@ -81,6 +82,7 @@ class Relaxer {
 
   Patches<Scalar> patches_;
   PairLists lists_;
+  Screen<Scalar> screen_;
   Loans loans_;
   std::vector<std::uint8_t> changed_;       ///< sites, in this pass
   std::vector<std::uint8_t> touched_;       ///< sites, since the last full pass began

@@ -8,6 +8,7 @@
 #include "kernels/products.h"
 #include "parallel/loops.h"
 #include "parallel/together.h"
+#include "relax/screen_cells.h"
 
 namespace ccvt {
 namespace {
@@ -18,17 +19,12 @@ constexpr int kScreenDimensions = 6;
 constexpr std::size_t kBlockSites = 126;
 static_assert(kBlockSites % kernels::kDotSites == 0);
 
-/// All sites relative to their mean, in blocks; the touched sites of a block come first.
+/// All sites in blocks; the touched sites of a block come first.
 template <class Scalar>
 class SiteBlocks {
  public:
-  SiteBlocks(const SiteState& sites, const std::vector<std::uint8_t>& touched) : sites_(sites) {
-    mean_.assign(sites.dimension, 0.0);
-    for (const SiteNumber s : sites.all()) {
-      for (std::size_t d = 0; d < sites.dimension; ++d) mean_[d] += sites.at(s)[d];
-    }
-    const auto count = static_cast<double>(sites.count());
-    for (double& m : mean_) m /= count;
+  SiteBlocks(const SiteState& sites, const CentredSites<Scalar>& centred,
+             const std::vector<std::uint8_t>& touched) {
     for (std::size_t begin = 0; begin < sites.count(); begin += kBlockSites) {
       Block block;
       const auto members = sites_between(begin, std::min(begin + kBlockSites, sites.count()));
@@ -41,7 +37,9 @@ class SiteBlocks {
       // Padding repeats the last site; nobody reads what comes out for it.
       for (std::size_t k = 0; k < kBlockSites; ++k) {
         const SiteNumber s = block.site[std::min(k, block.site.size() - 1)];
-        for (std::size_t d = 0; d < sites.dimension; ++d) block.position.push_back(centred(s, d));
+        for (std::size_t d = 0; d < sites.dimension; ++d) {
+          block.position.push_back(centred.at(s, d));
+        }
       }
       blocks_.push_back(std::move(block));
     }
@@ -55,50 +53,9 @@ class SiteBlocks {
 
   [[nodiscard]] std::size_t count() const { return blocks_.size(); }
   [[nodiscard]] const Block& operator[](std::size_t b) const { return blocks_[b]; }
-  [[nodiscard]] Scalar centred(SiteNumber site, std::size_t d) const {
-    return static_cast<Scalar>(sites_.at(site)[d] - mean_[d]);
-  }
-  [[nodiscard]] double norm(SiteNumber site) const {
-    double sum = 0;
-    for (std::size_t d = 0; d < sites_.dimension; ++d) {
-      sum += std::pow(sites_.at(site)[d] - mean_[d], 2);
-    }
-    return std::sqrt(sum);
-  }
 
  private:
-  const SiteState& sites_;
-  std::vector<double> mean_;
   std::vector<Block> blocks_;
-};
-
-/// A cell relative to its site, padded for the kernel.
-template <class Scalar>
-struct CentredCell {
-  void load(const Cells<Scalar>& cells, const SiteState& sites, const SiteBlocks<Scalar>& blocks,
-            SiteNumber site) {
-    const Index count = cells.size(site);
-    const Index step = kernels::dot_points<Scalar>();
-    stride = (count + step - 1) / step * step;
-    const auto padded = static_cast<std::size_t>(stride);
-    block.resize(padded * sites.dimension);
-    offset.assign(padded, Scalar{0});
-    const Scalar* from = cells.block(site);
-    Scalar* to = block.data();
-    for (std::size_t d = 0; d < sites.dimension; ++d, from += count, to += stride) {
-      const double origin = sites.at(site)[d];
-      const Scalar own = blocks.centred(site, d);
-      for (Index k = 0; k < count; ++k) {
-        to[k] = static_cast<Scalar>(from[k] - origin);
-      }
-      std::fill(to + count, to + stride, to[count - 1]);
-      for (std::size_t k = 0; k < padded; ++k) offset[k] += to[k] * own;
-    }
-  }
-
-  std::vector<Scalar> block;
-  std::vector<Scalar> offset;  ///< point . own site
-  Index stride = 0;
 };
 
 /// Tells of all pairs of sites in two blocks which may gain. One per worker: it owns scratch
@@ -109,43 +66,48 @@ class BlockScreen {
   using Block = typename SiteBlocks<Scalar>::Block;
 
   BlockScreen(const Metric& metric, const Cells<Scalar>& cells, const SiteState& sites,
-              const SiteBlocks<Scalar>& blocks, const std::vector<double>& norm, const Arena& arena)
-      : metric_(metric),
-        cells_(cells),
-        sites_(sites),
-        blocks_(blocks),
-        norm_(norm),
-        arena_(arena) {}
+              const CentredSites<Scalar>& centred, const Arena& arena)
+      : metric_(metric), cells_(cells), sites_(sites), centred_(centred), arena_(arena) {}
 
-  /// What the points of a cell have for another site; both are of the same pair.
+  /// The reach of a cell for another site.
   struct Reach {
     Pair pair;
     bool of_first;  ///< the cell of the first site for the second one
-    Scalar largest;
+    Scalar reach;
     auto operator<=>(const Reach&) const = default;
   };
 
   /// Appends the pairs that may gain of a site of `a` and one of `b`, which may be the same, of
-  /// which at least one is touched.
-  void append(const Block& a, const Block& b, std::vector<Pair>& out) {
+  /// which at least one is touched. `reaches`: where to keep what is found, or none.
+  void append(const Block& a, const Block& b, const std::vector<std::uint8_t>& touched,
+              Reaches<Scalar>* reaches, std::vector<Pair>& out) {
     const bool same = &a == &b;
     find_largest(a, b, forth_);
     if (!same) find_largest(b, a, back_);
     const std::vector<Scalar>& back = same ? forth_ : back_;
     for (std::size_t k = 0; k < a.site.size(); ++k) {
+      const SiteNumber i = a.site[k];
       for (std::size_t l = 0; l < b.site.size(); ++l) {
+        const SiteNumber j = b.site[l];
         if (k >= a.touched && l >= b.touched) continue;
-        if (same && a.site[k] >= b.site[l]) continue;
-        if (may_gain(a.site[k], b.site[l], forth_[k * kBlockSites + l],
-                     back[l * kBlockSites + k])) {
-          out.push_back(Pair::ascending(a.site[k], b.site[l]));
+        if (same && i >= j) continue;
+        const double distance = metric_.squared_distance(sites_.at(i), sites_.at(j));
+        const double rounding = centred_.rounding(i, j);
+        const auto to_j = reach_of<Scalar>(forth_[k * kBlockSites + l], distance, rounding);
+        const auto to_i = reach_of<Scalar>(back[l * kBlockSites + k], distance, rounding);
+        if (to_j + to_i > 0 && (touched[i] | touched[j]) != 0) {
+          out.push_back(Pair::ascending(i, j));
+        }
+        if (reaches != nullptr) {
+          reaches->of(i)[j] = to_j;
+          reaches->of(j)[i] = to_i;
         }
       }
     }
   }
 
-  /// Of the same pairs, appends what cells of `a` that are here have for sites of `b`, where that
-  /// may be enough for an exchange, whatever the other cell has.
+  /// Of the same pairs, appends the reaches of cells of `a` that are here for sites of `b`, where
+  /// they may be enough for an exchange, whatever the other cell's is.
   void append_own(const Block& a, const Block& b, const Tiling& tiling, std::vector<Reach>& out) {
     find_largest(a, b, forth_, &tiling);
     for (std::size_t k = 0; k < a.site.size(); ++k) {
@@ -154,22 +116,15 @@ class BlockScreen {
       for (std::size_t l = 0; l < b.site.size(); ++l) {
         const SiteNumber other = b.site[l];
         if ((k >= a.touched && l >= b.touched) || own == other) continue;
-        const Scalar largest = forth_[k * kBlockSites + l];
-        const double distance =
-            std::sqrt(metric_.squared_distance(sites_.at(own), sites_.at(other)));
-        const double most = sites_.radius[other] * distance + rounding(own, other);
-        if (may_gain(own, other, largest, most)) {
-          out.push_back({Pair::ascending(own, other), own < other, largest});
+        const double distance = metric_.squared_distance(sites_.at(own), sites_.at(other));
+        const double rounding = centred_.rounding(own, other);
+        const auto reach = reach_of<Scalar>(forth_[k * kBlockSites + l], distance, rounding);
+        const double largest = sites_.radius[other] * std::sqrt(distance) + rounding;
+        if (reach + reach_of<Scalar>(largest, distance, rounding) > 0) {
+          out.push_back({Pair::ascending(own, other), own < other, reach});
         }
       }
     }
-  }
-
-  /// M(i, j) = 2 max over p of (p - s_i) . (s_j - s_i) - |s_j - s_i|^2, and the same of j, sum to
-  /// more than rounding can take away.
-  [[nodiscard]] bool may_gain(SiteNumber i, SiteNumber j, double to_j, double to_i) const {
-    const double gain = to_j + to_i - metric_.squared_distance(sites_.at(i), sites_.at(j));
-    return gain > -rounding(i, j);
   }
 
  private:
@@ -183,7 +138,7 @@ class BlockScreen {
       if (targets == 0) continue;
       if (tiling != nullptr && !tiling->is_own(tiling->tile_of(from.site[k]))) continue;
       arena_.check();
-      cell_.load(cells_, sites_, blocks_, from.site[k]);
+      cell_.load(cells_, sites_, centred_, from.site[k]);
       const Index padded =
           (targets + kernels::kDotSites - 1) / kernels::kDotSites * kernels::kDotSites;
       kernels::largest_dots(cell_.block.data(), cell_.stride, metric_.dimension(),
@@ -192,69 +147,48 @@ class BlockScreen {
     }
   }
 
-  [[nodiscard]] double rounding(SiteNumber i, SiteNumber j) const {
-    return 4 * (metric_.dimension() + 4) *
-           (std::numeric_limits<Scalar>::epsilon() * (sites_.radius[i] + sites_.radius[j]) *
-                (norm_[i] + norm_[j]) +
-            std::numeric_limits<Scalar>::denorm_min());
-  }
-
   const Metric& metric_;
   const Cells<Scalar>& cells_;
   const SiteState& sites_;
-  const SiteBlocks<Scalar>& blocks_;
-  const std::vector<double>& norm_;
+  const CentredSites<Scalar>& centred_;
   const Arena& arena_;
   CentredCell<Scalar> cell_;
   std::vector<Scalar> forth_;
   std::vector<Scalar> back_;
 };
 
-}  // namespace
-
-bool screening_pays(const Metric& metric) {
-  return !metric.periodic() && metric.dimension() > kScreenDimensions;
-}
+/// Two blocks, or one twice, with a touched site.
+template <class Scalar>
+struct PairOfBlocks {
+  using Block = typename SiteBlocks<Scalar>::Block;
+  const Block& first;
+  const Block& second;
+};
 
 template <class Scalar>
-Buffer<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells, const SiteState& sites,
-                           const std::vector<std::uint8_t>& touched, const Tiling& tiling,
-                           const Arena& arena) {
-  const auto charge = arena.phase(Phase::lists);
-  const SiteBlocks<Scalar> blocks(sites, touched);
-  std::vector<double> norm(sites.count());
-  for (const SiteNumber s : sites.all()) norm[s] = blocks.norm(s);
-  struct PairOfBlocks {
-    std::size_t first;
-    std::size_t second;
-  };
-  std::vector<PairOfBlocks> work;
+std::vector<PairOfBlocks<Scalar>> touched_pairs(const SiteBlocks<Scalar>& blocks) {
+  std::vector<PairOfBlocks<Scalar>> pairs;
   for (std::size_t a = 0; a < blocks.count(); ++a) {
     for (std::size_t b = a; b < blocks.count(); ++b) {
-      if (blocks[a].touched + blocks[b].touched > 0) work.push_back({a, b});
+      if (blocks[a].touched + blocks[b].touched > 0) pairs.push_back({blocks[a], blocks[b]});
     }
   }
-  PerWorker<BlockScreen<Scalar>> screens(arena, {metric, cells, sites, blocks, norm, arena});
-  if (tiling.ranks() == nullptr) {
-    Buffer<Pair> gaining =
-        collect<Pair>(arena, work.size(), 1,
-                      [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int worker) {
-                        for (std::size_t w = begin; w < end; ++w) {
-                          const auto& [a, b] = work[w];
-                          screens[worker].append(blocks[a], blocks[b], out);
-                        }
-                      });
-    return std::move(pairs_by_first(arena, std::move(gaining), sites.count()).items);
-  }
-  // Each rank has what its own cells have for other sites; together they see both sides of a pair.
+  return pairs;
+}
+
+/// Of all ranks. Each has the reaches of its own cells; together they see both sides of a pair.
+template <class Scalar>
+Buffer<Pair> gaining_of_ranks(const SiteBlocks<Scalar>& blocks, const Tiling& tiling,
+                              PerWorker<BlockScreen<Scalar>>& screens, const Arena& arena) {
+  const auto work = touched_pairs(blocks);
   using Reach = typename BlockScreen<Scalar>::Reach;
   const Buffer<Reach> own =
       collect<Reach>(arena, work.size(), 1,
                      [&](std::size_t begin, std::size_t end, std::vector<Reach>& out, int worker) {
                        for (std::size_t w = begin; w < end; ++w) {
                          const auto& [a, b] = work[w];
-                         screens[worker].append_own(blocks[a], blocks[b], tiling, out);
-                         if (a != b) screens[worker].append_own(blocks[b], blocks[a], tiling, out);
+                         screens[worker].append_own(a, b, tiling, out);
+                         if (&a != &b) screens[worker].append_own(b, a, tiling, out);
                        }
                      });
   std::vector<Reach> all = joined(tiling.ranks(), std::vector<Reach>(own.begin(), own.end()));
@@ -262,18 +196,60 @@ Buffer<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells, con
   std::vector<Pair> gaining;
   for (std::size_t k = 1; k < all.size(); ++k) {
     const auto& [pair, of_first, back] = all[k - 1];
-    if (all[k].pair == pair && screens[0].may_gain(pair.first, pair.second, all[k].largest, back)) {
-      gaining.push_back(pair);
-    }
+    if (all[k].pair == pair && all[k].reach + back > 0) gaining.push_back(pair);
   }
   Buffer<Pair> result(gaining.size());
   std::copy(gaining.begin(), gaining.end(), result.begin());
   return result;
 }
 
-template Buffer<Pair> gaining_pairs(const Metric&, const Cells<float>&, const SiteState&,
-                                    const std::vector<std::uint8_t>&, const Tiling&, const Arena&);
-template Buffer<Pair> gaining_pairs(const Metric&, const Cells<double>&, const SiteState&,
-                                    const std::vector<std::uint8_t>&, const Tiling&, const Arena&);
+}  // namespace
+
+bool screening_pays(const Metric& metric) {
+  return !metric.periodic() && metric.dimension() > kScreenDimensions;
+}
+
+/// Where the reaches of all cells for all sites are to be kept from now on, if anywhere.
+template <class Scalar>
+Reaches<Scalar>* Screen<Scalar>::start_keeping(const Cells<Scalar>& cells) {
+  if (!Reaches<Scalar>::fit(cells.site_count())) return nullptr;
+  if (!reaches_) reaches_.emplace(cells);
+  return &*reaches_;
+}
+
+template <class Scalar>
+Buffer<Pair> Screen<Scalar>::gaining(const Cells<Scalar>& cells, const SiteState& sites,
+                                     const std::vector<std::uint8_t>& touched, const Tiling& tiling,
+                                     const Arena& arena) {
+  const auto charge = arena.phase(Phase::lists);
+  const CentredSites<Scalar> centred(sites);
+  const auto sorted = [&](Buffer<Pair> pairs) {
+    return std::move(pairs_by_first(arena, std::move(pairs), sites.count()).items);
+  };
+  if (reaches_ && reaches_->known()) {
+    return sorted(reaches_->gaining(metric_, cells, sites, centred, touched, arena));
+  }
+  PerWorker<BlockScreen<Scalar>> screens(arena, {metric_, cells, sites, centred, arena});
+  if (tiling.ranks() != nullptr) {
+    const SiteBlocks<Scalar> blocks(sites, centred, touched);
+    return gaining_of_ranks(blocks, tiling, screens, arena);
+  }
+  Reaches<Scalar>* const kept = start_keeping(cells);
+  const std::vector<std::uint8_t> all(touched.size(), 1);
+  const SiteBlocks<Scalar> blocks(sites, centred, kept != nullptr ? all : touched);
+  const auto work = touched_pairs(blocks);
+  Buffer<Pair> gaining =
+      collect<Pair>(arena, work.size(), 1,
+                    [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int worker) {
+                      for (std::size_t w = begin; w < end; ++w) {
+                        screens[worker].append(work[w].first, work[w].second, touched, kept, out);
+                      }
+                    });
+  if (kept != nullptr) kept->set_known(cells, sites, arena);
+  return sorted(std::move(gaining));
+}
+
+template class Screen<float>;
+template class Screen<double>;
 
 }  // namespace ccvt

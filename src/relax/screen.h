@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "geometry/metric.h"
 #include "parallel/arena.h"
 #include "relax/cells.h"
+#include "relax/reaches.h"
 #include "relax/site_state.h"
 #include "schedule/schedule.h"
 
@@ -14,14 +16,34 @@ namespace ccvt {
 /// Whether gaining_pairs() is worth its cost in this domain.
 bool screening_pays(const Metric& metric);
 
-/// The pairs that may gain by an exchange, found by one blocked product of all points with all
-/// sites. With M(i, j) the largest of |p - s_i|^2 - |p - s_j|^2 over the points p of cell i, the
-/// pair (i, j) can gain only if M(i, j) + M(j, i) > 0. Rounding is allowed for, so that none is
-/// missed. Pairs with neither site `touched` are left out. Sorted. O(m n D), divided among the
-/// ranks that have the tiles.
+/// Finds the pairs that may gain by an exchange, by blocked products of points with sites: the pair
+/// (i, j) can gain only if the reaches of cell i for site j and of cell j for site i sum to more
+/// than 0. Rounding is allowed for, so that none is missed.
 template <class Scalar>
-Buffer<Pair> gaining_pairs(const Metric& metric, const Cells<Scalar>& cells, const SiteState& sites,
-                           const std::vector<std::uint8_t>& touched, const Tiling& tiling,
-                           const Arena& arena);
+class Screen {
+ public:
+  explicit Screen(const Metric& metric) : metric_(metric) {}
+
+  /// Sorted. Pairs with neither site `touched` are left out: none of their cells has changed and
+  /// none of their sites moved since the last call, but for the first. O(m n D), divided among the
+  /// ranks that have the tiles; of one process, later calls multiply only what may gain by what the
+  /// calls before have found, and find the same.
+  Buffer<Pair> gaining(const Cells<Scalar>& cells, const SiteState& sites,
+                       const std::vector<std::uint8_t>& touched, const Tiling& tiling,
+                       const Arena& arena);
+  /// Anything may have happened since.
+  void forget() {
+    if (reaches_) reaches_->forget();
+  }
+
+ private:
+  Reaches<Scalar>* start_keeping(const Cells<Scalar>& cells);
+
+  const Metric& metric_;
+  std::optional<Reaches<Scalar>> reaches_;
+};
+
+extern template class Screen<float>;
+extern template class Screen<double>;
 
 }  // namespace ccvt

@@ -1,0 +1,157 @@
+#include "relax/screen.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "random.h"
+#include "relax/update.h"
+
+using ccvt::Arena;
+using ccvt::Buffer;
+using ccvt::Cells;
+using ccvt::Domain;
+using ccvt::Index;
+using ccvt::Metric;
+using ccvt::Pair;
+using ccvt::PointNumber;
+using ccvt::Random;
+using ccvt::Screen;
+using ccvt::SiteNumber;
+using ccvt::sites_below;
+using ccvt::SiteState;
+using ccvt::Tiling;
+
+namespace {
+
+/// Cells of points in clouds far apart, which change as relaxing changes them, but by chance.
+template <class Scalar>
+struct Changing {
+  Changing(int dimension, std::size_t count, Index size, double scale, std::uint64_t seed)
+      : metric(dimension, Domain()),
+        tiling(count, 1),
+        cells(dimension, std::vector<Index>(count, size)),
+        sites(dimension, count),
+        touched(count, 1),
+        random(seed, 1) {
+    std::vector<Scalar> point(cells.dimension());
+    Index number = 0;
+    for (const SiteNumber s : sites.all()) {
+      const double cloud = 30 * static_cast<double>(s.index() % 5);
+      for (Index k = 0; k < cells.size(s); ++k) {
+        for (Scalar& x : point) x = static_cast<Scalar>(scale * (cloud + random.uniform()));
+        cells.put(s, k, PointNumber(number++), point.data());
+      }
+    }
+    move(sites_below(count));
+  }
+
+  template <class Range>
+  void move(const Range& range) {
+    for (const SiteNumber s : range) {
+      sites.radius[s] = std::numeric_limits<double>::infinity();
+      update_site(metric, cells, sites, s);
+    }
+  }
+
+  /// Exchanges a point of one cell with one of another, then moves both sites.
+  void exchange(SiteNumber i, SiteNumber j) {
+    const Index k = random.index_below(cells.size(i));
+    const Index l = random.index_below(cells.size(j));
+    std::vector<Scalar> a(cells.dimension());
+    std::vector<Scalar> b(cells.dimension());
+    cells.get(i, k, a.data());
+    cells.get(j, l, b.data());
+    const PointNumber p = cells.points(i)[static_cast<std::size_t>(k)];
+    cells.put(i, k, cells.points(j)[static_cast<std::size_t>(l)], b.data());
+    cells.put(j, l, p, a.data());
+    touched[i] = touched[j] = 1;
+    move(std::vector<SiteNumber>{i, j});
+  }
+
+  [[nodiscard]] double reach(SiteNumber i, SiteNumber j) const {
+    std::vector<Scalar> point(cells.dimension());
+    double largest = -std::numeric_limits<double>::infinity();
+    for (Index k = 0; k < cells.size(i); ++k) {
+      cells.get(i, k, point.data());
+      double difference = 0;
+      for (std::size_t d = 0; d < point.size(); ++d) {
+        const double x = point[d];
+        difference += std::pow(x - sites.at(i)[d], 2) - std::pow(x - sites.at(j)[d], 2);
+      }
+      largest = std::max(largest, difference);
+    }
+    return largest;
+  }
+
+  Metric metric;
+  Tiling tiling;
+  Cells<Scalar> cells;
+  SiteState sites;
+  std::vector<std::uint8_t> touched;
+  Random random;
+};
+
+std::vector<Pair> listed(const Buffer<Pair>& pairs) { return {pairs.begin(), pairs.end()}; }
+
+}  // namespace
+
+TEST_SUITE_BEGIN("screen");
+
+TEST_CASE_TEMPLATE("screen: what is kept finds the pairs that a new screen finds, all that gain",
+                   Scalar, float, double) {
+  struct Shape {
+    int dimension;
+    std::size_t sites;
+    Index size;
+    double scale;
+  };
+  for (const Shape& shape : {Shape{7, 2, 3, 1}, Shape{8, 60, 2, 1}, Shape{16, 141, 9, 1},
+                             Shape{20, 65, 40, 1e-3}, Shape{9, 70, 5, 1e6}}) {
+    CAPTURE(shape.dimension);
+    Changing<Scalar> state(shape.dimension, shape.sites, shape.size, shape.scale, 11);
+    const Arena one(1);
+    const Arena three(3);
+    Screen<Scalar> kept(state.metric);
+    const auto n = static_cast<Index>(shape.sites);
+    std::size_t most = 0;
+    std::size_t least = shape.sites * shape.sites;
+    for (int pass = 0; pass < 12; ++pass) {
+      const auto pairs =
+          listed(kept.gaining(state.cells, state.sites, state.touched, state.tiling, three));
+      const auto anew =
+          listed(Screen<Scalar>(state.metric)
+                     .gaining(state.cells, state.sites, state.touched, state.tiling, one));
+      CHECK(pairs == anew);
+      for (const SiteNumber i : state.sites.all()) {
+        for (const SiteNumber j : state.sites.all().after(i)) {
+          if ((state.touched[i] | state.touched[j]) == 0) continue;
+          if (state.reach(i, j) + state.reach(j, i) <= 0) continue;
+          const bool found = std::binary_search(pairs.begin(), pairs.end(), Pair(i, j));
+          CHECK(found);
+        }
+      }
+      most = std::max(most, pairs.size());
+      least = std::min(least, pairs.size());
+      std::fill(state.touched.begin(), state.touched.end(), std::uint8_t{0});
+      if (pass == 5) {  // as after a pass that was left
+        kept.forget();
+        std::fill(state.touched.begin(), state.touched.end(), std::uint8_t{1});
+      }
+      const int exchanges = pass % 4 == 3 ? 0 : pass % 4 == 2 ? 2 : n;
+      for (int e = 0; e < exchanges; ++e) {
+        const Index i = state.random.index_below(n);
+        const Index j = (i + 1 + state.random.index_below(n - 1)) % n;
+        state.exchange(SiteNumber(i), SiteNumber(j));
+      }
+    }
+    CHECK(least < most);  // they are not all the same
+  }
+}
+
+TEST_SUITE_END();
