@@ -10,6 +10,14 @@
 
 namespace ccvt {
 
+/// Throws InvalidInput for a problem that was moved from; others have sites.
+template <class Scalar>
+void require_sites(const Problem<Scalar>& problem) {
+  if (problem.site_count() == 0) {
+    throw InvalidInput("problem: it has no sites, as one that was moved from");
+  }
+}
+
 /// Of all ranks, where there are some.
 template <class Scalar>
 Box box_around_points(const Problem<Scalar>& problem, const Arena& arena) {

@@ -76,7 +76,7 @@ class Lloyd {
 
 template <class Scalar>
 Lloyd<Scalar>::Lloyd(const Problem<Scalar>& problem, const Options& options)
-    : problem_(problem),
+    : problem_((require_sites(problem), problem)),
       options_((options.validate(), options)),
       stop_(options.cancelled, options.time_limit),
       arena_(options.threads, &stop_),

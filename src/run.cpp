@@ -62,7 +62,7 @@ Options resolved(Ranks* ranks, Options options, int dimension, bool one_level) {
 
 template <class Scalar>
 Run<Scalar>::Run(Problem<Scalar> given_problem, Options given_options)
-    : problem(std::move(given_problem)),
+    : problem((require_sites(given_problem), std::move(given_problem))),
       warm(has_initial_owners(problem)),
       options(resolved(problem.ranks(), std::move(given_options), problem.dimension(),
                        warm || problem.fixed_sites().cols() == problem.site_count())),

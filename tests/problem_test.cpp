@@ -7,9 +7,11 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ccvt/capacity.h"
+#include "ccvt/lloyd.h"
 #include "ccvt/options.h"
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
@@ -290,6 +292,19 @@ TEST_CASE("initial sites and owners, in either order: the same bits") {
   CHECK(a.summary.initialization_used == "owners");
   CHECK(a.owners == b.owners);
   CHECK(a.sites == b.sites);
+}
+
+TEST_CASE("a problem that was moved from") {
+  const auto points = row_of_points(6);
+  Problem<double> problem(points, 3);
+  const Problem<double> taken = std::move(problem);
+  CHECK_NOTHROW(ccvt::tessellate(taken));
+  check_refused({
+      // NOLINTBEGIN(bugprone-use-after-move)
+      {[&] { ccvt::tessellate(problem); }, {"problem", "no sites", "moved"}},
+      {[&] { ccvt::lloyd(problem); }, {"problem", "no sites", "moved"}},
+      // NOLINTEND(bugprone-use-after-move)
+  });
 }
 
 TEST_CASE("options") {

@@ -14,6 +14,7 @@
 
 #include "random.h"
 #include "support/files.h"
+#include "support/message.h"
 
 namespace ccvt::test {
 namespace {
@@ -185,6 +186,32 @@ TEST_CASE("stipple refuses what cannot be done") {
   wrong = image;
   wrong.values[7] = std::numeric_limits<float>::quiet_NaN();
   CHECK_THROWS_AS(stipple(wrong, 10), InvalidInput);
+}
+
+TEST_CASE("drawings of what is no stippling are refused") {
+  const TemporaryDirectory directory;
+  const auto refuse = [&](ccvt::Stippling<double> stippling, const std::string& message) {
+    CHECK(message_of([&] { ccvt::render(stippling, 1); }) == message);
+    CHECK(message_of([&] { ccvt::write_svg(directory / "a.svg", stippling); }) == message);
+    CHECK_FALSE(fs::exists(directory / "a.svg"));
+  };
+  ccvt::Stippling<double> good;
+  good.width = good.height = 4;
+  good.dots = ccvt::Points<double>::Constant(2, 3, 1.5);
+  good.dot_radius = 1;
+  CHECK_NOTHROW(ccvt::render(good, 1));
+  ccvt::Stippling<double> bad = good;
+  bad.height = 0;
+  refuse(bad, "stippling: is 4 x 0 pixels; needs at least one");
+  bad = good;
+  bad.dot_radius = -1;
+  refuse(bad, "stippling: dot_radius is -1: it must be finite and not negative");
+  bad = good;
+  bad.dots = ccvt::Points<double>::Constant(1, 3, 1.5);
+  refuse(bad, "stippling: dots have 1 coordinates: they must have 2");
+  bad = good;
+  bad.dots = ccvt::Points<double>::Constant(2, 3, std::nan(""));
+  refuse(bad, "stippling: dot 0 is not finite");
 }
 
 TEST_CASE("dot radius: single dots and overlaps") {

@@ -485,6 +485,8 @@ TEST_CASE("samples of a surface in files are the samples") {
   wrong.radii.pop_back();
   CHECK(message_of([&] { ccvt::write_samples(directory / "w.csv", wrong); }) ==
         "samples: 9 sites have 8 numbers in the column radius; needs 9");
+  CHECK(message_of([&] { ccvt::write_samples(directory / "w.csv", SurfaceSamples{}); }) ==
+        "samples: there are none");
 }
 
 TEST_CASE("the preview shows the samples that can be seen") {

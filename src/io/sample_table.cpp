@@ -260,6 +260,7 @@ void write_as(const std::filesystem::path& path, const SampleTable& table) {
 
 void check(const SampleTable& table) {
   const auto sites = static_cast<std::size_t>(table.sites.cols());
+  if (sites == 0 || table.sites.rows() == 0) throw InvalidInput("samples: there are none");
   for (const SampleColumn& column : table.columns) {
     const std::size_t numbers = column.reals.size() + column.integers.size();
     if (numbers == sites * column.components()) continue;

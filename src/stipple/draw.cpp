@@ -34,6 +34,28 @@ struct Side {
   [[nodiscard]] int pixels() const { return pixels_to(length); }
 };
 
+template <class Scalar>
+void require_drawable(const Stippling<Scalar>& stippling) {
+  if (stippling.width < 1 || stippling.height < 1) {
+    throw InvalidInput("stippling: is " + std::to_string(stippling.width) + " x " +
+                       std::to_string(stippling.height) + " pixels; needs at least one");
+  }
+  const double radius = stippling.dot_radius;
+  if (!(radius >= 0 && std::isfinite(radius))) {
+    throw InvalidInput("stippling: dot_radius is " + concat(radius) +
+                       ": it must be finite and not negative");
+  }
+  const auto dots = stippling.dots.eigen();
+  if (dots.cols() > 0 && dots.rows() != 2) {
+    throw InvalidInput("stippling: dots have " + std::to_string(dots.rows()) +
+                       " coordinates: they must have 2");
+  }
+  for (Eigen::Index dot = 0; dot < dots.cols(); ++dot) {
+    if (dots.col(dot).allFinite()) continue;
+    throw InvalidInput("stippling: dot " + std::to_string(dot) + " is not finite");
+  }
+}
+
 }  // namespace
 
 template <class Scalar>
@@ -42,6 +64,7 @@ void write_svg(const std::filesystem::path& path, const Stippling<Scalar>& stipp
     throw InvalidInput(path.string() + ": unknown extension " + io::quoted(io::extension_of(path)) +
                        "; drawings go into .svg");
   }
+  require_drawable(stippling);
   // A hundredth of a radius is below what any device shows.
   const double radius = stippling.dot_radius;
   const double wanted = radius > 0 ? 2 - std::floor(std::log10(radius)) : 3;
@@ -75,10 +98,7 @@ void write_svg(const std::filesystem::path& path, const Stippling<Scalar>& stipp
 
 template <class Scalar>
 Image render(const Stippling<Scalar>& stippling, double scale) {
-  if (stippling.width < 1 || stippling.height < 1) {
-    throw InvalidInput("stippling: is " + std::to_string(stippling.width) + " x " +
-                       std::to_string(stippling.height) + " pixels; needs at least one");
-  }
+  require_drawable(stippling);
   if (scale == 0) scale = scale_for(stippling.dot_radius, stippling.width, stippling.height);
   const Side width{std::ceil(stippling.width * scale)};
   const Side height{std::ceil(stippling.height * scale)};

@@ -14,6 +14,7 @@ ADVICE = {
     "include/ccvt/sampling.h": _PARAMETER,
     "include/ccvt/types.h": "Pass a column-major matrix, one point a column; copy it with `.eval()` "
                             "where its memory is strided.",
+    "src/bounds.h": "Solve the problem that it was moved to; nothing is left of the other.",
     "src/capacity.cpp": "Capacities are whole numbers, one a site, and sum to the number of points.",
     "src/checkpoint/checkpoint_file.cpp": "What is damaged cannot be continued: remove it, and the run "
                                           "begins anew.",
