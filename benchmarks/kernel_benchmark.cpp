@@ -179,8 +179,9 @@ void screening(benchmark::State& state) {
   const Start start(dimension, kSites, 64);
   const std::vector<std::uint8_t> touched(static_cast<std::size_t>(kSites), 1);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(gaining_pairs(start.metric, start.cells, start.sites, touched,
-                                           Tiling(kSites, 1), start.arena));
+    Screen<float> screen(start.metric);
+    benchmark::DoNotOptimize(
+        screen.gaining(start.cells, start.sites, touched, Tiling(kSites, 1), start.arena));
   }
   const auto products = static_cast<std::int64_t>(start.points.cols()) * kSites;
   state.SetItemsProcessed(state.iterations() * products);

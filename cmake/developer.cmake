@@ -19,8 +19,13 @@ if(CCVT_CLANG_TIDY)
     USES_TERMINAL VERBATIM)
 endif()
 
-# Applies to a target of ours: C++20, warnings, sanitizers.
+# Applies to a target of ours: C++20, warnings, sanitizers. SLIGHTLY optimised is what has no loops
+# that take time, or is compiled to be tested with: in a release it compiles in two thirds of the
+# time.
 function(ccvt_compile_settings target)
+  if("SLIGHTLY" IN_LIST ARGN)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
   target_compile_features(${target} PRIVATE cxx_std_20)
   set_target_properties(${target} PROPERTIES
     CXX_EXTENSIONS OFF
