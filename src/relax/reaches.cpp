@@ -259,7 +259,11 @@ void Reaches<Scalar>::follow(const Cells<Scalar>& cells, const SiteState& sites,
   PerWorker<Scratch> scratch(arena);
   const std::array<float, kRows> none{};
   arena.for_ranges(count_, kCellsAtOnce, [&](std::size_t begin, std::size_t end, int worker) {
-    auto& [product, lowest, row, along, came] = scratch[worker];
+    Scratch& own = scratch[worker];
+    std::vector<float>& product = own.product;
+    std::vector<float>& lowest = own.lowest;
+    std::vector<float>& row = own.row;
+    std::vector<Came>& came = own.came;
     product.resize(kRows * steps.stride);
     lowest.resize(steps.stride);
     row.resize(kRows * steps.dimension);
@@ -273,7 +277,7 @@ void Reaches<Scalar>::follow(const Cells<Scalar>& cells, const SiteState& sites,
       multiply(steps.step_streams, steps.row.data() + first * steps.dimension);
       for (const SiteNumber i : sites_between(first, std::min(first + kRows, end))) {
         const double* const step = steps.step.data() + i * steps.dimension;
-        const double grows = steps.length[i] > 0 ? growth(cells, sites, i, step, along) : 0;
+        const double grows = steps.length[i] > 0 ? growth(cells, sites, i, step, own.along) : 0;
         follow_steps(steps, i, grows, product.data() + (i - first) * steps.stride,
                      touched[i] != 0 ? nullptr : &all_touched);
       }
