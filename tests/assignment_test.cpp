@@ -261,8 +261,6 @@ TEST_CASE_TEMPLATE("bounds of what moving costs hold, and are close", Scalar, fl
           costs.squared(cells.of(i), j, there);
           for (std::size_t k = 0; k < here.size(); ++k) {
             least = std::min(least, there[k] - here[k]);
-            CHECK(costs.squared_to_all(cells.of(i)[k], scratch)[j] ==
-                  doctest::Approx(there[k]).epsilon(1e-12));
             std::vector<double> some;
             costs.squared_to(cells.of(i)[k], std::vector<SiteNumber>{i, j}, some, scratch);
             CHECK(some == std::vector<double>{here[k], there[k]});
@@ -273,6 +271,60 @@ TEST_CASE_TEMPLATE("bounds of what moving costs hold, and are close", Scalar, fl
         }
       }
       if (!periodic) CHECK(slack < 1e-3 * largest);
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("squared distances in float are below those in double, and close", Scalar, float,
+                   double) {
+  struct Place {
+    double scale;
+    double offset;
+    double slack;  ///< as a share of the largest square
+  };
+  for (const int dimension : {3, 16, 21, 64}) {
+    // From places where float is too coarse, or squares too large or small for it, too.
+    for (const Place place : {Place{1, 0, 1e-4}, Place{1e-3, 100, 10}, Place{1e19, 0, 1e-12},
+                              Place{1e-21, 0, 1e6}, Place{1e-30, 0, 1e24}}) {
+      CAPTURE(dimension);
+      CAPTURE(place.scale);
+      const Box box = uneven_box(dimension);
+      Points<Scalar> points = make_points<Scalar>(Layout::random, box, 300);
+      points.array() =
+          points.array() * static_cast<Scalar>(place.scale) + static_cast<Scalar>(place.offset);
+      const auto sites = some_sites(points, 70, 2);
+      const Metric metric(dimension, Domain());
+      const SquaredDistances<Scalar> costs(metric, view_points(points), sites);
+      std::vector<PointNumber> all;
+      for (const PointNumber p : points_below(300)) all.push_back(p);
+      MoveCosts::Scratch scratch;
+      std::vector<double> exact;
+      std::vector<double> least;
+      std::vector<SiteNumber> to;
+      for (const SiteNumber s : sites_below(70)) {
+        to.push_back(s);
+        costs.squared(all, s, exact);
+        const double largest = *std::max_element(exact.begin(), exact.end());
+        const double slack = costs.squared_at_least(all, s, least);
+        CHECK(slack <= place.slack * largest);
+        bool between = true;
+        for (std::size_t k = 0; k < all.size(); ++k) {
+          between = between && least[k] <= exact[k] && exact[k] <= least[k] + slack;
+        }
+        CHECK(between);
+      }
+      for (const PointNumber p : all) {
+        costs.squared_to(p, to, exact, scratch);
+        const double largest = *std::max_element(exact.begin(), exact.end());
+        const std::span<const double> found = costs.squared_at_least_to_all(p, scratch);
+        REQUIRE(found.size() == exact.size());
+        bool between = true;
+        for (std::size_t k = 0; k < found.size(); ++k) {
+          between = between && found[k] <= exact[k] &&
+                    exact[k] <= found[k] + 1e-13 * exact[k] + place.slack * largest;
+        }
+        CHECK(between);
+      }
     }
   }
 }
@@ -345,7 +397,7 @@ TEST_CASE_TEMPLATE("bounds that are kept hold while sites move and points come a
           CHECK_FALSE(kept.cover(owners));
           std::vector<double> own;
           costs.squared({&p, 1}, to, own);
-          kept.include(to, p, costs.squared_to_all(p, scratch), own.front());
+          kept.include(to, p, costs.squared_at_least_to_all(p, scratch), own.front());
           owners[p] = to.index();
           CHECK(kept.cover(owners));
         }

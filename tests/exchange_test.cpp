@@ -40,12 +40,27 @@ class LooseCosts final : public MoveCosts {
                std::vector<double>& out) const override {
     costs_.squared(points, site, out);
   }
+  double squared_at_least(std::span<const PointNumber> points, SiteNumber site,
+                          std::vector<double>& out) const override {
+    const double slack = costs_.squared_at_least(points, site, out);
+    double most = 0;
+    for (double& squared : out) {
+      const double less = most_ * random_.uniform();
+      most = std::max(most, less);
+      squared -= less;
+    }
+    return (slack + most) * (1 + 1e-12);
+  }
   void squared_to(PointNumber point, std::span<const SiteNumber> sites, std::vector<double>& out,
                   Scratch& scratch) const override {
     costs_.squared_to(point, sites, out, scratch);
   }
-  std::span<const double> squared_to_all(PointNumber point, Scratch& scratch) const override {
-    return costs_.squared_to_all(point, scratch);
+  std::span<const double> squared_at_least_to_all(PointNumber point,
+                                                  Scratch& scratch) const override {
+    costs_.squared_at_least_to_all(point, scratch);
+    // By the same on all ranks.
+    for (double& squared : scratch.squared) squared -= most_ * std::abs(std::sin(1e3 * squared));
+    return scratch.squared;
   }
   [[nodiscard]] double rounding(double sum) const override { return costs_.rounding(sum); }
   std::vector<PointNumber> bring(std::span<const Index> points, const RankPart& part) override {

@@ -332,6 +332,46 @@ TEST_CASE_TEMPLATE("squared distances to scattered points, bit for bit", Scalar,
   }
 }
 
+TEST_CASE("squared distances in float, to scattered points and to packs") {
+  constexpr auto kPack = static_cast<std::size_t>(ccvt::kernels::kFloatPack);
+  constexpr Index kPoints = 11;
+  for (const int dimension : {1, 2, 7, 8, 9, 16, 37, 64}) {
+    CAPTURE(dimension);
+    const auto points = make_points<float>(Layout::random, uneven_box(dimension), kPoints, 3);
+    const auto query = make_points<float>(Layout::random, uneven_box(dimension), 1, 4);
+    const auto about = [&](float squared, Index k) {
+      const double expected = squared_difference(points.col(k).data(), query.data(), dimension);
+      const double share = (dimension + 3) * double{std::numeric_limits<float>::epsilon()};
+      return std::abs(double{squared} - expected) <= share * expected;
+    };
+    for (Index count = 0; count <= kPoints; ++count) {
+      std::vector<const float*> rows;
+      for (Index k = 0; k < count; ++k) rows.push_back(points.col((7 * k) % kPoints).data());
+      std::vector<float> squared(static_cast<std::size_t>(count) + 1, -1);
+      ccvt::kernels::about_squared_distances_of(rows.data(), count, dimension, query.data(),
+                                                squared.data());
+      for (Index k = 0; k < count; ++k) {
+        CHECK(about(squared[static_cast<std::size_t>(k)], (7 * k) % kPoints));
+      }
+      CHECK(squared.back() == -1);
+    }
+    // In two packs, places apart.
+    const auto place = [&](Index k) { return static_cast<std::size_t>(k) * (kPack / 8 + 3); };
+    std::vector<float> packs(2 * kPack * static_cast<std::size_t>(dimension), 0.0F);
+    for (Index k = 0; k < kPoints; ++k) {
+      const std::size_t pack = place(k) / kPack * kPack * static_cast<std::size_t>(dimension);
+      for (int d = 0; d < dimension; ++d) {
+        packs[pack + static_cast<std::size_t>(d) * kPack + place(k) % kPack] = points(d, k);
+      }
+    }
+    std::vector<float> squared(2 * kPack + 1, -1);
+    ccvt::kernels::about_squared_distances(query.data(), packs.data(), 2, dimension,
+                                           squared.data());
+    for (Index k = 0; k < kPoints; ++k) CHECK(about(squared[place(k)], k));
+    CHECK(squared.back() == -1);
+  }
+}
+
 TEST_CASE("the least cost of each row") {
   const Index stride = 2 * ccvt::kernels::product_points();
   std::vector<float> cost;

@@ -177,7 +177,7 @@ std::span<const double> CellBounds::include(SiteNumber site, std::span<const Poi
   if (came.size() <= kFewPoints) {
     for (const PointNumber p : came) {
       costs.squared({&p, 1}, site, scratch.own);
-      include(site, p, costs.squared_to_all(p, scratch), scratch.own.front());
+      include(site, p, costs.squared_at_least_to_all(p, scratch), scratch.own.front());
     }
     return of(site);
   }

@@ -63,7 +63,7 @@ class CellBounds {
   /// The bounds of a cell whose points may have come since: those that did are added.
   std::span<const double> include(SiteNumber site, std::span<const PointNumber> members,
                                   const MoveCosts& costs, MoveCosts::Scratch& scratch);
-  /// A point that comes to a cell, its squared distances to all sites, but for rounding, and to its
+  /// A point that comes to a cell, no more than its squared distances to all sites, and that to its
   /// own.
   void include(SiteNumber site, PointNumber point, std::span<const double> squared, double own);
   /// A point that comes to a cell at that squared distance, to be included later.

@@ -144,6 +144,7 @@ class ExchangeGraph {
     double rest = kNone;                ///< as in Cell, of those that are not among the edges
     std::vector<std::int32_t> weighed;  ///< of each site, as in Cell
     std::vector<double> own;
+    std::vector<PointNumber> nearest;
     std::vector<SiteNumber> others;
     std::vector<double> there;
   };
@@ -156,6 +157,7 @@ class ExchangeGraph {
   void tighten(SiteNumber site);
   static Moves& moves_of(Cell& cell, std::size_t slot);
   Moves& weigh(SiteNumber site, std::size_t slot);
+  Move find_nearest(const Cell& cell, SiteNumber to, std::size_t count);
   void weigh_own(SiteNumber site, std::size_t slot);
   static void set_weighed(Cell& cell, std::size_t slot);
   double find_path(SiteNumber source, const Arena& arena);

@@ -155,17 +155,49 @@ ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
   return moves_of(cell, slot);
 }
 
+/// The members of which moving may be one of the `count` cheapest ways, in `nearest`; no other way
+/// is before the one that is returned.
+ExchangeGraph::Move ExchangeGraph::find_nearest(const Cell& cell, SiteNumber to,
+                                                std::size_t count) {
+  std::vector<double>& costs = scratch_.own;
+  const double slack = costs_.squared_at_least(cell.members, to, costs);
+  for (std::size_t k = 0; k < costs.size(); ++k) costs[k] -= own_cost_[cell.members[k]];
+  scratch_.nearest.assign(cell.members.begin(), cell.members.end());
+  Move beyond = {kNone, 0};
+  if (costs.size() <= count) return beyond;
+  double limit = *std::min_element(costs.begin(), costs.end());
+  if (count > 1) {
+    std::vector<double>& order = scratch_.there;
+    order = costs;
+    const auto last = order.begin() + static_cast<std::ptrdiff_t>(count - 1);
+    std::nth_element(order.begin(), last, order.end());
+    limit = *last;
+  }
+  limit += slack + 1e-15 * (std::abs(limit) + slack);
+  scratch_.nearest.clear();
+  for (std::size_t k = 0; k < costs.size(); ++k) {
+    const PointNumber p = cell.members[k];
+    if (costs[k] <= limit) {
+      scratch_.nearest.push_back(p);
+    } else {
+      beyond = std::min(beyond, {costs[k], number(p)});
+    }
+  }
+  return beyond;
+}
+
 /// The cheapest moves of the points that this rank has.
 void ExchangeGraph::weigh_own(SiteNumber site, std::size_t slot) {
   Cell& cell = cells_[site];
   Moves& moves = moves_of(cell, slot);
+  moves.beyond = find_nearest(cell, cell.to[slot], moves.kept);
+  const std::vector<PointNumber>& nearest = scratch_.nearest;
   std::vector<double>& squared = scratch_.own;
-  costs_.squared(cell.members, cell.to[slot], squared);
+  costs_.squared(nearest, cell.to[slot], squared);
   ++cell.weighings;
   std::vector<Move>& cheapest = moves.cheapest;
-  moves.beyond = {kNone, 0};
-  for (std::size_t k = 0; k < cell.members.size(); ++k) {
-    const PointNumber p = cell.members[k];
+  for (std::size_t k = 0; k < nearest.size(); ++k) {
+    const PointNumber p = nearest[k];
     const Move move{squared[k] - own_cost_[p], number(p)};
     if (cheapest.size() == moves.kept) {
       moves.beyond = std::min(moves.beyond, std::max(move, cheapest.back()));
@@ -223,7 +255,7 @@ void ExchangeGraph::insert(const Mover& mover) {
   const double own = exact[0];
   const double before = exact[1];
   std::span<const double> squared;
-  if (!some) squared = costs_.squared_to_all(place, scratch_.costs);
+  if (!some) squared = costs_.squared_at_least_to_all(place, scratch_.costs);
   if (is_own(place)) {
     own_cost_[place] = own;
     if (kept_ != nullptr) {
@@ -239,8 +271,7 @@ void ExchangeGraph::insert(const Mover& mover) {
     if (some || cell.weighed[slot] != kNotWeighed) {
       add_move(cell, slot, {*next++ - own, point});
     } else {
-      const double there = squared[cell.to[slot]];
-      add_move(cell, slot, {there - own - costs_.rounding(there + own), point});
+      add_move(cell, slot, {squared[cell.to[slot]] - own, point});
     }
   }
   if (cell.rest == kNone) return;
@@ -273,13 +304,11 @@ void ExchangeGraph::add_move(Cell& cell, std::size_t slot, const Move& move) {
   }
 }
 
-/// For a point that has come, and costs `own` here, of which the squared distances to all sites are
-/// known but for rounding.
+/// For a point that has come, costs `own` here, and is no nearer to any site than `squared`.
 void ExchangeGraph::lower_rest(Cell& cell, double own, std::span<const double> squared) {
   for (const SiteNumber j : sites_below(cells_.size())) {
     if (in_slot_[j] != 0) continue;
-    const double cost = squared[j] - own - costs_.rounding(squared[j] + own);
-    cell.rest = std::min(cell.rest, cost - weights_[j]);
+    cell.rest = std::min(cell.rest, squared[j] - own - weights_[j]);
   }
 }
 

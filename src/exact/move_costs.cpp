@@ -1,8 +1,10 @@
 #include "exact/move_costs.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "exact/distances.h"
 #include "exact/packs.h"
@@ -25,6 +27,11 @@ constexpr std::size_t kDimensionsMore = 192;
 /// What else is to be done for a product takes as long as this.
 constexpr std::size_t kLeastWeighings = 32;
 
+/// With fewer dimensions than this, float gains nothing over double.
+constexpr int kLeastRounded = 16;
+/// Squares above this, or sums of them, are not to be had in float.
+constexpr double kLargeSquare = 1e37;
+
 /// Cells are looked at in parts of so many points.
 constexpr std::size_t kPartPoints = 1024;
 
@@ -40,6 +47,7 @@ SquaredDistances<Scalar>::SquaredDistances(const Metric& metric, PointsView<Scal
                                            std::span<const double> sites)
     : metric_(metric), points_(points), sites_(sites), packs_(packs_of(sites, dimension())) {
   if (metric_.periodic()) return;
+  round_sites();
   mean_.assign(dimension(), 0.0);
   for (std::size_t k = 0; k < sites.size(); ++k) {
     mean_[k % dimension()] += sites[k] / static_cast<double>(count());
@@ -61,9 +69,70 @@ SquaredDistances<Scalar>::SquaredDistances(const Metric& metric, PointsView<Scal
 }
 
 template <class Scalar>
+void SquaredDistances<Scalar>::round_sites() {
+  if (!std::is_same_v<Scalar, float> || points_.dimension < kLeastRounded) return;
+  rounded_.resize(sites_.size());
+  off_.assign(count(), 0.0);
+  for (std::size_t k = 0; k < sites_.size(); ++k) {
+    rounded_[k] = static_cast<float>(sites_[k]);
+    const double off = sites_[k] - double{rounded_[k]};
+    off_[k / dimension()] += off * off;
+  }
+  for (double& off : off_) off = std::sqrt(off);
+  most_off_ = *std::max_element(off_.begin(), off_.end());
+  rounded_packs_ = packs_of<kernels::kFloatPack, float>(sites_, dimension());
+}
+
+/// By how much squared distances to rounded sites may be off, when none exceeds `largest`. With r
+/// the distance to the rounded site, and that `off` from the site, the square differs from r^2 by
+/// 2 r off + off^2 at most. No number where squares are too large for float.
+template <class Scalar>
+double SquaredDistances<Scalar>::margin(double largest, double off) const {
+  constexpr double kEpsilon = std::numeric_limits<float>::epsilon();
+  constexpr double kLeast = std::numeric_limits<float>::min();
+  const double margin = 1.01 * (points_.dimension + 4) * (kEpsilon * largest + kLeast) +
+                        2.02 * off * std::sqrt(largest) + off * off;
+  const bool sound = largest < kLargeSquare && margin < kLargeSquare;
+  return sound ? margin : std::numeric_limits<double>::quiet_NaN();
+}
+
+template <class Scalar>
 void SquaredDistances<Scalar>::squared(std::span<const PointNumber> points, SiteNumber site,
                                        std::vector<double>& out) const {
   squared_distances(metric_, points_, points, at(site), out);
+}
+
+template <class Scalar>
+double SquaredDistances<Scalar>::squared_at_least(std::span<const PointNumber> points,
+                                                  SiteNumber site, std::vector<double>& out) const {
+  if constexpr (std::is_same_v<Scalar, float>) {
+    if (!rounded_.empty()) {
+      const float* const position = rounded_.data() + site * dimension();
+      out.resize(points.size());
+      double largest = 0;
+      constexpr std::size_t kRows = 64;
+      std::array<const float*, kRows> row{};
+      std::array<float, kRows> square{};
+      for (std::size_t begin = 0; begin < points.size(); begin += kRows) {
+        const auto some = points.subspan(begin, std::min(kRows, points.size() - begin));
+        std::transform(some.begin(), some.end(), row.begin(),
+                       [&](PointNumber p) { return points_[p.index()]; });
+        kernels::about_squared_distances_of(row.data(), static_cast<Index>(some.size()),
+                                            points_.dimension, position, square.data());
+        for (std::size_t k = 0; k < some.size(); ++k) {
+          out[begin + k] = double{square.data()[k]};
+          largest = std::max(largest, out[begin + k]);
+        }
+      }
+      const double off = margin(largest, off_[site]);
+      if (!std::isnan(off)) {
+        for (double& squared : out) squared -= off;
+        return 2 * off;
+      }
+    }
+  }
+  squared(points, site, out);
+  return 0;
 }
 
 template <class Scalar>
@@ -91,12 +160,32 @@ void SquaredDistances<Scalar>::squares(const double* from, Scratch& scratch) con
 }
 
 template <class Scalar>
-std::span<const double> SquaredDistances<Scalar>::squared_to_all(PointNumber point,
-                                                                 Scratch& scratch) const {
+std::span<const double> SquaredDistances<Scalar>::squared_at_least_to_all(PointNumber point,
+                                                                          Scratch& scratch) const {
   const Scalar* const x = row(point);
+  std::vector<double>& squared = scratch.squared;
+  if constexpr (std::is_same_v<Scalar, float>) {
+    if (!rounded_.empty()) {
+      std::vector<float>& about = scratch.about;
+      about.resize(rounded_packs_.size() / dimension());
+      kernels::about_squared_distances(x, rounded_packs_.data(),
+                                       static_cast<Index>(about.size()) / kernels::kFloatPack,
+                                       points_.dimension, about.data());
+      const auto end = about.begin() + static_cast<std::ptrdiff_t>(count());
+      const double off = margin(*std::max_element(about.begin(), end), most_off_);
+      if (!std::isnan(off)) {
+        squared.resize(count());
+        std::transform(about.begin(), end, squared.begin(),
+                       [off](float square) { return square - off; });
+        return squared;
+      }
+    }
+  }
   scratch.position.assign(x, x + dimension());
   squares(scratch.position.data(), scratch);
-  return std::span(scratch.squared).first(count());
+  squared.resize(count());
+  for (double& square : squared) square -= rounding(square);
+  return squared;
 }
 
 template <class Scalar>

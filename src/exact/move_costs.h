@@ -19,6 +19,7 @@ class MoveCosts {
   /// Memory that a caller keeps from call to call; one for each thread.
   struct Scratch {
     std::vector<double> squared;
+    std::vector<float> about;
     std::vector<double> own;
     std::vector<double> position;
     std::vector<double> bounds;
@@ -33,11 +34,16 @@ class MoveCosts {
   /// |p - s|^2 of some points; the same bits as squared_to().
   virtual void squared(std::span<const PointNumber> points, SiteNumber site,
                        std::vector<double>& out) const = 0;
+  /// No more than that of each point, and less by no more than the number that is returned: what
+  /// takes less time where that is not 0.
+  virtual double squared_at_least(std::span<const PointNumber> points, SiteNumber site,
+                                  std::vector<double>& out) const = 0;
   /// |point - s|^2 of some sites s.
   virtual void squared_to(PointNumber point, std::span<const SiteNumber> sites,
                           std::vector<double>& out, Scratch& scratch) const = 0;
-  /// The same of all sites, but for rounding; in `scratch`.
-  virtual std::span<const double> squared_to_all(PointNumber point, Scratch& scratch) const = 0;
+  /// No more than that for each site, and the same on all ranks; in `scratch`.
+  virtual std::span<const double> squared_at_least_to_all(PointNumber point,
+                                                          Scratch& scratch) const = 0;
   /// By how much a sum of such squares may be off.
   [[nodiscard]] virtual double rounding(double sum) const = 0;
   /// For each site j, no more than the least over `members`, at least one, of |p - j|^2 - |p -
@@ -45,15 +51,15 @@ class MoveCosts {
   virtual std::span<const double> bounds(SiteNumber site, std::span<const PointNumber> members,
                                          Scratch& scratch) const = 0;
   /// Positions of points of whatever rank, by their numbers among all, for squared_to() and
-  /// squared_to_all(). Returns what they are to be called there; those of other ranks are known
-  /// until the next call. All ranks ask for the same.
+  /// squared_at_least_to_all(). Returns what they are to be called there; those of other ranks are
+  /// known until the next call. All ranks ask for the same.
   virtual std::vector<PointNumber> bring(std::span<const Index> points, const RankPart& part) = 0;
   /// squared() of a cell's points takes so many calls, about, until it takes as long as bounds().
   [[nodiscard]] virtual std::size_t weighings() const = 0;
 };
 
-/// For fixed sites. All in double but for the bounds, which are products in float, and low enough
-/// for their rounding.
+/// For fixed sites. All in double but for bounds: they are in float, and low enough for its
+/// rounding.
 template <class Scalar>
 class SquaredDistances final : public MoveCosts {
  public:
@@ -63,9 +69,12 @@ class SquaredDistances final : public MoveCosts {
 
   void squared(std::span<const PointNumber> points, SiteNumber site,
                std::vector<double>& out) const override;
+  double squared_at_least(std::span<const PointNumber> points, SiteNumber site,
+                          std::vector<double>& out) const override;
   void squared_to(PointNumber point, std::span<const SiteNumber> sites, std::vector<double>& out,
                   Scratch& scratch) const override;
-  std::span<const double> squared_to_all(PointNumber point, Scratch& scratch) const override;
+  std::span<const double> squared_at_least_to_all(PointNumber point,
+                                                  Scratch& scratch) const override;
   [[nodiscard]] double rounding(double sum) const override;
   std::vector<PointNumber> bring(std::span<const Index> points, const RankPart& part) override;
   std::span<const double> bounds(SiteNumber site, std::span<const PointNumber> members,
@@ -76,6 +85,8 @@ class SquaredDistances final : public MoveCosts {
   [[nodiscard]] std::size_t dimension() const {
     return static_cast<std::size_t>(points_.dimension);
   }
+  void round_sites();
+  [[nodiscard]] double margin(double largest, double off) const;
   [[nodiscard]] const double* at(SiteNumber site) const {
     return sites_.data() + site * dimension();
   }
@@ -91,6 +102,11 @@ class SquaredDistances final : public MoveCosts {
   std::vector<Scalar> brought_;
   std::span<const double> sites_;
   std::vector<double> packs_;  ///< positions, for the kernel
+  // Positions in float, and how far off they are; none where distances are not looked at in float.
+  std::vector<float> rounded_;
+  std::vector<float> rounded_packs_;
+  std::vector<double> off_;
+  double most_off_ = 0;
   // Relative to the mean of the sites, in units in which no site is far; padded.
   std::vector<double> mean_;
   double scale_ = 1;
