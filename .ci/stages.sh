@@ -67,7 +67,14 @@ hdf5_loads() {
   /usr/bin/python3 tests/hdf5/load.py build/release/bin/ccvt
 }
 
-# A user's program under all kinds of flags, with the libraries that the tests installed.
+# A shared library as part of another project, compiled for this very processor.
+sub_project() {
+  cmake --preset release -DCCVT_TEST_SUB_PROJECT=ON &&
+    ctest --preset release -R '^install\.sub_project$'
+}
+
+# A user's program under all kinds of flags, with the libraries that the tests installed, and with
+# the sub-project's.
 consumers() {
   local work=build/release/tests/install
   tests/install/flags.sh "$work/all_flags" \
@@ -99,7 +106,7 @@ errors() {
   tests/errors/record.sh build/release "$record" && tests/errors/check.py --record "$record"
 }
 
-# The binary interface of the shared library that the tests installed, beside that of programs.
+# The binary interface of the sub-project's shared library, beside that of programs.
 binary_interface() {
   local shared=build/release/tests/install/sub_project/shared
   cmake/install-packages.sh abigail-tools &&

@@ -46,7 +46,9 @@ function(ccvt_compile_settings target)
   # Half of the time that a file takes to compile goes into these. The presets dev and tidy switch
   # them off, so that a missing #include is found.
   target_precompile_headers(${target} PRIVATE
-    <Eigen/Core> <algorithm> <cmath> <functional> <memory> <string> <vector>)
+    <Eigen/Core> <algorithm> <array> <atomic> <chrono> <cmath> <condition_variable> <filesystem>
+    <fstream> <functional> <limits> <map> <memory> <mutex> <numeric> <optional> <span> <sstream>
+    <stdexcept> <string> <thread> <tuple> <utility> <variant> <vector>)
 
   # A fused multiply-add rounds once where a multiplication and an addition round twice. Compilers
   # contract wherever the instruction set has one, so without this flag the bits of a result would

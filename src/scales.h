@@ -20,7 +20,7 @@ namespace ccvt {
 /// X = 1e17 up to D = 8192; beyond that X falls as 1 / sqrt(D).
 ///
 /// Small. A product that underflows is off by at most half the least denormal, whatever its size.
-/// Each bound on rounding has a term for that (PairCut, gaining_pairs(), Pricer, SquaredDistances,
+/// Each bound on rounding has a term for that (PairCut, Screen, Pricer, SquaredDistances,
 /// ExactAssignment, Lloyd), so that what is decided is right at any scale, and runs end; what is
 /// lost is the sight of gains of about D * 2^-1074. Of points that extend over E that is nothing
 /// beside E^2 when E = 1e-140, and no quotient by an extent or its square overflows. Keys in float

@@ -144,6 +144,9 @@ void check_all_bounds_alike(int dimension, Index points, Index sites, bool float
   auto plain = costs();
   const Exchanged expected = exchange(made, floating, plain, nullptr);
   CHECK(expected.paths > points / 20);
+  const Points<double> wide = made.points.cast<double>();  // no distances in float
+  SquaredDistances<double> of_doubles(metric, view_points(wide), made.sites);
+  CHECK(exchange(made, floating, of_doubles, nullptr) == expected);
   auto other = costs();
   CellBounds kept(static_cast<std::size_t>(points), static_cast<std::size_t>(sites));
   CHECK(exchange(made, floating, other, &kept) == expected);
@@ -169,6 +172,7 @@ TEST_CASE("exchange: the same whatever bounds say, and whatever is as short") {
       check_all_bounds_alike(9, 4001, 90, floating, grid);
       check_all_bounds_alike(5, 4001, 1000, floating, grid);  // many more sites than slots
     }
+    check_all_bounds_alike(17, 2003, 60, floating, false);  // distances in float
     check_all_bounds_alike(8, 6003, 600, floating, false);  // edges whose known moves are all gone
   }
 }

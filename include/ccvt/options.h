@@ -49,8 +49,7 @@ enum class PairSelection {
   /// Those whose bounding spheres meet [5.1, eq. 7] and of which at least one cell has changed
   /// since the last full pass. In high dimension, where all spheres meet, those that one blocked
   /// matrix product shows to gain; up to 4096 sites, what it finds is kept, n^2 coordinates, so
-  /// that
-  /// later passes multiply only what may have come to gain.
+  /// that later passes multiply only what may have come to gain.
   meeting,
 };
 

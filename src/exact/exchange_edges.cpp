@@ -159,12 +159,12 @@ ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
 /// is before the one that is returned.
 ExchangeGraph::Move ExchangeGraph::find_nearest(const Cell& cell, SiteNumber to,
                                                 std::size_t count) {
+  Move beyond = {kNone, 0};
+  scratch_.nearest = cell.members;
+  if (cell.members.size() <= count) return beyond;
   std::vector<double>& costs = scratch_.own;
   const double slack = costs_.squared_at_least(cell.members, to, costs);
   for (std::size_t k = 0; k < costs.size(); ++k) costs[k] -= own_cost_[cell.members[k]];
-  scratch_.nearest.assign(cell.members.begin(), cell.members.end());
-  Move beyond = {kNone, 0};
-  if (costs.size() <= count) return beyond;
   double limit = *std::min_element(costs.begin(), costs.end());
   if (count > 1) {
     std::vector<double>& order = scratch_.there;

@@ -31,6 +31,7 @@ constexpr std::size_t kLeastWeighings = 32;
 constexpr int kLeastRounded = 16;
 /// Squares above this, or sums of them, are not to be had in float.
 constexpr double kLargeSquare = 1e37;
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 /// Cells are looked at in parts of so many points.
 constexpr std::size_t kPartPoints = 1024;
@@ -83,17 +84,19 @@ void SquaredDistances<Scalar>::round_sites() {
   rounded_packs_ = packs_of<kernels::kFloatPack, float>(sites_, dimension());
 }
 
-/// By how much squared distances to rounded sites may be off, when none exceeds `largest`. With r
-/// the distance to the rounded site, and that `off` from the site, the square differs from r^2 by
-/// 2 r off + off^2 at most. No number where squares are too large for float.
+/// By what share of them squared distances to rounded sites may be off, and by how much beside
+/// that, when none exceeds `largest`. With r the distance to the rounded site, and that `off` from
+/// the site, the square differs from r^2 by 2 r off + off^2 at most, and 2 r off <= e r^2 + off^2 /
+/// e for any e. No numbers where squares are too large for float.
 template <class Scalar>
-double SquaredDistances<Scalar>::margin(double largest, double off) const {
+auto SquaredDistances<Scalar>::margin(double largest, double off) const -> Margin {
   constexpr double kEpsilon = std::numeric_limits<float>::epsilon();
   constexpr double kLeast = std::numeric_limits<float>::min();
-  const double margin = 1.01 * (points_.dimension + 4) * (kEpsilon * largest + kLeast) +
-                        2.02 * off * std::sqrt(largest) + off * off;
-  const bool sound = largest < kLargeSquare && margin < kLargeSquare;
-  return sound ? margin : std::numeric_limits<double>::quiet_NaN();
+  const double terms = points_.dimension + 5;
+  const Margin margin{1.01 * terms * kEpsilon,
+                      1.01 * (terms * kLeast + off * off * (1 + 1 / kEpsilon))};
+  const bool sound = largest < kLargeSquare && margin.beside < kLargeSquare;
+  return sound ? margin : Margin{kNoNumber, kNoNumber};
 }
 
 template <class Scalar>
@@ -124,10 +127,10 @@ double SquaredDistances<Scalar>::squared_at_least(std::span<const PointNumber> p
           largest = std::max(largest, out[begin + k]);
         }
       }
-      const double off = margin(largest, off_[site]);
-      if (!std::isnan(off)) {
-        for (double& squared : out) squared -= off;
-        return 2 * off;
+      const Margin off = margin(largest, off_[site]);
+      if (!std::isnan(off.share)) {
+        for (double& squared : out) squared -= off.share * squared + off.beside;
+        return 2.02 * (off.share * largest + off.beside);
       }
     }
   }
@@ -172,11 +175,12 @@ std::span<const double> SquaredDistances<Scalar>::squared_at_least_to_all(PointN
                                        static_cast<Index>(about.size()) / kernels::kFloatPack,
                                        points_.dimension, about.data());
       const auto end = about.begin() + static_cast<std::ptrdiff_t>(count());
-      const double off = margin(*std::max_element(about.begin(), end), most_off_);
-      if (!std::isnan(off)) {
+      const Margin off = margin(*std::max_element(about.begin(), end), most_off_);
+      if (!std::isnan(off.share)) {
         squared.resize(count());
-        std::transform(about.begin(), end, squared.begin(),
-                       [off](float square) { return square - off; });
+        std::transform(about.begin(), end, squared.begin(), [off](float square) {
+          return double{square} - (off.share * double{square} + off.beside);
+        });
         return squared;
       }
     }

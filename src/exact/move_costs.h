@@ -86,7 +86,11 @@ class SquaredDistances final : public MoveCosts {
     return static_cast<std::size_t>(points_.dimension);
   }
   void round_sites();
-  [[nodiscard]] double margin(double largest, double off) const;
+  struct Margin {
+    double share;
+    double beside;
+  };
+  [[nodiscard]] Margin margin(double largest, double off) const;
   [[nodiscard]] const double* at(SiteNumber site) const {
     return sites_.data() + site * dimension();
   }

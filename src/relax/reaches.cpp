@@ -42,8 +42,8 @@ Buffer<Pair> for_pairs_of_sites(const Arena& arena, std::size_t sites, const Vis
                        });
 }
 
-/// By how much |p - site|^2 grows over the points of a cell, at most, with a step to where the site
-/// is. `along`: scratch memory.
+/// By how much |p - site|^2 grows over the points of a cell, at most and rounded up, with a step to
+/// where the site is. `along`: scratch memory.
 template <class Scalar>
 double growth(const Cells<Scalar>& cells, const SiteState& sites, SiteNumber site,
               const double* step, std::vector<double>& along) {
@@ -56,7 +56,10 @@ double growth(const Cells<Scalar>& cells, const SiteState& sites, SiteNumber sit
     squared += step[d] * step[d];
     for (std::size_t k = 0; k < count; ++k) along[k] += (x[k] - origin) * step[d];
   }
-  return -squared - 2 * *std::min_element(along.begin(), along.end());
+  const double terms = squared + 2 * std::sqrt(squared) * sites.radius[site];
+  const double rounding = 4 * (static_cast<double>(sites.dimension) + 4) *
+                          std::numeric_limits<double>::epsilon() * terms;
+  return -squared - 2 * *std::min_element(along.begin(), along.end()) + rounding;
 }
 
 }  // namespace
@@ -234,7 +237,9 @@ void Reaches<Scalar>::include(const Steps& steps, const Arrival& point, const fl
         share * norms * norms + pair_share * (radius + radii[j]) * (norm_i + norm[j]) + underflow;
     const Scalar there =
         constant - squared_norm[j] - 2 * static_cast<Scalar>(products[j]) + rounding;
-    reach[j] = there <= reach[j] ? reach[j] : there;  // what is no number counts as more
+    // A product of floats that overflows tells nothing.
+    const Scalar most = std::isfinite(there) ? there : std::numeric_limits<Scalar>::infinity();
+    reach[j] = most <= reach[j] ? reach[j] : most;
   }
   reach[point.site] = 0;
 }

@@ -95,7 +95,7 @@ class BlockScreen {
         const double rounding = centred_.rounding(i, j);
         const auto to_j = reach_of<Scalar>(forth_[k * kBlockSites + l], distance, rounding);
         const auto to_i = reach_of<Scalar>(back[l * kBlockSites + k], distance, rounding);
-        if (to_j + to_i > 0 && (touched[i] | touched[j]) != 0) {
+        if (!(to_j + to_i <= 0) && (touched[i] | touched[j]) != 0) {
           out.push_back(Pair::ascending(i, j));
         }
         if (reaches != nullptr) {
@@ -120,7 +120,7 @@ class BlockScreen {
         const double rounding = centred_.rounding(own, other);
         const auto reach = reach_of<Scalar>(forth_[k * kBlockSites + l], distance, rounding);
         const double largest = sites_.radius[other] * std::sqrt(distance) + rounding;
-        if (reach + reach_of<Scalar>(largest, distance, rounding) > 0) {
+        if (!(reach + reach_of<Scalar>(largest, distance, rounding) <= 0)) {
           out.push_back({Pair::ascending(own, other), own < other, reach});
         }
       }
@@ -196,7 +196,7 @@ Buffer<Pair> gaining_of_ranks(const SiteBlocks<Scalar>& blocks, const Tiling& ti
   std::vector<Pair> gaining;
   for (std::size_t k = 1; k < all.size(); ++k) {
     const auto& [pair, of_first, back] = all[k - 1];
-    if (all[k].pair == pair && all[k].reach + back > 0) gaining.push_back(pair);
+    if (all[k].pair == pair && !(all[k].reach + back <= 0)) gaining.push_back(pair);
   }
   Buffer<Pair> result(gaining.size());
   std::copy(gaining.begin(), gaining.end(), result.begin());

@@ -13,7 +13,7 @@
 
 namespace ccvt {
 
-/// Whether gaining_pairs() is worth its cost in this domain.
+/// Whether Screen is worth its cost in this domain.
 bool screening_pays(const Metric& metric);
 
 /// Finds the pairs that may gain by an exchange, by blocked products of points with sites: the pair

@@ -1,7 +1,8 @@
 # Installs ccvt and builds and runs the consumer project in every way a user may. Called as
-#   cmake -D WAY=installed|sub_project -D SOURCE_DIR= -D BINARY_DIR= -D WORK_DIR= -D GENERATOR=
+#   cmake -D WAY=installed|configured|sub_project|flags -D SOURCE_DIR= -D BINARY_DIR= -D WORK_DIR= -D GENERATOR=
 #         -D COMPILER= -D NM= -D PARALLEL= -P check.cmake
 # installed     what BINARY_DIR built, installed to a prefix that is then moved; CMake, pkg-config
+# configured    FetchContent, configured only
 # sub_project   FetchContent, with a shared library compiled for this very processor; then that
 #               library installed, and its symbols (Debug has the -g that tests/abi/check.sh needs)
 # flags         the first of them under some sets of flags; flags.sh has more, for both
@@ -88,6 +89,8 @@ if(WAY STREQUAL "installed")
   if(static_library)
     check_without_lz4(installed)
   endif()
+elseif(WAY STREQUAL "configured")
+  run(${CMAKE_COMMAND} -S ${consumer} -B ${WORK_DIR} ${common} -D CCVT_SOURCE_DIR=${SOURCE_DIR})
 elseif(WAY STREQUAL "sub_project")
   # Kernels for one instruction set, as that compiles fastest.
   consume(sub_project -D CCVT_SOURCE_DIR=${SOURCE_DIR} -D BUILD_SHARED_LIBS=ON
