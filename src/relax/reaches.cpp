@@ -62,6 +62,13 @@ double growth(const Cells<Scalar>& cells, const SiteState& sites, SiteNumber sit
   return -squared - 2 * *std::min_element(along.begin(), along.end()) + rounding;
 }
 
+/// A reach that is known; where a product of floats has overflowed, it may be any.
+template <class Scalar>
+Scalar at_most(Scalar reach) {
+  const bool known = std::abs(reach) <= std::numeric_limits<Scalar>::max();
+  return known ? reach : std::numeric_limits<Scalar>::infinity();
+}
+
 }  // namespace
 
 /// Of all sites: where they are, relative to their mean, and by which step they came there.
@@ -180,7 +187,7 @@ void Reaches<Scalar>::follow_steps(const Steps& steps, SiteNumber i, double grow
     const Scalar before = reach[j];
     const Scalar after = before + own + 2 * radius * length[j] + rounding +
                          (constant[j] - 2 * static_cast<Scalar>(products[j]));
-    reach[j] = after + kEpsilon * (std::abs(before) + std::abs(after));
+    reach[j] = at_most(after + kEpsilon * (std::abs(before) + std::abs(after)));
   };
   if (touched == nullptr) {
     for (std::size_t j = 0; j < count_; ++j) follow(j);
@@ -237,9 +244,7 @@ void Reaches<Scalar>::include(const Steps& steps, const Arrival& point, const fl
         share * norms * norms + pair_share * (radius + radii[j]) * (norm_i + norm[j]) + underflow;
     const Scalar there =
         constant - squared_norm[j] - 2 * static_cast<Scalar>(products[j]) + rounding;
-    // A product of floats that overflows tells nothing.
-    const Scalar most = std::isfinite(there) ? there : std::numeric_limits<Scalar>::infinity();
-    reach[j] = most <= reach[j] ? reach[j] : most;
+    reach[j] = std::max(reach[j], at_most(there));
   }
   reach[point.site] = 0;
 }
