@@ -161,6 +161,21 @@ HWY_INLINE void packed_distances(const double* query, const double* positions, I
   }
 }
 
+/// The kRows points from the k-th on, the last in place of those that are missing. Those that
+/// follow are fetched: they are scattered, and little is read of each.
+template <Index kRows, class Scalar>
+HWY_INLINE std::array<const Scalar*, kRows> rows_from(const Scalar* const* points, Index k,
+                                                      Index count, int dimension) {
+  constexpr int kLine = 64 / sizeof(Scalar);
+  constexpr int kPrefetched = 16 * kLine;
+  std::array<const Scalar*, kRows> row{};
+  for (Index r = 0; r < kRows; ++r) row.data()[r] = points[std::min(k + r, count - 1)];
+  for (Index r = k + kRows; r < std::min(k + 2 * kRows, count); ++r) {
+    for (int d = 0; d < std::min(dimension, kPrefetched); d += kLine) hwy::Prefetch(points[r] + d);
+  }
+  return row;
+}
+
 /// As many vectors as there are to eight sums, of three points at a time.
 template <class Scalar>
 HWY_INLINE void distances_of(const Scalar* const* points, Index count, int dimension,
@@ -170,8 +185,6 @@ HWY_INLINE void distances_of(const Scalar* const* points, Index count, int dimen
   const auto lanes = static_cast<Index>(hn::Lanes(tag));
   const int whole = dimension / kPartials * kPartials;
   constexpr Index kRows = 3;
-  constexpr int kLine = 64 / sizeof(Scalar);
-  constexpr int kPrefetched = 16 * kLine;
   const auto squared_to = [&](auto& sum, const Scalar* x, const auto& at) HWY_ATTR {
     const auto values = hn::LoadU(from, x);
     auto difference = hn::Zero(tag);
@@ -183,14 +196,7 @@ HWY_INLINE void distances_of(const Scalar* const* points, Index count, int dimen
     sum = hn::Add(sum, hn::Mul(difference, difference));
   };
   for (Index k = 0; k < count; k += kRows) {
-    std::array<const Scalar*, kRows> row{};
-    for (Index r = 0; r < kRows; ++r) row.data()[r] = points[std::min(k + r, count - 1)];
-    // They are scattered, and little is read of each.
-    for (Index r = k + kRows; r < std::min(k + 2 * kRows, count); ++r) {
-      for (int d = 0; d < std::min(dimension, kPrefetched); d += kLine) {
-        hwy::Prefetch(points[r] + d);
-      }
-    }
+    const auto row = rows_from<kRows>(points, k, count, dimension);
     std::array<std::array<double, kPartials>, kRows> part;  // set below
     for (Index l = 0; l < kPartials; l += lanes) {
       auto a = hn::Zero(tag);
@@ -236,20 +242,12 @@ void about_distances_of(const float* const* points, Index count, int dimension, 
   const auto lanes = static_cast<int>(hn::Lanes(tag));
   const int whole = dimension / lanes * lanes;
   constexpr Index kRows = 4;
-  constexpr int kLine = 64 / sizeof(float);
-  constexpr int kPrefetched = 16 * kLine;
   const auto add = [&](auto& sum, const float* x, const auto& at) HWY_ATTR {
     const auto difference = hn::Sub(hn::LoadU(tag, x), at);
     sum = hn::MulAdd(difference, difference, sum);
   };
   for (Index k = 0; k < count; k += kRows) {
-    std::array<const float*, kRows> row{};
-    for (Index r = 0; r < kRows; ++r) row.data()[r] = points[std::min(k + r, count - 1)];
-    for (Index r = k + kRows; r < std::min(k + 2 * kRows, count); ++r) {
-      for (int d = 0; d < std::min(dimension, kPrefetched); d += kLine) {
-        hwy::Prefetch(points[r] + d);
-      }
-    }
+    const auto row = rows_from<kRows>(points, k, count, dimension);
     auto s0 = hn::Zero(tag);
     auto s1 = s0;
     auto s2 = s0;
