@@ -19,19 +19,28 @@ namespace ccvt {
 inline double rounding_share(int dimension) { return 1e-14 * (1 + dimension / 64.0); }
 inline double underflow_of(int dimension) { return dimension * std::numeric_limits<double>::min(); }
 
+/// Rows that for_rows() passes on together.
+inline constexpr std::size_t kRowsAtOnce = 64;
+
+/// Calls visit(rows, count, begin) with where some of `which` are, by at(k), from which[begin] on.
+template <class Number, class At, class Visit>
+void for_rows(std::span<const Number> which, const At& at, const Visit& visit) {
+  std::array<decltype(at(which.front())), kRowsAtOnce> row{};
+  for (std::size_t begin = 0; begin < which.size(); begin += kRowsAtOnce) {
+    const auto some = which.subspan(begin, std::min(kRowsAtOnce, which.size() - begin));
+    std::transform(some.begin(), some.end(), row.begin(), at);
+    visit(row.data(), static_cast<Index>(some.size()), begin);
+  }
+}
+
 /// |x - position|^2 of what is at at(k), for each of `which`; without a torus.
 template <class Number, class At>
 void squared_distances(std::span<const Number> which, const At& at, int dimension,
                        const double* position, std::vector<double>& out) {
-  constexpr std::size_t kRows = 64;
-  std::array<decltype(at(which.front())), kRows> row{};
   out.resize(which.size());
-  for (std::size_t begin = 0; begin < which.size(); begin += kRows) {
-    const auto some = which.subspan(begin, std::min(kRows, which.size() - begin));
-    std::transform(some.begin(), some.end(), row.begin(), at);
-    kernels::squared_distances_of(row.data(), static_cast<Index>(some.size()), dimension, position,
-                                  out.data() + begin);
-  }
+  for_rows(which, at, [&](const auto* rows, Index count, std::size_t begin) {
+    kernels::squared_distances_of(rows, count, dimension, position, out.data() + begin);
+  });
 }
 
 /// |p - position|^2 of some points, without a torus.

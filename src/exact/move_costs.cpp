@@ -113,20 +113,16 @@ double SquaredDistances<Scalar>::squared_at_least(std::span<const PointNumber> p
       const float* const position = rounded_.data() + site * dimension();
       out.resize(points.size());
       double largest = 0;
-      constexpr std::size_t kRows = 64;
-      std::array<const float*, kRows> row{};
-      std::array<float, kRows> square{};
-      for (std::size_t begin = 0; begin < points.size(); begin += kRows) {
-        const auto some = points.subspan(begin, std::min(kRows, points.size() - begin));
-        std::transform(some.begin(), some.end(), row.begin(),
-                       [&](PointNumber p) { return points_[p.index()]; });
-        kernels::about_squared_distances_of(row.data(), static_cast<Index>(some.size()),
-                                            points_.dimension, position, square.data());
-        for (std::size_t k = 0; k < some.size(); ++k) {
+      std::array<float, kRowsAtOnce> square{};
+      const auto at_point = [&](PointNumber p) { return points_[p.index()]; };
+      for_rows(points, at_point, [&](const float* const* rows, Index count, std::size_t begin) {
+        kernels::about_squared_distances_of(rows, count, points_.dimension, position,
+                                            square.data());
+        for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
           out[begin + k] = double{square.data()[k]};
           largest = std::max(largest, out[begin + k]);
         }
-      }
+      });
       const Margin off = margin(largest, off_[site]);
       if (!std::isnan(off.share)) {
         for (double& squared : out) squared -= off.share * squared + off.beside;
