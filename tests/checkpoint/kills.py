@@ -84,6 +84,8 @@ class Together:
         self.threads = threads
 
     def start(self, arguments, folder):
+        self.checkpoint = folder / "run/ccvt.checkpoint"
+        self.first = self.kept_at()
         self.mark = f"CCVT_KILLS={time.monotonic_ns()}"
         name, value = self.mark.split("=")
         # What killed processes leave goes with the folder.
@@ -105,8 +107,13 @@ class Together:
                 pass  # it has ended, or is another's
         return found
 
+    def kept_at(self):
+        return self.checkpoint.stat().st_mtime_ns if self.checkpoint.exists() else 0
+
     def kill(self, chance):
         ranks = sorted(number for number, is_rank in self.marked().items() if is_rank)
+        if self.kept_at() == self.first:
+            ranks = []  # Open MPI's mpirun waits for ever if one dies while it greets mpirun
         victim = chance.choice(["rank", "mpirun", "all"] if ranks else ["mpirun", "all"])
         for number in ([chance.choice(ranks)] if victim == "rank" else
                        [self.process.pid] if victim == "mpirun" else sorted(self.marked())):
