@@ -360,11 +360,17 @@ TEST_CASE_TEMPLATE("bounds that are kept hold while sites move and points come a
         CHECK(some.gap == doctest::Approx(all.gap).epsilon(1e-9));
         CHECK(kept.cover(given));
         const SquaredDistances<Scalar> costs(metric, view_points(points), sites);
+        if (round % 3 == 1) {
+          kept.set_all(owners, costs, arena);
+          CHECK_FALSE(kept.cover(owners));
+        }
         kept.include_all(owners, costs, arena);
         CHECK(kept.cover(owners));
         const Grouping cells(owners, kSites);
         for (const SiteNumber i : sites_below(kSites)) {
           bool holds = true;
+          std::vector<double> least(kSites, std::numeric_limits<double>::infinity());
+          double largest = 0;
           for (const PointNumber p : cells.of(i)) {
             const Scalar* x = points.col(p.index()).data();
             const auto squared_to = [&](SiteNumber s) {
@@ -377,9 +383,16 @@ TEST_CASE_TEMPLATE("bounds that are kept hold while sites move and points come a
               const double there = squared_to(j);
               const bool below = kept.of(i)[j] <= there - own + 1e-14 * (there + own);
               holds = holds && (j == i || below);
+              least[j] = std::min(least[j], there - own);
+              largest = std::max(largest, there + own);
             }
           }
           CHECK(holds);
+          for (const SiteNumber j : sites_below(kSites)) {
+            const bool empty = cells.of(i).empty();
+            const bool close = empty || j == i || kept.of(i)[j] > least[j] - 1e-3 * largest;
+            CHECK((round % 3 != 1 || close));
+          }
           std::vector<SiteNumber> near;
           kept.select(i, weights, near);
           looked_at += near.size();

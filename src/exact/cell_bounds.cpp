@@ -185,12 +185,36 @@ std::span<const double> CellBounds::include(SiteNumber site, std::span<const Poi
   const std::span<double> bounds = of(site);
   for (std::size_t j = 0; j < count(); ++j) bounds[j] = std::min(bounds[j], least[j]);
   radius_[site] = std::max(radius_[site], scratch.radius);
-  costs.squared(came, site, scratch.own);
-  for (std::size_t k = 0; k < came.size(); ++k) {
-    covered_[came[k]] = site.index();
-    own_costs_[came[k]] = scratch.own[k];
-  }
+  count_in(site, came, costs, scratch);
   return bounds;
+}
+
+/// Points that its bounds count from now on.
+void CellBounds::count_in(SiteNumber site, std::span<const PointNumber> points,
+                          const MoveCosts& costs, MoveCosts::Scratch& scratch) {
+  costs.squared(points, site, scratch.own);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    covered_[points[k]] = site.index();
+    own_costs_[points[k]] = scratch.own[k];
+  }
+}
+
+void CellBounds::set_all(const std::vector<Index>& owners, const MoveCosts& costs,
+                         const Arena& arena) {
+  valid_ = false;
+  const Grouping groups(owners, count());
+  PerWorker<MoveCosts::Scratch> scratch(arena);
+  arena.for_ranges(count(), 4, [&](std::size_t begin, std::size_t end, int worker) {
+    for (const SiteNumber s : sites_between(begin, end)) {
+      const auto members = groups.of(s);
+      if (members.empty()) continue;
+      arena.check();
+      const auto least = costs.bounds(s, members, scratch[worker]);
+      std::copy(least.begin(), least.end(), of(s).begin());
+      radius_[s] = scratch[worker].radius;
+      count_in(s, members, costs, scratch[worker]);
+    }
+  });
 }
 
 void CellBounds::include_all(const std::vector<Index>& owners, const MoveCosts& costs,

@@ -70,6 +70,9 @@ class CellBounds {
   void widen(SiteNumber site, double own);
   /// All points that came anywhere since. `costs`: for the positions that bounds are for.
   void include_all(const std::vector<Index>& owners, const MoveCosts& costs, const Arena& arena);
+  /// The bounds of cells with these owners anew, by products. include_all() says when they cover
+  /// them. O(m n D).
+  void set_all(const std::vector<Index>& owners, const MoveCosts& costs, const Arena& arena);
   void remove(PointNumber point) { covered_[point] = kNowhere; }
 
   /// |p - site|^2 of each point and the site of its cell.
@@ -78,6 +81,8 @@ class CellBounds {
   [[nodiscard]] double& radius(SiteNumber site) { return radius_[site]; }
 
  private:
+  void count_in(SiteNumber site, std::span<const PointNumber> points, const MoveCosts& costs,
+                MoveCosts::Scratch& scratch);
   static constexpr Index kNowhere = -1;
   [[nodiscard]] std::size_t count() const { return radius_.size(); }
   template <class Scalar>

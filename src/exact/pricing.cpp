@@ -19,6 +19,9 @@ constexpr std::size_t kPartPoints = 2048;
 /// together, about so many points at a time: looking at all sites for each cell would take longer
 /// than what it saves.
 constexpr std::size_t kManySites = 512;
+/// With fewer sites than this, the products of all points with all sites take no longer than what
+/// finds out which are needed.
+constexpr std::size_t kManyGroups = 2048;
 constexpr std::size_t kFewPoints = 64;
 constexpr std::size_t kRegionPoints = 512;
 
@@ -202,7 +205,7 @@ template <class Scalar>
 std::vector<Index> Pricer<Scalar>::cheapest(const WeightedSites& sites) const {
   const std::size_t n = sites.count();
   std::vector<Index> owners(static_cast<std::size_t>(points_.count));
-  if (n >= kManySites && !metric_.periodic() && cheapest_by_groups(sites, owners)) return owners;
+  if (n >= kManyGroups && !metric_.periodic() && cheapest_by_groups(sites, owners)) return owners;
   const std::vector<double> centre(sites.at(SiteNumber(0)), sites.at(SiteNumber(1)));
   price_regions({.sites = sites,
                  .owners = owners,
