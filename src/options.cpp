@@ -3,6 +3,7 @@
 #include <string>
 
 #include "ccvt/types.h"
+#include "checks.h"
 #include "number_text.h"
 
 namespace ccvt {
@@ -27,9 +28,7 @@ void Options::validate() const {
   require(checkpoint_seconds >= 0, "checkpoint_seconds", text(checkpoint_seconds),
           "it must be 0 (after each iteration) or more seconds");
   const auto one_of = [](const char* field, auto value, auto last) {
-    const int number = static_cast<int>(value);
-    require(number >= 0 && number <= static_cast<int>(last), field, std::to_string(number),
-            "it must be one of the enumerators");
+    require_enumerator("Options::" + std::string(field), value, last);
   };
   one_of("initialization", initialization, Initialization::random);
   one_of("swap", swap, SwapMethod::sort);

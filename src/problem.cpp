@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bounds.h"
+#include "checks.h"
 #include "geometry/coordinate_range.h"
 #include "geometry/range_of_ranks.h"
 #include "number_text.h"
@@ -71,13 +72,7 @@ void require_scale(const Domain& domain) {
 template <class Scalar>
 void require_view(const PointsView<Scalar>& points) {
   if (points.dimension < 1) throw InvalidInput("points: they have no dimension");
-  if (points.count > 0 && points.data == nullptr) {
-    throw InvalidInput("points: the view has no data");
-  }
-  if (points.dimension > 1 && points.stride < points.dimension) {
-    throw InvalidInput("points: the stride is " + std::to_string(points.stride) +
-                       ": it must be at least the dimension, " + std::to_string(points.dimension));
-  }
+  require_data("points", points);
 }
 
 /// The same points with other numbers: what is not there must not be read.

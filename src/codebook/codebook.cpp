@@ -10,6 +10,7 @@
 #include "ccvt/io.h"
 #include "ccvt/publication.h"
 #include "cell_sizes.h"
+#include "checks.h"
 #include "codebook/encode.h"
 #include "exact_sum.h"
 #include "geometry/squares.h"
@@ -46,6 +47,7 @@ void check_vectors(PointsView<Scalar> vectors, int dimension, std::int64_t first
     throw InvalidInput("vectors: have " + std::to_string(vectors.dimension) +
                        " dimensions, but the codewords have " + std::to_string(dimension));
   }
+  require_data("vectors", vectors);
   require_moderate("vectors", vectors, Arena(1), first);
 }
 
@@ -152,6 +154,8 @@ const char* to_string(CodebookMethod method) {
 }
 
 void CodebookOptions::validate() const {
+  require_enumerator("CodebookOptions::method", method, CodebookMethod::lloyd);
+  require_enumerator("CodebookOptions::seeding", seeding, Seeding::random);
   require(restarts >= 0, "restarts", std::to_string(restarts), "it must be 0 or more");
   require(!effort || *effort >= 0, "effort", std::to_string(effort.value_or(0)),
           "it must be 0 or more");
@@ -220,6 +224,7 @@ template <class Scalar>
 std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, int threads,
                                     const std::function<bool()>& cancelled) const try {
   check_threads(threads);
+  require_enumerator("coding", coding, Coding::weighted);
   check_vectors(vectors, dimension());
   check_extent(nullptr, vectors, codewords_.eigen());
   Stop stop(cancelled);
@@ -238,6 +243,7 @@ std::vector<Index> Codebook::encode(Ranks& ranks, PointsView<Scalar> own, Coding
   const RankPart part{&ranks, part_of_all(&ranks, own.count).first};
   agree(&ranks, [&] {
     check_threads(threads);
+    require_enumerator("coding", coding, Coding::weighted);
     check_vectors(own, dimension(), part.first);
   });
   check_extent(&ranks, own, codewords_.eigen());

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "checks.h"
 #include "io/formats.h"
 #include "io/gadget.h"
 #include "io/hdf5_particles.h"
@@ -28,6 +29,7 @@ void check_options(const ParticleOptions& options) {
               "positive and finite");
   check_range("redshift", options.redshift,
               options.redshift >= 0 && std::isfinite(options.redshift), "at least 0 and finite");
+  require_enumerator("type", options.type, ParticleType::dark_matter);
   check_range("gadget_format", options.gadget_format,
               options.gadget_format == 1 || options.gadget_format == 2, "1 or 2");
 }
@@ -64,6 +66,7 @@ template <class Scalar>
 void write_particles(const std::filesystem::path& path, PointsView<Scalar> sites,
                      const ParticleOptions& options) {
   check_particles(path, sites.count, sizeof(Scalar), options);
+  require_data("sites", sites);
   const io::ParticleLoad load(sites, options);
   if (io::extension_of(path) == ".hdf5") return io::write_hdf5_particles(path, load);
   io::write_gadget<Scalar>(path, load);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ccvt/io.h"
+#include "checks.h"
 #include "io/columns.h"
 #include "io/finite.h"
 #include "io/formats.h"
@@ -209,6 +210,7 @@ void detail::read_points(const std::filesystem::path& path, const ReadOptions& o
 
 template <class Scalar>
 void write_points(const std::filesystem::path& path, PointsView<Scalar> points) {
+  require_data("points", points);
   const std::string extension = table_extension(path);
   if (extension == ".npy") return write_npy_points(path, points);
   const char separator = extension == ".csv" ? ',' : ' ';

@@ -4,6 +4,7 @@
 
 #include "ccvt/capacity.h"
 #include "ccvt/metrics.h"
+#include "checks.h"
 #include "geometry/fitted.h"
 #include "geometry/metric.h"
 #include "metrics/sets.h"
@@ -25,6 +26,8 @@ double spacing_in(const Box& box, double count) {
 template <class Scalar>
 double energy(PointsView<Scalar> points, PointsView<Scalar> sites, std::span<const Index> owners,
               const Domain& domain) {
+  require_data("points", points);
+  require_data("sites", sites);
   if (points.dimension != sites.dimension) {
     throw InvalidInput("sites: have " + std::to_string(sites.dimension) +
                        " coordinates, points have " + std::to_string(points.dimension) +

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <string>
 
+#include "checks.h"
 #include "number_text.h"
 #include "parallel/arena.h"
 #include "parallel/together.h"
@@ -81,6 +82,7 @@ void check_affine(const DensityGrid& grid) {
 void check_places(const DensityGrid& grid, Index count, int fixed_dimension,
                   std::size_t scalar_bytes) {
   detail::check_sampling(grid.box, count, fixed_dimension, scalar_bytes);
+  require_enumerator("grid: interpolation", grid.interpolation, Interpolation::linear);
   check_affine(grid);
   detail::check_sampling(world_box(grid), count, fixed_dimension, scalar_bytes);
   check_shape(grid);
@@ -91,6 +93,7 @@ void fill(const DensityGrid& grid, const Eigen::VectorXd& origin, std::uint64_t 
           DensitySampling sampling, int threads, std::span<Scalar> coordinates,
           const std::function<bool()>& cancelled) try {
   require_threads(threads);
+  require_enumerator("sampling", sampling, DensitySampling::stratified);
   Stop stop(cancelled);
   const Arena arena(threads, &stop);
   const CellDensities densities(grid);

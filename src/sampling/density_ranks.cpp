@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ccvt/density.h"
+#include "checks.h"
 #include "number_text.h"
 #include "parallel/together.h"
 #include "sampling/cell_densities.h"
@@ -84,7 +85,10 @@ void send_to_ranks(Ranks& ranks, const std::vector<Drawn<Scalar>>& drawn, std::s
 template <class Scalar>
 void fill(Ranks& ranks, const LocalDensity& local, const LayerRange& layers, Index count,
           std::uint64_t seed, DensitySampling sampling, int threads, std::span<Scalar> own) {
-  agree(&ranks, [&] { require_threads(threads); });
+  agree(&ranks, [&] {
+    require_threads(threads);
+    require_enumerator("sampling", sampling, DensitySampling::stratified);
+  });
   const DensityGrid& grid = local.grid;
   const std::size_t dimension = grid.shape.size();
   const Arena arena(threads);

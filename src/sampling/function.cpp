@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ccvt/density.h"
+#include "checks.h"
 #include "number_text.h"
 #include "parallel/arena.h"
 #include "random.h"
@@ -196,6 +197,7 @@ void fill(const DensityFunction& f, double maximum, const Box& box, std::uint64_
           DensitySampling sampling, int threads, std::span<Scalar> coordinates,
           const std::function<bool()>& cancelled) try {
   require_threads(threads);
+  require_enumerator("sampling", sampling, DensitySampling::stratified);
   Stop stop(cancelled);
   const Arena arena(threads, &stop);
   const CheckedDensity<Scalar> density(f, maximum, box);

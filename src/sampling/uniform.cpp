@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "ccvt/sampling.h"
+#include "checks.h"
 #include "number_text.h"
 #include "numbers.h"
 #include "parallel/arena.h"
@@ -225,12 +226,14 @@ void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution,
 void fill_uniform_part(const Box& box, Index count, Index first, std::uint64_t seed,
                        Distribution distribution, int threads, std::span<float> coordinates) {
   require_threads(threads);
+  require_enumerator("distribution", distribution, Distribution::hexagonal);
   Fill<float>(box, count, first, coordinates).run(seed, distribution, threads);
 }
 
 void fill_uniform_part(const Box& box, Index count, Index first, std::uint64_t seed,
                        Distribution distribution, int threads, std::span<double> coordinates) {
   require_threads(threads);
+  require_enumerator("distribution", distribution, Distribution::hexagonal);
   Fill<double>(box, count, first, coordinates).run(seed, distribution, threads);
 }
 

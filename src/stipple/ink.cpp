@@ -5,6 +5,7 @@
 #include <string>
 
 #include "ccvt/stipple.h"
+#include "checks.h"
 #include "geometry/as_matrix.h"
 
 namespace ccvt {
@@ -122,6 +123,7 @@ class DistanceRaster {
 
 template <class Scalar>
 double dot_radius_for(PointsView<Scalar> dots, int width, int height, double ink) {
+  require_data("dots", dots);
   const double area = 1.0 * width * height;
   if (dots.dimension != 2 || dots.count < 1 || !as_matrix(dots).allFinite()) {
     throw InvalidInput("dots: must be finite, 2 by at least 1, but are " +

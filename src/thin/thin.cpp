@@ -10,6 +10,7 @@
 
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
+#include "checks.h"
 #include "geometry/chosen_points.h"
 #include "geometry/metric.h"
 #include "no_checkpoint.h"
@@ -264,6 +265,7 @@ Thinning thin(PointsView<Scalar> points, Index sites, const ThinOptions& options
                               " dimensions, for ", points.count, " points of ", points.dimension,
                               "; needs one a point, of as many dimensions"));
   }
+  require_data("normals", normals);
   const int threads = options.tessellation.threads;
   static_cast<void>(Problem<Scalar>(points, sites, threads));  // checks them
   Thinning result;

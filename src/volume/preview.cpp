@@ -8,6 +8,7 @@
 #include <string>
 
 #include "ccvt/volume.h"
+#include "checks.h"
 #include "sampling/cell_densities.h"
 
 namespace ccvt {
@@ -193,6 +194,7 @@ void draw_dots(const Projection& projection, const Eigen::Matrix3Xd& places, int
 template <class Scalar>
 ColourImage preview(const DensityGrid& density, PointsView<Scalar> sites, int size) {
   detail::check_density(density, 1, Eigen::Dynamic, sizeof(Scalar));
+  require_data("sites", sites);
   if (density.shape.size() != 3 || sites.dimension != 3) {
     throw InvalidInput("preview: the grid has " + std::to_string(density.shape.size()) +
                        " dimensions and the sites have " + std::to_string(sites.dimension) +

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "checks.h"
 #include "number_text.h"
 #include "weighted/mass_sum.h"
 
@@ -96,6 +97,7 @@ void require_room(const MassInputs& inputs, std::span<const double> masses, bool
 
 MassInputs::MassInputs(std::span<const double> given, std::size_t points, Index sites,
                        const MassOptions& options) {
+  require_enumerator("method", options.method, MassMethod::resampled);
   const double sum = sum_of_masses(given, points);
   const auto count = static_cast<std::size_t>(sites);
   if (!options.capacities.empty()) check_capacities(options.capacities, count, sum);

@@ -18,6 +18,7 @@ ADVICE = {
     "src/capacity.cpp": "Capacities are whole numbers, one a site, and sum to the number of points.",
     "src/checkpoint/checkpoint_file.cpp": "What is damaged cannot be continued: remove it, and the run "
                                           "begins anew.",
+    "src/checks.h": _PARAMETER,
     "src/cli/analyze.cpp": "Give the box that the points fill (`--box`), and average or compare only "
                            "point sets that agree in dimensions, number and box.",
     "src/cli/analyze_command.cpp": _USAGE,

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include "ccvt/types.h"
+
+namespace ccvt {
+
+/// Throws InvalidInput, which begins with `name`, unless a value that may have been made of any
+/// number is one of an enumeration's, from 0 to `last`.
+template <class Enum>
+void require_enumerator(const std::string& name, Enum value, Enum last) {
+  const auto number = static_cast<long long>(value);
+  if (number >= 0 && number <= static_cast<long long>(last)) return;
+  throw InvalidInput(name + " is " + std::to_string(number) +
+                     ": it must be one of the enumerators");
+}
+
+/// Throws InvalidInput, which begins with `name`, unless points can be read through the view.
+template <class Scalar>
+void require_data(const std::string& name, const PointsView<Scalar>& points) {
+  if (points.count > 0 && points.data == nullptr) {
+    throw InvalidInput(name + ": the view has no data");
+  }
+  if (points.dimension > 1 && points.stride < points.dimension) {
+    throw InvalidInput(name + ": the stride is " + std::to_string(points.stride) +
+                       ": it must be at least the dimension, " + std::to_string(points.dimension));
+  }
+}
+
+}  // namespace ccvt

@@ -1,0 +1,130 @@
+// What every function asks of enumerators and of views: see src/checks.h.
+#include <doctest/doctest.h>
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ccvt/codebook.h"
+#include "ccvt/density.h"
+#include "ccvt/io.h"
+#include "ccvt/metrics.h"
+#include "ccvt/particles.h"
+#include "ccvt/sampling.h"
+#include "ccvt/solver.h"
+#include "ccvt/stipple.h"
+#include "ccvt/thin.h"
+#include "ccvt/volume.h"
+#include "ccvt/weighted.h"
+#include "support/files.h"
+#include "support/message.h"
+
+using ccvt::Box;
+using ccvt::Index;
+using ccvt::Points;
+using ccvt::PointsView;
+using namespace ccvt::test;
+
+namespace {
+
+constexpr int kNone = 77;
+const std::string kRule = " is 77: it must be one of the enumerators";
+
+template <class Enum>
+Enum no_enumerator() {
+  return static_cast<Enum>(kNone);
+}
+
+const Points<double>& some_points() {
+  static const Points<double> points =
+      ccvt::sample_uniform<double>(Box::unit(3), 50, 1, ccvt::Distribution::white);
+  return points;
+}
+
+/// Of 50 points that are nowhere.
+PointsView<double> nowhere(int dimension = 3) { return {nullptr, dimension, 50, dimension}; }
+
+template <class Call>
+void check_no_data(const std::string& name, const Call& call) {
+  CHECK(message_of([&] { call(nowhere()); }) == name + ": the view has no data");
+  PointsView<double> narrow = ccvt::view_points(some_points());
+  narrow.stride = 2;
+  CHECK(message_of([&] { call(narrow); }) ==
+        name + ": the stride is 2: it must be at least the dimension, 3");
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("checks");
+
+TEST_CASE("a number that is no enumerator is refused by name") {
+  const Points<double>& points = some_points();
+  ccvt::CodebookOptions codebook;
+  codebook.method = no_enumerator<ccvt::CodebookMethod>();
+  CHECK(message_of([&] { ccvt::train_codebook(points, 5, codebook); }) ==
+        "CodebookOptions::method" + kRule);
+  codebook = {};
+  codebook.seeding = no_enumerator<ccvt::Seeding>();
+  CHECK(message_of([&] { ccvt::train_codebook(points, 5, codebook); }) ==
+        "CodebookOptions::seeding" + kRule);
+  const auto trained = ccvt::train_codebook(points, 5);
+  CHECK(message_of([&] {
+          static_cast<void>(trained.codebook.encode(points, no_enumerator<ccvt::Coding>()));
+        }) == "coding" + kRule);
+
+  CHECK(message_of([&] {
+          ccvt::sample_uniform<float>(Box::unit(2), 9, 1, no_enumerator<ccvt::Distribution>());
+        }) == "distribution" + kRule);
+  const std::vector<float> values(8, 1);
+  ccvt::DensityGrid grid{values, {2, 2, 2}, Box::unit(3)};
+  const auto sampling = no_enumerator<ccvt::DensitySampling>();
+  CHECK(message_of([&] { ccvt::sample_density<float>(grid, 9, 1, sampling); }) ==
+        "sampling" + kRule);
+  const auto even = [](std::span<const double>) { return 1.0; };
+  CHECK(message_of([&] {
+          ccvt::sample_function<float>(even, 1.0, Box::unit(2), 9, 1, sampling);
+        }) == "sampling" + kRule);
+  grid.interpolation = no_enumerator<ccvt::Interpolation>();
+  CHECK(message_of([&] { ccvt::sample_density<float>(grid, 9, 1); }) ==
+        "grid: interpolation" + kRule);
+
+  ccvt::MassOptions masses;
+  masses.method = no_enumerator<ccvt::MassMethod>();
+  const std::vector<double> one(50, 1.0);
+  CHECK(message_of([&] { ccvt::tessellate_masses(points, one, 5, masses); }) == "method" + kRule);
+  const TemporaryDirectory directory;
+  ccvt::ParticleOptions particles;
+  particles.type = no_enumerator<ccvt::ParticleType>();
+  CHECK(message_of([&] { ccvt::write_particles(directory / "p.gadget", points, particles); }) ==
+        "type" + kRule);
+  CHECK(directory.entries() == 0);
+}
+
+TEST_CASE("a view without data, or with rows that overlap, is refused by name") {
+  const Points<double>& points = some_points();
+  const auto view = ccvt::view_points(points);
+  const std::vector<Index> owners(50, 0);
+  const TemporaryDirectory directory;
+  const auto trained = ccvt::train_codebook(points, 5);
+  const std::vector<float> values(8, 1);
+  const ccvt::DensityGrid grid{values, {2, 2, 2}, Box::unit(3)};
+
+  check_no_data("points", [](auto v) { ccvt::Problem<double>(v, 5); });
+  check_no_data("points", [&](auto v) { ccvt::energy(v, view, owners); });
+  check_no_data("sites", [&](auto v) { ccvt::energy(view, v, owners); });
+  check_no_data("points", [&](auto v) { ccvt::write_points(directory / "p.npy", v); });
+  check_no_data("points", [&](auto v) { ccvt::write_points(directory / "p.csv", v); });
+  check_no_data("sites", [&](auto v) {
+    ccvt::write_particles(directory / "p.gadget", v, ccvt::ParticleOptions());
+  });
+  check_no_data("vectors", [&](auto v) {
+    static_cast<void>(trained.codebook.encode(v, ccvt::Coding::nearest, 1, nullptr));
+  });
+  check_no_data("normals", [&](auto v) { ccvt::thin(view, 5, ccvt::ThinOptions(), v); });
+  check_no_data("sites", [&](auto v) { static_cast<void>(ccvt::preview(grid, v, 64)); });
+  CHECK(message_of([] { static_cast<void>(ccvt::dot_radius_for(nowhere(2), 9, 9, 3.0)); }) ==
+        "dots: the view has no data");
+  CHECK(directory.entries() == 0);
+}
+
+TEST_SUITE_END();
