@@ -81,10 +81,10 @@ class CellBounds {
   [[nodiscard]] double& radius(SiteNumber site) { return radius_[site]; }
 
  private:
-  void count_in(SiteNumber site, std::span<const PointNumber> points, const MoveCosts& costs,
-                MoveCosts::Scratch& scratch);
   static constexpr Index kNowhere = -1;
   [[nodiscard]] std::size_t count() const { return radius_.size(); }
+  void count_in(SiteNumber site, std::span<const PointNumber> points, const MoveCosts& costs,
+                MoveCosts::Scratch& scratch);
   template <class Scalar>
   double step(SiteNumber site, const double* to, std::span<const PointNumber> members,
               PointsView<Scalar> points, std::vector<double>& squared);

@@ -19,11 +19,11 @@ constexpr std::size_t kPartPoints = 2048;
 /// together, about so many points at a time: looking at all sites for each cell would take longer
 /// than what it saves.
 constexpr std::size_t kManySites = 512;
+constexpr std::size_t kFewPoints = 64;
+constexpr std::size_t kRegionPoints = 512;
 /// With fewer sites than this, the products of all points with all sites take no longer than what
 /// finds out which are needed.
 constexpr std::size_t kManyGroups = 2048;
-constexpr std::size_t kFewPoints = 64;
-constexpr std::size_t kRegionPoints = 512;
 
 struct Choice {
   SiteNumber site;
