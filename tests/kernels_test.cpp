@@ -14,6 +14,7 @@
 #include "kernels/keys.h"
 #include "kernels/nearest.h"
 #include "kernels/products.h"
+#include "kernels/rows.h"
 #include "kernels/streams.h"
 #include "random.h"
 #include "support/generate.h"
@@ -328,6 +329,32 @@ TEST_CASE_TEMPLATE("squared distances to scattered points, bit for bit", Scalar,
         CHECK(squared[k] == squared_difference(rows[k], query.data(), dimension));
       }
       CHECK(squared.back() == -1);
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("rows as streams, relative to a centre, bit for bit", Scalar, float, double) {
+  constexpr Index kStride = 4 * ccvt::kernels::kRowGroup;
+  for (const int dimension : {1, 3, 15, 16, 17, 32, 61, 784}) {
+    CAPTURE(dimension);
+    const auto points = make_points<Scalar>(Layout::random, uneven_box(dimension), 11, 3);
+    const auto centre = make_points<double>(Layout::random, uneven_box(dimension), 1, 4);
+    std::vector<const Scalar*> rows;
+    for (Index k = 0; k < kStride; ++k) rows.push_back(points.col((7 * k) % 11).data());
+    for (Index count = 0; count <= kStride; count += ccvt::kernels::kRowGroup) {
+      std::vector<float> block(static_cast<std::size_t>(kStride * dimension), -1);
+      ccvt::kernels::centred_rows(rows.data(), count, dimension, centre.data(), 0.7, block.data(),
+                                  kStride);
+      bool same = true;
+      for (int d = 0; d < dimension; ++d) {
+        for (Index k = 0; k < kStride; ++k) {
+          const auto row = static_cast<std::size_t>(k);
+          const double expected = (rows[row][d] - centre.data()[d]) * 0.7;
+          const float found = block[static_cast<std::size_t>(d * kStride + k)];
+          same = same && found == (k < count ? static_cast<float>(expected) : -1);
+        }
+      }
+      CHECK(same);
     }
   }
 }

@@ -1,12 +1,12 @@
 #include "exact/cell_product.h"
 
-#include <hwy/cache_control.h>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "kernels/products.h"
+#include "kernels/rows.h"
 
 namespace ccvt {
 namespace {
@@ -14,9 +14,6 @@ namespace {
 /// Sites whose costs are looked at together.
 constexpr Index kChunkSites = 1020;
 static_assert(kChunkSites % kernels::kCostSites == 0);
-
-/// So many points ahead of the one that is gathered are fetched, as they lie anywhere in memory.
-constexpr Index kAhead = 2;
 
 /// An exponent of two; at most half of double's.
 constexpr double kMostScale = 500;
@@ -74,22 +71,12 @@ void CellProduct::gather(PointsView<Scalar> points, std::span<const PointNumber>
   const Index step = kernels::product_points();
   stride_ = (count + step - 1) / step * step;
   block_.resize(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(dimension_));
-  constexpr std::ptrdiff_t kLine = 64 / sizeof(Scalar);
-  const auto row = [&](Index k) {
-    return points[members[static_cast<std::size_t>(std::min(k, count - 1))].index()];
-  };
-  for (Index k = 0; k < stride_; ++k) {
-    const Scalar* const x = row(k);
-    const Scalar* const ahead = row(k + kAhead);
-    float* to = block_.data() + k;
-    for (std::ptrdiff_t line = 0; line < dimension_; line += kLine) {
-      hwy::Prefetch(ahead + line);
-      const std::ptrdiff_t end = std::min<std::ptrdiff_t>(line + kLine, dimension_);
-      for (std::ptrdiff_t d = line; d < end; ++d, to += stride_) {
-        *to = static_cast<float>((x[d] - own_[d]) * scale_);
-      }
-    }
+  static_assert(kPoints % kernels::kRowGroup == 0);
+  std::array<const Scalar*, kPoints> row{};
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    row.data()[k] = points[members[std::min(k, members.size() - 1)].index()];
   }
+  kernels::centred_rows(row.data(), stride_, dimension_, own_, scale_, block_.data(), stride_);
 }
 
 template <class Scalar>

@@ -11,6 +11,7 @@
 #include "geometry/squares.h"
 #include "kernels/nearest.h"
 #include "kernels/products.h"
+#include "kernels/rows.h"
 #include "parallel/bytes.h"
 
 namespace ccvt {
@@ -232,23 +233,22 @@ double SquaredDistances<Scalar>::gather(SiteNumber site, std::span<const PointNu
   const auto wide = static_cast<std::size_t>(scratch.stride);
   scratch.block.resize(wide * dimension());
   scratch.offset.assign(wide, 0.0F);
-  const double* const own = at(site);
-  const float* const centred = centred_.data() + (centred_.empty() ? 0 : site * dimension());
-  double farthest = 0;
+  squared(members, site, scratch.own);
+  const double farthest = *std::max_element(scratch.own.begin(), scratch.own.end());
+  const double radius = std::sqrt(farthest) * (1 + 1e-14 * points_.dimension);
+  if (metric_.periodic()) return radius;  // no products
+  std::array<const Scalar*, kPartPoints> row{};
   for (std::size_t k = 0; k < wide; ++k) {
-    const Scalar* const x = points_[members[std::min(k, members.size() - 1)].index()];
-    float* to = scratch.block.data() + k;
-    double squared = 0;
-    for (std::size_t d = 0; d < dimension(); ++d, to += wide) {
-      const double difference = metric_.wrap(x[d] - own[d], d);
-      squared += difference * difference;
-      if (metric_.periodic()) continue;  // no products
-      *to = static_cast<float>(difference * scale_);
-      scratch.offset[k] += *to * centred[d];
-    }
-    farthest = std::max(farthest, squared);
+    row.data()[k] = points_[members[std::min(k, members.size() - 1)].index()];
   }
-  return std::sqrt(farthest) * (1 + 1e-14 * points_.dimension);
+  kernels::centred_rows(row.data(), scratch.stride, points_.dimension, at(site), scale_,
+                        scratch.block.data(), scratch.stride);
+  const float* const centred = centred_.data() + site * dimension();
+  const float* stream = scratch.block.data();
+  for (std::size_t d = 0; d < dimension(); ++d, stream += wide) {
+    for (std::size_t k = 0; k < wide; ++k) scratch.offset.data()[k] += stream[k] * centred[d];
+  }
+  return radius;
 }
 
 template <class Scalar>

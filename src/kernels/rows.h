@@ -1,0 +1,17 @@
+#pragma once
+
+#include "ccvt/types.h"
+
+namespace ccvt::kernels {
+
+/// centred_rows() takes so many points at a time.
+constexpr Index kRowGroup = 8;
+
+/// Points that lie anywhere, as streams: (rows[k][d] - centre[d]) * scale, taken in double, as
+/// block[d * stride + k]. `count`, a multiple of kRowGroup, at most `stride`; a row may be there
+/// several times.
+template <class Scalar>
+void centred_rows(const Scalar* const* rows, Index count, int dimension, const double* centre,
+                  double scale, float* block, Index stride);
+
+}  // namespace ccvt::kernels
