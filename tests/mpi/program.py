@@ -437,8 +437,9 @@ def ended_by(number, run):
 
 def end_by(number, bad, outputs):
     """mpirun waits `patience` seconds, tells the ranks, waits as long again, and kills them: they are
-    kept once more in between. The run is long enough for that; nothing else would have kept it again."""
-    patience = 3
+    kept once more in between. The run is long enough for that; nothing else would have kept it again.
+    It has begun when it says that it goes on."""
+    patience = 4
     patient = ["--mca", "odls_base_sigkill_timeout", str(patience)] if is_open_mpi() else []
     checkpoint = pathlib.Path("kept/ccvt.checkpoint")
     for sites in (16000, 64000, 256000):
@@ -452,7 +453,8 @@ def end_by(number, bad, outputs):
     alone(*kept, *files("kept-", *outputs), "--max-iterations", "2")
     before = checkpoint.read_bytes()
     run, _ = start_kept(2, *kept, *bad, options=patient)
-    time.sleep(0.3)
+    begun = run.stderr.readline()
+    check("goes on from kept" in begun, f"{number.name} to mpirun: it began with {begun}")
     run.send_signal(number)
     errors = run.communicate(timeout=60)[1]
     ended_by(number, run)
