@@ -40,17 +40,13 @@ class LooseCosts final : public MoveCosts {
                std::vector<double>& out) const override {
     costs_.squared(points, site, out);
   }
-  double squared_at_least(std::span<const PointNumber> points, SiteNumber site,
-                          std::vector<double>& out) const override {
-    const double slack = costs_.squared_at_least(points, site, out);
-    double most = 0;
-    for (double& squared : out) {
-      const double less = most_ * random_.uniform();
-      most = std::max(most, less);
-      squared -= less;
-    }
-    return (slack + most) * (1 + 1e-12);
+  void squared_at_least(std::span<const PointNumber> points, std::span<const SiteNumber> sites,
+                        std::vector<double>& out, std::vector<double>& slack) const override {
+    costs_.squared_at_least(points, sites, out, slack);
+    for (std::size_t k = 0; k < out.size(); ++k) out[k] -= most_ * random_.uniform();
+    for (double& of_site : slack) of_site = (of_site + most_) * (1 + 1e-12);
   }
+  [[nodiscard]] std::size_t sites_at_once() const override { return 3; }
   void squared_to(PointNumber point, std::span<const SiteNumber> sites, std::vector<double>& out,
                   Scratch& scratch) const override {
     costs_.squared_to(point, sites, out, scratch);

@@ -11,6 +11,7 @@
 
 #include "geometry/metric.h"
 #include "geometry/squares.h"
+#include "kernels/about.h"
 #include "kernels/keys.h"
 #include "kernels/nearest.h"
 #include "kernels/products.h"
@@ -365,22 +366,33 @@ TEST_CASE("squared distances in float, to scattered points and to packs") {
   for (const int dimension : {1, 2, 7, 8, 9, 16, 37, 64}) {
     CAPTURE(dimension);
     const auto points = make_points<float>(Layout::random, uneven_box(dimension), kPoints, 3);
-    const auto query = make_points<float>(Layout::random, uneven_box(dimension), 1, 4);
-    const auto about = [&](float squared, Index k) {
-      const double expected = squared_difference(points.col(k).data(), query.data(), dimension);
+    const auto query = make_points<float>(Layout::random, uneven_box(dimension), 6, 4);
+    const auto about = [&](float squared, Index k, Index q = 0) {
+      const double expected =
+          squared_difference(points.col(k).data(), query.col(q).data(), dimension);
       const double share = (dimension + 3) * double{std::numeric_limits<float>::epsilon()};
       return std::abs(double{squared} - expected) <= share * expected;
     };
     for (Index count = 0; count <= kPoints; ++count) {
       std::vector<const float*> rows;
       for (Index k = 0; k < count; ++k) rows.push_back(points.col((7 * k) % kPoints).data());
-      std::vector<float> squared(static_cast<std::size_t>(count) + 1, -1);
-      ccvt::kernels::about_squared_distances_of(rows.data(), count, dimension, query.data(),
-                                                squared.data());
-      for (Index k = 0; k < count; ++k) {
-        CHECK(about(squared[static_cast<std::size_t>(k)], (7 * k) % kPoints));
+      std::vector<const float*> queries;
+      for (Index q = 0; q < query.cols(); ++q) queries.push_back(query.col(q).data());
+      for (Index some = 0; some <= query.cols(); ++some) {
+        constexpr Index kStride = kPoints + 1;
+        std::vector<float> squared(static_cast<std::size_t>(kStride * query.cols()), -1);
+        ccvt::kernels::about_squared_distances_of(rows.data(), count, dimension, queries.data(),
+                                                  some, squared.data(), kStride);
+        bool right = true;
+        for (Index q = 0; q < query.cols(); ++q) {
+          for (Index k = 0; k < kStride; ++k) {
+            const float found = squared[static_cast<std::size_t>(q * kStride + k)];
+            right =
+                right && (q < some && k < count ? about(found, (7 * k) % kPoints, q) : found == -1);
+          }
+        }
+        CHECK(right);
       }
-      CHECK(squared.back() == -1);
     }
     // In two packs, places apart.
     const auto place = [&](Index k) { return static_cast<std::size_t>(k) * (kPack / 8 + 3); };

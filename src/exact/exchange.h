@@ -147,6 +147,8 @@ class ExchangeGraph {
     std::vector<PointNumber> nearest;
     std::vector<SiteNumber> others;
     std::vector<double> there;
+    std::vector<double> least;  ///< squares of members, for one edge after the other
+    std::vector<double> slack;  ///< of each of these edges
   };
   void bound_all_edges(const Arena& arena);
   void bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
@@ -157,9 +159,11 @@ class ExchangeGraph {
   void tighten(SiteNumber site);
   static Moves& moves_of(Cell& cell, std::size_t slot);
   Moves& weigh(SiteNumber site, std::size_t slot);
-  Move find_nearest(const Cell& cell, SiteNumber to, std::size_t count);
-  void weigh_own(SiteNumber site, std::size_t slot);
+  void weigh_own(SiteNumber site);
+  void keep_cheapest(SiteNumber site, std::size_t slot, std::span<double> least, double slack);
+  Move find_nearest(const Cell& cell, std::size_t count, std::span<double> least, double slack);
   static void set_weighed(Cell& cell, std::size_t slot);
+  void choose_slots(SiteNumber site, std::size_t slot, std::size_t most);
   double find_path(SiteNumber source, const Arena& arena);
   [[nodiscard]] bool settled(SiteNumber site) const { return limit_[site] == -kNone; }
   [[nodiscard]] static bool is_weighed(const Cell& cell, std::size_t slot);
@@ -184,7 +188,6 @@ class ExchangeGraph {
   void find_edges_together(std::size_t edges, Scratch& scratch) const;
   static void put_edges(ByteWriter& message, const Scratch& scratch);
   void join_edges(std::span<ByteReader> ranks, std::size_t edges, Scratch& scratch) const;
-  void choose_slots(SiteNumber site, std::size_t slot);
   void weigh_together(SiteNumber site, std::size_t slot);
   void bring(std::vector<Mover>& movers);
 
@@ -214,7 +217,7 @@ class ExchangeGraph {
   std::vector<Way> way_;
   std::vector<SiteNumber> seen_;
   std::vector<SiteNumber> settled_;
-  std::vector<std::size_t> slots_;  ///< of edges that ranks weigh in one message
+  std::vector<std::size_t> slots_;  ///< of edges that are weighed together
   std::vector<Mover> movers_;       ///< along the path at hand, from its end
   std::vector<Step> heap_;
 };

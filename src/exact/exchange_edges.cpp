@@ -149,52 +149,52 @@ ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
   if (part_.ranks != nullptr) {
     weigh_together(site, slot);
   } else {
-    weigh_own(site, slot);
-    set_weighed(cell, slot);
+    choose_slots(site, slot, costs_.sites_at_once());
+    weigh_own(site);
+    for (const std::size_t chosen : slots_) set_weighed(cell, chosen);
   }
   return moves_of(cell, slot);
 }
 
-/// The members of which moving may be one of the `count` cheapest ways, in `nearest`; no other way
-/// is before the one that is returned.
-ExchangeGraph::Move ExchangeGraph::find_nearest(const Cell& cell, SiteNumber to,
-                                                std::size_t count) {
-  Move beyond = {kNone, 0};
-  scratch_.nearest = cell.members;
-  if (cell.members.size() <= count) return beyond;
-  std::vector<double>& costs = scratch_.own;
-  const double slack = costs_.squared_at_least(cell.members, to, costs);
-  for (std::size_t k = 0; k < costs.size(); ++k) costs[k] -= own_cost_[cell.members[k]];
-  double limit = *std::min_element(costs.begin(), costs.end());
-  if (count > 1) {
-    std::vector<double>& order = scratch_.there;
-    order = costs;
-    const auto last = order.begin() + static_cast<std::ptrdiff_t>(count - 1);
-    std::nth_element(order.begin(), last, order.end());
-    limit = *last;
+/// The edge in that slot, and others of the site that the search at hand may take: the first in the
+/// order of slots, which is about that of their bounds. With one to a site with too few points,
+/// only others to such sites: they may end the search.
+void ExchangeGraph::choose_slots(SiteNumber site, std::size_t slot, std::size_t most) {
+  const Cell& cell = cells_[site];
+  const double base = distance_[site] + weights_[site];
+  const bool to_target = surplus(cell.to[slot]) < 0;
+  slots_.assign(1, slot);
+  for (std::size_t other = 0; other < cell.to.size() && slots_.size() < most; ++other) {
+    const SiteNumber j = cell.to[other];
+    if (other == slot || is_weighed(cell, other) || (to_target && surplus(j) >= 0)) continue;
+    const double distance = std::max(distance_[site], base + cell.bound[other] - weights_[j]);
+    if (may_matter(site, j, distance)) slots_.push_back(other);
   }
-  limit += slack + 1e-15 * (std::abs(limit) + slack);
-  scratch_.nearest.clear();
-  for (std::size_t k = 0; k < costs.size(); ++k) {
-    const PointNumber p = cell.members[k];
-    if (costs[k] <= limit) {
-      scratch_.nearest.push_back(p);
-    } else {
-      beyond = std::min(beyond, {costs[k], number(p)});
-    }
-  }
-  return beyond;
 }
 
-/// The cheapest moves of the points that this rank has.
-void ExchangeGraph::weigh_own(SiteNumber site, std::size_t slot) {
+/// Of the points that this rank has, the cheapest moves along the edges chosen.
+void ExchangeGraph::weigh_own(SiteNumber site) {
+  Cell& cell = cells_[site];
+  ++cell.weighings;
+  std::vector<SiteNumber>& sites = scratch_.others;
+  sites.clear();
+  for (const std::size_t slot : slots_) sites.push_back(cell.to[slot]);
+  costs_.squared_at_least(cell.members, sites, scratch_.least, scratch_.slack);
+  std::span<double> least = scratch_.least;
+  for (std::size_t k = 0; k < slots_.size(); ++k, least = least.subspan(cell.members.size())) {
+    keep_cheapest(site, slots_[k], least.first(cell.members.size()), scratch_.slack[k]);
+  }
+}
+
+/// Along an edge. `least`: no more than the members' squares there, and less by `slack` at most.
+void ExchangeGraph::keep_cheapest(SiteNumber site, std::size_t slot, std::span<double> least,
+                                  double slack) {
   Cell& cell = cells_[site];
   Moves& moves = moves_of(cell, slot);
-  moves.beyond = find_nearest(cell, cell.to[slot], moves.kept);
+  moves.beyond = find_nearest(cell, moves.kept, least, slack);
   const std::vector<PointNumber>& nearest = scratch_.nearest;
   std::vector<double>& squared = scratch_.own;
   costs_.squared(nearest, cell.to[slot], squared);
-  ++cell.weighings;
   std::vector<Move>& cheapest = moves.cheapest;
   for (std::size_t k = 0; k < nearest.size(); ++k) {
     const PointNumber p = nearest[k];
@@ -209,6 +209,35 @@ void ExchangeGraph::weigh_own(SiteNumber site, std::size_t slot) {
   if (kept_ != nullptr && !cheapest.empty()) {
     kept_->set(site, cell.to[slot], cheapest.front().cost);
   }
+}
+
+/// The members of which moving may be one of the `count` cheapest ways, in `nearest`; no other way
+/// is before the one that is returned.
+ExchangeGraph::Move ExchangeGraph::find_nearest(const Cell& cell, std::size_t count,
+                                                std::span<double> least, double slack) {
+  Move beyond = {kNone, 0};
+  scratch_.nearest = cell.members;
+  if (cell.members.size() <= count) return beyond;
+  for (std::size_t k = 0; k < least.size(); ++k) least[k] -= own_cost_[cell.members[k]];
+  double limit = *std::min_element(least.begin(), least.end());
+  if (count > 1) {
+    std::vector<double>& order = scratch_.there;
+    order.assign(least.begin(), least.end());
+    const auto last = order.begin() + static_cast<std::ptrdiff_t>(count - 1);
+    std::nth_element(order.begin(), last, order.end());
+    limit = *last;
+  }
+  limit += slack + 1e-15 * (std::abs(limit) + slack);
+  scratch_.nearest.clear();
+  for (std::size_t k = 0; k < least.size(); ++k) {
+    const PointNumber p = cell.members[k];
+    if (least[k] <= limit) {
+      scratch_.nearest.push_back(p);
+    } else {
+      beyond = std::min(beyond, {least[k], number(p)});
+    }
+  }
+  return beyond;
 }
 
 void ExchangeGraph::set_weighed(Cell& cell, std::size_t slot) {

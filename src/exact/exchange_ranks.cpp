@@ -112,26 +112,10 @@ void ExchangeGraph::bound_all_together(const Arena& arena) {
   }
 }
 
-/// The edge in that slot, and others of the site that the search at hand may take: the first in the
-/// order of slots, which is about that of their bounds. With one to a site with too few points,
-/// only others to such sites: they may end the search.
-void ExchangeGraph::choose_slots(SiteNumber site, std::size_t slot) {
-  const Cell& cell = cells_[site];
-  const double base = distance_[site] + weights_[site];
-  const bool to_target = surplus(cell.to[slot]) < 0;
-  slots_.assign(1, slot);
-  for (std::size_t other = 0; other < cell.to.size() && slots_.size() < kEdges; ++other) {
-    const SiteNumber j = cell.to[other];
-    if (other == slot || is_weighed(cell, other) || (to_target && surplus(j) >= 0)) continue;
-    const double distance = std::max(distance_[site], base + cell.bound[other] - weights_[j]);
-    if (may_matter(site, j, distance)) slots_.push_back(other);
-  }
-}
-
 /// Of the cheapest moves of each rank along an edge that is not weighed, and along others in the
 /// same message, those of all.
 void ExchangeGraph::weigh_together(SiteNumber site, std::size_t slot) {
-  choose_slots(site, slot);
+  choose_slots(site, slot, kEdges);
   const auto put = [](ByteWriter& message, const Move& move) {
     message.put(move.cost);
     message.put(move.point);
@@ -141,9 +125,9 @@ void ExchangeGraph::weigh_together(SiteNumber site, std::size_t slot) {
     return Move{cost, reader.get<Index>()};
   };
   Cell& cell = cells_[site];
+  weigh_own(site);
   ByteWriter message;
   for (const std::size_t chosen : slots_) {
-    weigh_own(site, chosen);
     Moves& moves = moves_of(cell, chosen);
     put(message, moves.beyond);
     message.put(std::uint64_t{moves.cheapest.size()});

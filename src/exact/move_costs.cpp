@@ -9,6 +9,7 @@
 #include "exact/distances.h"
 #include "exact/packs.h"
 #include "geometry/squares.h"
+#include "kernels/about.h"
 #include "kernels/nearest.h"
 #include "kernels/products.h"
 #include "kernels/rows.h"
@@ -34,12 +35,40 @@ constexpr int kLeastRounded = 16;
 constexpr double kLargeSquare = 1e37;
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
+/// Points that lie anywhere are compared with so many sites at a time.
+constexpr std::size_t kSitesAtOnce = 4;
+
 /// Cells are looked at in parts of so many points.
 constexpr std::size_t kPartPoints = 1024;
 
 template <class Number>
 Number padded(Number count, Number step) {
   return (count + step - 1) / step * step;
+}
+
+/// Squared distances in float, of some points to the first of some positions, then to the next.
+void about_squared(PointsView<float> points, std::span<const PointNumber> which,
+                   const std::vector<float>& positions, std::span<const SiteNumber> sites,
+                   double* out) {
+  const auto dimension = static_cast<std::size_t>(points.dimension);
+  const auto at_point = [&](PointNumber p) { return points[p.index()]; };
+  while (!sites.empty()) {
+    const auto some = sites.first(std::min(kSitesAtOnce, sites.size()));
+    std::array<const float*, kSitesAtOnce> position{};
+    std::transform(some.begin(), some.end(), position.begin(),
+                   [&](SiteNumber s) { return positions.data() + s * dimension; });
+    std::array<float, kSitesAtOnce * kRowsAtOnce> square{};
+    for_rows(which, at_point, [&](const float* const* rows, Index count, std::size_t begin) {
+      kernels::about_squared_distances_of(rows, count, points.dimension, position.data(),
+                                          static_cast<Index>(some.size()), square.data(),
+                                          static_cast<Index>(kRowsAtOnce));
+      for (std::size_t s = 0; s < some.size(); ++s) {
+        std::copy_n(square.data() + s * kRowsAtOnce, count, out + s * which.size() + begin);
+      }
+    });
+    sites = sites.subspan(some.size());
+    out += some.size() * which.size();
+  }
 }
 
 }  // namespace
@@ -107,32 +136,32 @@ void SquaredDistances<Scalar>::squared(std::span<const PointNumber> points, Site
 }
 
 template <class Scalar>
-double SquaredDistances<Scalar>::squared_at_least(std::span<const PointNumber> points,
-                                                  SiteNumber site, std::vector<double>& out) const {
+void SquaredDistances<Scalar>::squared_at_least(std::span<const PointNumber> points,
+                                                std::span<const SiteNumber> sites,
+                                                std::vector<double>& out,
+                                                std::vector<double>& slack) const {
+  slack.assign(sites.size(), kNoNumber);
+  out.resize(sites.size() * points.size());
   if constexpr (std::is_same_v<Scalar, float>) {
+    if (!rounded_.empty()) about_squared(points_, points, rounded_, sites, out.data());
+  }
+  std::vector<double> exact;
+  for (std::size_t s = 0; s < sites.size(); ++s) {
+    const std::span<double> squares = std::span(out).subspan(s * points.size(), points.size());
     if (!rounded_.empty()) {
-      const float* const position = rounded_.data() + site * dimension();
-      out.resize(points.size());
       double largest = 0;
-      std::array<float, kRowsAtOnce> square{};
-      const auto at_point = [&](PointNumber p) { return points_[p.index()]; };
-      for_rows(points, at_point, [&](const float* const* rows, Index count, std::size_t begin) {
-        kernels::about_squared_distances_of(rows, count, points_.dimension, position,
-                                            square.data());
-        for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
-          out[begin + k] = double{square.data()[k]};
-          largest = std::max(largest, out[begin + k]);
-        }
-      });
-      const Margin off = margin(largest, off_[site]);
+      for (const double square : squares) largest = std::max(largest, square);
+      const Margin off = margin(largest, off_[sites[s]]);
       if (!std::isnan(off.share)) {
-        for (double& squared : out) squared -= off.share * squared + off.beside;
-        return 2.02 * (off.share * largest + off.beside);
+        for (double& square : squares) square -= off.share * square + off.beside;
+        slack[s] = 2.02 * (off.share * largest + off.beside);
+        continue;
       }
     }
+    squared(points, sites[s], exact);
+    std::copy(exact.begin(), exact.end(), squares.begin());
+    slack[s] = 0;
   }
-  squared(points, site, out);
-  return 0;
 }
 
 template <class Scalar>
@@ -187,6 +216,11 @@ std::span<const double> SquaredDistances<Scalar>::squared_at_least_to_all(PointN
   squared.resize(count());
   for (double& square : squared) square -= rounding(square);
   return squared;
+}
+
+template <class Scalar>
+std::size_t SquaredDistances<Scalar>::sites_at_once() const {
+  return rounded_.empty() ? 1 : kSitesAtOnce;
 }
 
 template <class Scalar>

@@ -34,10 +34,13 @@ class MoveCosts {
   /// |p - s|^2 of some points; the same bits as squared_to().
   virtual void squared(std::span<const PointNumber> points, SiteNumber site,
                        std::vector<double>& out) const = 0;
-  /// No more than that of each point, and less by no more than the number that is returned: what
-  /// takes less time where that is not 0.
-  virtual double squared_at_least(std::span<const PointNumber> points, SiteNumber site,
-                                  std::vector<double>& out) const = 0;
+  /// No more than that of each point to the first site, then to the next, and so on; of each site
+  /// less by no more than `slack`: what takes less time where that is not 0.
+  virtual void squared_at_least(std::span<const PointNumber> points,
+                                std::span<const SiteNumber> sites, std::vector<double>& out,
+                                std::vector<double>& slack) const = 0;
+  /// For so many sites it takes not much longer than for one.
+  [[nodiscard]] virtual std::size_t sites_at_once() const = 0;
   /// |point - s|^2 of some sites s.
   virtual void squared_to(PointNumber point, std::span<const SiteNumber> sites,
                           std::vector<double>& out, Scratch& scratch) const = 0;
@@ -69,8 +72,9 @@ class SquaredDistances final : public MoveCosts {
 
   void squared(std::span<const PointNumber> points, SiteNumber site,
                std::vector<double>& out) const override;
-  double squared_at_least(std::span<const PointNumber> points, SiteNumber site,
-                          std::vector<double>& out) const override;
+  void squared_at_least(std::span<const PointNumber> points, std::span<const SiteNumber> sites,
+                        std::vector<double>& out, std::vector<double>& slack) const override;
+  [[nodiscard]] std::size_t sites_at_once() const override;
   void squared_to(PointNumber point, std::span<const SiteNumber> sites, std::vector<double>& out,
                   Scratch& scratch) const override;
   std::span<const double> squared_at_least_to_all(PointNumber point,

@@ -14,6 +14,7 @@
 #include <type_traits>
 
 #include "geometry/metric.h"
+#include "kernels/scattered.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ccvt::kernels {
@@ -161,21 +162,6 @@ HWY_INLINE void packed_distances(const double* query, const double* positions, I
   }
 }
 
-/// The kRows points from the k-th on, the last in place of those that are missing. Those that
-/// follow are fetched: they are scattered, and little is read of each.
-template <Index kRows, class Scalar>
-HWY_INLINE std::array<const Scalar*, kRows> rows_from(const Scalar* const* points, Index k,
-                                                      Index count, int dimension) {
-  constexpr int kLine = 64 / sizeof(Scalar);
-  constexpr int kPrefetched = 16 * kLine;
-  std::array<const Scalar*, kRows> row{};
-  for (Index r = 0; r < kRows; ++r) row.data()[r] = points[std::min(k + r, count - 1)];
-  for (Index r = k + kRows; r < std::min(k + 2 * kRows, count); ++r) {
-    for (int d = 0; d < std::min(dimension, kPrefetched); d += kLine) hwy::Prefetch(points[r] + d);
-  }
-  return row;
-}
-
 /// As many vectors as there are to eight sums, of three points at a time.
 template <class Scalar>
 HWY_INLINE void distances_of(const Scalar* const* points, Index count, int dimension,
@@ -235,75 +221,6 @@ void float64_distances(const double* const* points, Index count, int dimension, 
   distances_of(points, count, dimension, query, out);
 }
 
-/// Four points at a time, as additions to a sum wait for one another.
-void about_distances_of(const float* const* points, Index count, int dimension, const float* query,
-                        float* out) {
-  const hn::ScalableTag<float> tag;
-  const auto lanes = static_cast<int>(hn::Lanes(tag));
-  const int whole = dimension / lanes * lanes;
-  constexpr Index kRows = 4;
-  const auto add = [&](auto& sum, const float* x, const auto& at) HWY_ATTR {
-    const auto difference = hn::Sub(hn::LoadU(tag, x), at);
-    sum = hn::MulAdd(difference, difference, sum);
-  };
-  for (Index k = 0; k < count; k += kRows) {
-    const auto row = rows_from<kRows>(points, k, count, dimension);
-    auto s0 = hn::Zero(tag);
-    auto s1 = s0;
-    auto s2 = s0;
-    auto s3 = s0;
-    for (std::ptrdiff_t d = 0; d < whole; d += lanes) {
-      const auto at = hn::LoadU(tag, query + d);
-      add(s0, row[0] + d, at);
-      add(s1, row[1] + d, at);
-      add(s2, row[2] + d, at);
-      add(s3, row[3] + d, at);
-    }
-    std::array<float, kRows> sum = {
-        hn::GetLane(hn::SumOfLanes(tag, s0)), hn::GetLane(hn::SumOfLanes(tag, s1)),
-        hn::GetLane(hn::SumOfLanes(tag, s2)), hn::GetLane(hn::SumOfLanes(tag, s3))};
-    for (Index r = 0; r < std::min(kRows, count - k); ++r) {
-      for (int d = whole; d < dimension; ++d) {
-        const float difference = row.data()[r][d] - query[d];
-        sum.data()[r] += difference * difference;
-      }
-      out[k + r] = sum.data()[r];
-    }
-  }
-}
-
-/// Four vectors at a time, likewise. Mul and Add are kept apart, so that no bit depends on the
-/// instruction set.
-void about_packed(const float* query, const float* positions, Index packs, int dimension,
-                  float* out) {
-  const hn::CappedTag<float, kFloatPack / 4> tag;
-  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(tag));
-  for (std::ptrdiff_t pack = 0; pack < packs; ++pack, out += kFloatPack) {
-    for (std::ptrdiff_t l = 0; l < kFloatPack; l += 4 * lanes) {
-      auto s0 = hn::Zero(tag);
-      auto s1 = s0;
-      auto s2 = s0;
-      auto s3 = s0;
-      const float* x = positions + pack * kFloatPack * dimension + l;
-      for (std::ptrdiff_t d = 0; d < dimension; ++d, x += kFloatPack) {
-        const auto at = hn::Set(tag, query[d]);
-        const auto add = [&](auto& sum, const float* from) HWY_ATTR {
-          const auto difference = hn::Sub(hn::LoadU(tag, from), at);
-          sum = hn::Add(sum, hn::Mul(difference, difference));
-        };
-        add(s0, x);
-        add(s1, x + lanes);
-        add(s2, x + 2 * lanes);
-        add(s3, x + 3 * lanes);
-      }
-      hn::StoreU(s0, tag, out + l);
-      hn::StoreU(s1, tag, out + l + lanes);
-      hn::StoreU(s2, tag, out + l + 2 * lanes);
-      hn::StoreU(s3, tag, out + l + 3 * lanes);
-    }
-  }
-}
-
 void packed(const double* query, const double* positions, Index packs, int dimension,
             const double* extent, double* out) {
   if (extent == nullptr) {
@@ -356,18 +273,6 @@ template <>
 void squared_distances_of(const double* const* points, Index count, int dimension,
                           const double* query, double* out) {
   HWY_DYNAMIC_DISPATCH(float64_distances)(points, count, dimension, query, out);
-}
-
-HWY_EXPORT(about_distances_of);
-void about_squared_distances_of(const float* const* points, Index count, int dimension,
-                                const float* query, float* out) {
-  HWY_DYNAMIC_DISPATCH(about_distances_of)(points, count, dimension, query, out);
-}
-
-HWY_EXPORT(about_packed);
-void about_squared_distances(const float* query, const float* positions, Index packs, int dimension,
-                             float* out) {
-  HWY_DYNAMIC_DISPATCH(about_packed)(query, positions, packs, dimension, out);
 }
 
 }  // namespace ccvt::kernels

@@ -34,17 +34,4 @@ template <class Scalar>
 void squared_distances_of(const Scalar* const* points, Index count, int dimension,
                           const double* query, double* out);
 
-/// The same in float, for what only looks for the nearest. Where no square is too large or too
-/// small for float, it is off by a share of (dimension + 3) epsilons of float at most.
-void about_squared_distances_of(const float* const* points, Index count, int dimension,
-                                const float* query, float* out);
-
-/// Positions in a pack of floats: coordinate d of its k-th is at [d * kFloatPack + k].
-constexpr Index kFloatPack = 64;
-
-/// The same from `query` to the positions of consecutive packs; its bits do not depend on the
-/// instruction set.
-void about_squared_distances(const float* query, const float* positions, Index packs, int dimension,
-                             float* out);
-
 }  // namespace ccvt::kernels
