@@ -1,0 +1,220 @@
+// The loops over positions and scattered points, against the same sums and comparisons one by one.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "geometry/metric.h"
+#include "geometry/squares.h"
+#include "kernels/about.h"
+#include "kernels/nearest.h"
+#include "kernels/products.h"
+#include "kernels/rows.h"
+#include "random.h"
+#include "support/generate.h"
+
+using ccvt::Box;
+using ccvt::Domain;
+using ccvt::Index;
+using ccvt::Metric;
+using ccvt::Random;
+using ccvt::squared_difference;
+using namespace ccvt::test;
+
+TEST_SUITE_BEGIN("kernels");
+
+TEST_CASE("the nearest of positions, also on a torus, and for many points") {
+  for (const int dimension : {1, 2, 3, 7, 8, 9, 24, 50}) {
+    const Box box = uneven_box(dimension);
+    const Metric plain(dimension, Domain());
+    const Metric torus(dimension, Domain::periodic(box));
+    for (const Index count : {1, 2, 5, 40}) {
+      CAPTURE(dimension);
+      CAPTURE(count);
+      const auto positions = make_points<double>(Layout::duplicates, box, count, 3);
+      const auto queries = make_points<double>(Layout::random, box, 32, 4);
+      std::vector<double> streams(static_cast<std::size_t>(queries.size()));
+      for (Index q = 0; q < 32; ++q) {
+        for (int d = 0; d < dimension; ++d) {
+          streams[static_cast<std::size_t>(d * 32 + q)] = queries(d, q);
+        }
+      }
+      std::vector<std::int32_t> chosen(32, -1);
+      if (dimension == 2 || dimension == 3) {
+        ccvt::kernels::nearest_positions(streams.data(), 32, dimension, positions.data(), count,
+                                         chosen.data());
+      }
+      for (Index q = 0; q < 32; ++q) {
+        const double* query = queries.col(q).data();
+        for (const Metric* metric : {&plain, &torus}) {
+          Index nearest = 0;
+          for (Index k = 1; k < count; ++k) {
+            if (metric->squared_distance(query, positions.col(k).data()) <
+                metric->squared_distance(query, positions.col(nearest).data())) {
+              nearest = k;
+            }
+          }
+          const double best = metric->squared_distance(query, positions.col(nearest).data());
+          const Index found =
+              ccvt::kernels::nearest_position(query, positions.data(), count, dimension,
+                                              metric->periodic() ? metric->extent() : nullptr);
+          REQUIRE((found >= 0 && found < count));
+          CHECK(metric->squared_distance(query, positions.col(found).data()) ==
+                doctest::Approx(best).epsilon(1e-14));
+          if (metric == &plain && chosen[0] >= 0) {
+            CHECK(chosen[static_cast<std::size_t>(q)] == nearest);  // the first of several
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("squared distances to packs of positions, also on a torus") {
+  using ccvt::kernels::kPack;
+  for (const int dimension : {1, 2, 3, 7, 24}) {
+    const Box box = uneven_box(dimension);
+    for (const Metric& metric :
+         {Metric(dimension, Domain()), Metric(dimension, Domain::periodic(box))}) {
+      CAPTURE(dimension);
+      CAPTURE(metric.periodic());
+      const auto positions = make_points<double>(Layout::random, box, 3 * kPack, 3);
+      const auto queries = make_points<double>(Layout::random, box, 5, 4);
+      std::vector<double> packs;
+      for (Index pack = 0; pack < 3; ++pack) {
+        for (int d = 0; d < dimension; ++d) {
+          for (Index k = 0; k < kPack; ++k) packs.push_back(positions(d, pack * kPack + k));
+        }
+      }
+      for (Index q = 0; q < queries.cols(); ++q) {
+        const double* query = queries.col(q).data();
+        std::vector<double> squared(3 * kPack, -1);
+        ccvt::kernels::squared_distances(query, packs.data(), 3, dimension,
+                                         metric.periodic() ? metric.extent() : nullptr,
+                                         squared.data());
+        for (Index k = 0; k < positions.cols(); ++k) {
+          const double expected = metric.squared_distance(query, positions.col(k).data());
+          CHECK(squared[static_cast<std::size_t>(k)] == doctest::Approx(expected).epsilon(1e-14));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("squared distances to scattered points, bit for bit", Scalar, float, double) {
+  for (const int dimension : {1, 2, 7, 8, 9, 16, 37}) {
+    CAPTURE(dimension);
+    const auto points = make_points<Scalar>(Layout::random, uneven_box(dimension), 11, 3);
+    const auto query = make_points<double>(Layout::random, uneven_box(dimension), 1, 4);
+    for (Index count = 0; count <= points.cols(); ++count) {
+      std::vector<const Scalar*> rows;
+      for (Index k = 0; k < count; ++k) rows.push_back(points.col((7 * k) % 11).data());
+      std::vector<double> squared(static_cast<std::size_t>(count) + 1, -1);
+      ccvt::kernels::squared_distances_of(rows.data(), count, dimension, query.data(),
+                                          squared.data());
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        CHECK(squared[k] == squared_difference(rows[k], query.data(), dimension));
+      }
+      CHECK(squared.back() == -1);
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("rows as streams, relative to a centre, bit for bit", Scalar, float, double) {
+  constexpr Index kStride = 4 * ccvt::kernels::kRowGroup;
+  for (const int dimension : {1, 3, 15, 16, 17, 32, 61, 784}) {
+    CAPTURE(dimension);
+    const auto points = make_points<Scalar>(Layout::random, uneven_box(dimension), 11, 3);
+    const auto centre = make_points<double>(Layout::random, uneven_box(dimension), 1, 4);
+    std::vector<const Scalar*> rows;
+    for (Index k = 0; k < kStride; ++k) rows.push_back(points.col((7 * k) % 11).data());
+    for (Index count = 0; count <= kStride; count += ccvt::kernels::kRowGroup) {
+      std::vector<float> block(static_cast<std::size_t>(kStride * dimension), -1);
+      ccvt::kernels::centred_rows(rows.data(), count, dimension, centre.data(), 0.7, block.data(),
+                                  kStride);
+      bool same = true;
+      for (int d = 0; d < dimension; ++d) {
+        for (Index k = 0; k < kStride; ++k) {
+          const auto row = static_cast<std::size_t>(k);
+          const double expected = (rows[row][d] - centre.data()[d]) * 0.7;
+          const float found = block[static_cast<std::size_t>(d * kStride + k)];
+          same = same && found == (k < count ? static_cast<float>(expected) : -1);
+        }
+      }
+      CHECK(same);
+    }
+  }
+}
+
+TEST_CASE("squared distances in float, to scattered points and to packs") {
+  constexpr auto kPack = static_cast<std::size_t>(ccvt::kernels::kFloatPack);
+  constexpr Index kPoints = 11;
+  for (const int dimension : {1, 2, 7, 8, 9, 16, 37, 64}) {
+    CAPTURE(dimension);
+    const auto points = make_points<float>(Layout::random, uneven_box(dimension), kPoints, 3);
+    const auto query = make_points<float>(Layout::random, uneven_box(dimension), 6, 4);
+    const auto about = [&](float squared, Index k, Index q = 0) {
+      const double expected =
+          squared_difference(points.col(k).data(), query.col(q).data(), dimension);
+      const double share = (dimension + 3) * double{std::numeric_limits<float>::epsilon()};
+      return std::abs(double{squared} - expected) <= share * expected;
+    };
+    for (Index count = 0; count <= kPoints; ++count) {
+      std::vector<const float*> rows;
+      for (Index k = 0; k < count; ++k) rows.push_back(points.col((7 * k) % kPoints).data());
+      std::vector<const float*> queries;
+      for (Index q = 0; q < query.cols(); ++q) queries.push_back(query.col(q).data());
+      for (Index some = 0; some <= query.cols(); ++some) {
+        constexpr Index kStride = kPoints + 1;
+        std::vector<float> squared(static_cast<std::size_t>(kStride * query.cols()), -1);
+        ccvt::kernels::about_squared_distances_of(rows.data(), count, dimension, queries.data(),
+                                                  some, squared.data(), kStride);
+        bool right = true;
+        for (Index q = 0; q < query.cols(); ++q) {
+          for (Index k = 0; k < kStride; ++k) {
+            const float found = squared[static_cast<std::size_t>(q * kStride + k)];
+            right =
+                right && (q < some && k < count ? about(found, (7 * k) % kPoints, q) : found == -1);
+          }
+        }
+        CHECK(right);
+      }
+    }
+    // In two packs, places apart.
+    const auto place = [&](Index k) { return static_cast<std::size_t>(k) * (kPack / 8 + 3); };
+    std::vector<float> packs(2 * kPack * static_cast<std::size_t>(dimension), 0.0F);
+    for (Index k = 0; k < kPoints; ++k) {
+      const std::size_t pack = place(k) / kPack * kPack * static_cast<std::size_t>(dimension);
+      for (int d = 0; d < dimension; ++d) {
+        packs[pack + static_cast<std::size_t>(d) * kPack + place(k) % kPack] = points(d, k);
+      }
+    }
+    std::vector<float> squared(2 * kPack + 1, -1);
+    ccvt::kernels::about_squared_distances(query.data(), packs.data(), 2, dimension,
+                                           squared.data());
+    for (Index k = 0; k < kPoints; ++k) CHECK(about(squared[place(k)], k));
+    CHECK(squared.back() == -1);
+  }
+}
+
+TEST_CASE("the least cost of each row") {
+  const Index stride = 2 * ccvt::kernels::product_points();
+  std::vector<float> cost;
+  std::vector<float> expected;
+  Random random(3, 1);
+  for (int row = 0; row < 5; ++row) {
+    expected.push_back(std::numeric_limits<float>::max());
+    for (Index k = 0; k < stride; ++k) {
+      cost.push_back(static_cast<float>(random.uniform() - .5));
+      expected.back() = std::min(expected.back(), cost.back());
+    }
+  }
+  std::vector<float> least(5, 0.0F);
+  ccvt::kernels::least_costs(cost.data(), stride, 5, least.data());
+  CHECK(least == expected);
+}
+
+TEST_SUITE_END();
