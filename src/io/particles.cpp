@@ -111,8 +111,10 @@ double ParticleLoad::spacing() const {
 
 std::array<double, 3> ParticleLoad::corner_of(std::uint64_t tile) const {
   const auto repeat = static_cast<std::uint64_t>(options_.repeat);
-  return {static_cast<double>(tile % repeat), static_cast<double>(tile / repeat % repeat),
-          static_cast<double>(tile / repeat / repeat)};
+  const std::uint64_t row = tile / repeat;
+  const std::uint64_t layer = row / repeat;
+  return {static_cast<double>(tile % repeat), static_cast<double>(row % repeat),
+          static_cast<double>(layer)};
 }
 
 }  // namespace io
