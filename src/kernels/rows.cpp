@@ -21,7 +21,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr std::ptrdiff_t kLine = 16;
 using Line = std::array<float, kLine>;
 
-/// A line of a row, from dimension `d` on.
+/// A line of a row, from `x` on, relative to the centre, from `from` on.
 template <class Scalar>
 HWY_INLINE void centre(const Scalar* x, const double* from, double scale, Line& line) {
   const hn::CappedTag<double, kLine> wide;
