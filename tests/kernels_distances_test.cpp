@@ -131,20 +131,23 @@ TEST_CASE_TEMPLATE("rows as streams, relative to a centre, bit for bit", Scalar,
     const auto centre = make_points<double>(Layout::random, uneven_box(dimension), 1, 4);
     std::vector<const Scalar*> rows;
     for (Index k = 0; k < kStride; ++k) rows.push_back(points.col((7 * k) % 11).data());
-    for (Index count = 0; count <= kStride; count += ccvt::kernels::kRowGroup) {
-      std::vector<float> block(static_cast<std::size_t>(kStride * dimension), -1);
-      ccvt::kernels::centred_rows(rows.data(), count, dimension, centre.data(), 0.7, block.data(),
-                                  kStride);
-      bool same = true;
-      for (int d = 0; d < dimension; ++d) {
-        for (Index k = 0; k < kStride; ++k) {
-          const auto row = static_cast<std::size_t>(k);
-          const double expected = (rows[row][d] - centre.data()[d]) * 0.7;
-          const float found = block[static_cast<std::size_t>(d * kStride + k)];
-          same = same && found == (k < count ? static_cast<float>(expected) : -1);
+    for (Index width = 0; width <= kStride; width += ccvt::kernels::kRowGroup) {
+      for (const Index count : {width, width - 1, width - ccvt::kernels::kRowGroup}) {
+        if (count < 1) continue;
+        std::vector<float> block(static_cast<std::size_t>(kStride * dimension), -1);
+        ccvt::kernels::centred_rows(rows.data(), count, width, dimension, centre.data(), 0.7,
+                                    block.data(), kStride);
+        bool same = true;
+        for (int d = 0; d < dimension; ++d) {
+          for (Index k = 0; k < kStride; ++k) {
+            const auto row = static_cast<std::size_t>(std::min(k, count - 1));
+            const double expected = (rows[row][d] - centre.data()[d]) * 0.7;
+            const float found = block[static_cast<std::size_t>(d * kStride + k)];
+            same = same && found == (k < width ? static_cast<float>(expected) : -1);
+          }
         }
+        CHECK(same);
       }
-      CHECK(same);
     }
   }
 }

@@ -1,10 +1,10 @@
 #include "exact/cell_product.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
+#include "exact/distances.h"
 #include "kernels/products.h"
 #include "kernels/rows.h"
 
@@ -71,12 +71,11 @@ void CellProduct::gather(PointsView<Scalar> points, std::span<const PointNumber>
   const Index step = kernels::product_points();
   stride_ = (count + step - 1) / step * step;
   block_.resize(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(dimension_));
-  static_assert(kPoints % kernels::kRowGroup == 0);
-  std::array<const Scalar*, kPoints> row{};
-  for (std::size_t k = 0; k < row.size(); ++k) {
-    row.data()[k] = points[members[std::min(k, members.size() - 1)].index()];
-  }
-  kernels::centred_rows(row.data(), stride_, dimension_, own_, scale_, block_.data(), stride_);
+  static_assert(kPoints <= kRowsAtOnce);
+  const auto at = [&](PointNumber p) { return points[p.index()]; };
+  for_rows(members, at, [&](const Scalar* const* rows, Index, std::size_t) {
+    kernels::centred_rows(rows, count, stride_, dimension_, own_, scale_, block_.data(), stride_);
+  });
 }
 
 template <class Scalar>

@@ -271,12 +271,12 @@ double SquaredDistances<Scalar>::gather(SiteNumber site, std::span<const PointNu
   const double farthest = *std::max_element(scratch.own.begin(), scratch.own.end());
   const double radius = std::sqrt(farthest) * (1 + 1e-14 * points_.dimension);
   if (metric_.periodic()) return radius;  // no products
-  std::array<const Scalar*, kPartPoints> row{};
-  for (std::size_t k = 0; k < wide; ++k) {
-    row.data()[k] = points_[members[std::min(k, members.size() - 1)].index()];
-  }
-  kernels::centred_rows(row.data(), scratch.stride, points_.dimension, at(site), scale_,
-                        scratch.block.data(), scratch.stride);
+  const auto at_point = [&](PointNumber p) { return points_[p.index()]; };
+  for_rows(members, at_point, [&](const Scalar* const* rows, Index count, std::size_t begin) {
+    const auto width = static_cast<Index>(std::min(kRowsAtOnce, wide - begin));
+    kernels::centred_rows(rows, count, width, points_.dimension, at(site), scale_,
+                          scratch.block.data() + begin, scratch.stride);
+  });
   const float* const centred = centred_.data() + site * dimension();
   const float* stream = scratch.block.data();
   for (std::size_t d = 0; d < dimension(); ++d, stream += wide) {

@@ -64,21 +64,28 @@ HWY_INLINE void turn(const Line* lines, std::ptrdiff_t l, float* to, std::ptrdif
 }
 
 template <class Scalar>
-HWY_INLINE void centred_streams(const Scalar* const* rows, Index count, int dimension,
+HWY_INLINE void centred_streams(const Scalar* const* rows, Index count, Index width, int dimension,
                                 const double* centre_of, double scale, float* block,
                                 std::ptrdiff_t stride) {
   constexpr std::ptrdiff_t kScalarLine = 64 / sizeof(Scalar);
   std::array<Line, kRowGroup> lines{};
-  for (std::ptrdiff_t k = 0; k < count; k += kRowGroup) {
-    const Scalar* const* const here = rows + k;
-    const Scalar* const* const next = rows + (k + kRowGroup < count ? k + kRowGroup : k);
+  const auto group = [&](std::ptrdiff_t k) {
+    std::array<const Scalar*, kRowGroup> row{};
+    for (Index r = 0; r < kRowGroup; ++r) {
+      row.data()[r] = rows[std::min<std::ptrdiff_t>(k + r, count - 1)];
+    }
+    return row;
+  };
+  for (std::ptrdiff_t k = 0; k < width; k += kRowGroup) {
+    const auto here = group(k);
+    const auto next = group(k + kRowGroup);
     std::ptrdiff_t d = 0;
     for (; d + kLine <= dimension; d += kLine) {
       for (std::size_t r = 0; r < lines.size(); ++r) {
         for (std::ptrdiff_t ahead = 0; ahead < kLine; ahead += kScalarLine) {
-          hwy::Prefetch(next[r] + d + ahead);
+          hwy::Prefetch(next.data()[r] + d + ahead);
         }
-        centre(here[r] + d, centre_of + d, scale, lines.data()[r]);
+        centre(here.data()[r] + d, centre_of + d, scale, lines.data()[r]);
       }
       for (std::ptrdiff_t l = 0; l < kLine; l += 4) {
         float* const to = block + (d + l) * stride + k;
@@ -88,20 +95,20 @@ HWY_INLINE void centred_streams(const Scalar* const* rows, Index count, int dime
     for (; d < dimension; ++d) {
       float* const to = block + d * stride + k;
       for (std::ptrdiff_t r = 0; r < kRowGroup; ++r) {
-        to[r] = static_cast<float>((here[r][d] - centre_of[d]) * scale);
+        to[r] = static_cast<float>((here.data()[r][d] - centre_of[d]) * scale);
       }
     }
   }
 }
 
-void rows_of_float(const float* const* rows, Index count, int dimension, const double* centre_of,
-                   double scale, float* block, Index stride) {
-  centred_streams(rows, count, dimension, centre_of, scale, block, stride);
+void rows_of_float(const float* const* rows, Index count, Index width, int dimension,
+                   const double* centre_of, double scale, float* block, Index stride) {
+  centred_streams(rows, count, width, dimension, centre_of, scale, block, stride);
 }
 
-void rows_of_double(const double* const* rows, Index count, int dimension, const double* centre_of,
-                    double scale, float* block, Index stride) {
-  centred_streams(rows, count, dimension, centre_of, scale, block, stride);
+void rows_of_double(const double* const* rows, Index count, Index width, int dimension,
+                    const double* centre_of, double scale, float* block, Index stride) {
+  centred_streams(rows, count, width, dimension, centre_of, scale, block, stride);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -115,15 +122,15 @@ HWY_EXPORT(rows_of_float);
 HWY_EXPORT(rows_of_double);
 
 template <>
-void centred_rows(const float* const* rows, Index count, int dimension, const double* centre,
-                  double scale, float* block, Index stride) {
-  HWY_DYNAMIC_DISPATCH(rows_of_float)(rows, count, dimension, centre, scale, block, stride);
+void centred_rows(const float* const* rows, Index count, Index width, int dimension,
+                  const double* centre, double scale, float* block, Index stride) {
+  HWY_DYNAMIC_DISPATCH(rows_of_float)(rows, count, width, dimension, centre, scale, block, stride);
 }
 
 template <>
-void centred_rows(const double* const* rows, Index count, int dimension, const double* centre,
-                  double scale, float* block, Index stride) {
-  HWY_DYNAMIC_DISPATCH(rows_of_double)(rows, count, dimension, centre, scale, block, stride);
+void centred_rows(const double* const* rows, Index count, Index width, int dimension,
+                  const double* centre, double scale, float* block, Index stride) {
+  HWY_DYNAMIC_DISPATCH(rows_of_double)(rows, count, width, dimension, centre, scale, block, stride);
 }
 
 }  // namespace ccvt::kernels

@@ -8,10 +8,10 @@ namespace ccvt::kernels {
 constexpr Index kRowGroup = 8;
 
 /// Points that lie anywhere, as streams: (rows[k][d] - centre[d]) * scale, taken in double, as
-/// block[d * stride + k]. `count`, a multiple of kRowGroup, at most `stride`; a row may be there
-/// several times.
+/// block[d * stride + k] for k < width, a multiple of kRowGroup. There are `count` >= 1 rows, and
+/// the last in place of those that are missing.
 template <class Scalar>
-void centred_rows(const Scalar* const* rows, Index count, int dimension, const double* centre,
-                  double scale, float* block, Index stride);
+void centred_rows(const Scalar* const* rows, Index count, Index width, int dimension,
+                  const double* centre, double scale, float* block, Index stride);
 
 }  // namespace ccvt::kernels
