@@ -21,9 +21,11 @@ endif()
 
 # Applies to a target of ours: C++20, warnings, sanitizers. SLIGHTLY optimised is what has no loops
 # that take time, or is compiled to be tested with: in a release it compiles in two thirds of the
-# time.
+# time. LIKE another target, compiled by the same settings, is what shares its precompiled headers;
+# ALONE is what has a source or two: precompiling takes longer than those.
 function(ccvt_compile_settings target)
-  if("SLIGHTLY" IN_LIST ARGN)
+  cmake_parse_arguments(PARSE_ARGV 1 settings "SLIGHTLY;ALONE" "LIKE" "")
+  if(settings_SLIGHTLY)
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
   target_compile_features(${target} PRIVATE cxx_std_20)
@@ -45,10 +47,14 @@ function(ccvt_compile_settings target)
 
   # Half of the time that a file takes to compile goes into these. The presets dev and tidy switch
   # them off, so that a missing #include is found.
-  target_precompile_headers(${target} PRIVATE
-    <Eigen/Core> <algorithm> <array> <atomic> <chrono> <cmath> <condition_variable> <filesystem>
-    <fstream> <functional> <limits> <map> <memory> <mutex> <numeric> <optional> <span> <sstream>
-    <stdexcept> <string> <thread> <tuple> <utility> <variant> <vector>)
+  if(settings_LIKE)
+    target_precompile_headers(${target} REUSE_FROM ${settings_LIKE})
+  elseif(NOT settings_ALONE)
+    target_precompile_headers(${target} PRIVATE
+      <Eigen/Core> <algorithm> <array> <atomic> <chrono> <cmath> <condition_variable> <filesystem>
+      <fstream> <functional> <limits> <map> <memory> <mutex> <numeric> <optional> <span> <sstream>
+      <stdexcept> <string> <thread> <tuple> <utility> <variant> <vector>)
+  endif()
 
   # A fused multiply-add rounds once where a multiplication and an addition round twice. Compilers
   # contract wherever the instruction set has one, so without this flag the bits of a result would
@@ -56,7 +62,7 @@ function(ccvt_compile_settings target)
   target_compile_options(${target} PRIVATE -ffp-contract=off)
 
   # Kernels take long to compile, once for each instruction set. What had SSSE3 or SSE4 but no AVX2
-  # was sold until 2013: SSE2 serves there. Sanitized they take a minute each, so two must do.
+  # was sold until 2013: one number at a time serves there, of which compilers make SSE2. Sanitized they take a minute each, so two must do.
   # AVX3_DL gains nothing here, and Highway 1.0 does not build where it is the baseline.
   set(unused HWY_SSSE3|HWY_SSE4|HWY_AVX3_DL)
   if(CCVT_SANITIZE)

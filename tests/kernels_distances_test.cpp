@@ -1,12 +1,15 @@
 // The loops over positions and scattered points, against the same sums and comparisons one by one.
 #include <doctest/doctest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
+#include "ccvt/build_info.h"
 #include "geometry/metric.h"
 #include "geometry/squares.h"
 #include "kernels/about.h"
@@ -14,6 +17,7 @@
 #include "kernels/products.h"
 #include "kernels/rows.h"
 #include "random.h"
+#include "support/baseline.h"
 #include "support/generate.h"
 
 using ccvt::Box;
@@ -121,6 +125,15 @@ TEST_CASE_TEMPLATE("squared distances to scattered points, bit for bit", Scalar,
       CHECK(squared.back() == -1);
     }
   }
+}
+
+TEST_CASE("kernels are those of the instruction set that is asked for") {
+  // HWY_STATIC_TARGET is what this file is compiled for.
+  const std::string baseline = hwy::TargetName(HWY_STATIC_TARGET);
+  if (ccvt::test::asks_for_baseline()) CHECK(ccvt::build_info().instruction_set == baseline);
+  // Cells are padded to the first, and filled by the second.
+  CHECK(ccvt::kernels::product_points() % ccvt::kernels::kRowGroup == 0);
+  CHECK(ccvt::kernels::dot_points<float>() % ccvt::kernels::kRowGroup == 0);
 }
 
 TEST_CASE_TEMPLATE("rows as streams, relative to a centre, bit for bit", Scalar, float, double) {

@@ -12,12 +12,17 @@
 #include <limits>
 #include <type_traits>
 
+#include "kernels/rows.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace ccvt::kernels {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-Index points_of_products() { return 2 * static_cast<Index>(hn::Lanes(hn::ScalableTag<float>())); }
+/// Where there are no vectors, as many all the same as rows are turned into streams at a time.
+Index points_of_products() {
+  return std::max(kRowGroup, 2 * static_cast<Index>(hn::Lanes(hn::ScalableTag<float>())));
+}
 
 /// Two vectors of points by six sites stay in registers.
 template <class Dimension>
