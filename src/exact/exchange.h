@@ -78,7 +78,7 @@ class ExchangeGraph {
     std::vector<PointNumber> members;  ///< of this one
     bool bounded = false;              ///< what follows is there
     bool tight = false;                ///< a product has bounded all edges
-    std::size_t weighings = 0;         ///< of edges
+    std::size_t weighings = 0;         ///< of one edge or of several at once
     // Edges, one in each slot.
     std::vector<SiteNumber> to;
     std::vector<double> bound;          ///< what moving a point there costs at least

@@ -33,6 +33,9 @@ constexpr std::size_t kLeastWeighings = 32;
 constexpr int kLeastRounded = 16;
 /// Squares above this, or sums of them, are not to be had in float.
 constexpr double kLargeSquare = 1e37;
+/// What rounding the sites does to squares is to be less than such a share of them; else so many
+/// points must be looked at in double as well that this takes up to 1.8 times as long.
+constexpr double kFine = 64;
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 /// Points that lie anywhere are compared with so many sites at a time.
@@ -112,6 +115,25 @@ void SquaredDistances<Scalar>::round_sites() {
   for (double& off : off_) off = std::sqrt(off);
   most_off_ = *std::max_element(off_.begin(), off_.end());
   rounded_packs_ = packs_of<kernels::kFloatPack, float>(sites_, dimension());
+  if (kFine * margin(0, most_off_).beside < squared_spacing()) return;
+  rounded_.clear();
+  rounded_packs_.clear();
+}
+
+/// How far sites are from the nearest others, squared: the mean of the first few.
+template <class Scalar>
+double SquaredDistances<Scalar>::squared_spacing() const {
+  const std::size_t few = std::min<std::size_t>(16, count());
+  Scratch scratch;
+  double sum = 0;
+  for (const SiteNumber s : sites_below(few)) {
+    squares(at(s), scratch);
+    double& own = scratch.squared[s];
+    own = std::numeric_limits<double>::infinity();
+    const auto end = scratch.squared.begin() + static_cast<std::ptrdiff_t>(count());
+    sum += *std::min_element(scratch.squared.begin(), end);
+  }
+  return sum / static_cast<double>(few);
 }
 
 /// By what share of them squared distances to rounded sites may be off, and by how much beside

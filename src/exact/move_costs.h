@@ -102,6 +102,7 @@ class SquaredDistances final : public MoveCosts {
   /// Of a point, or of one that was brought.
   [[nodiscard]] const Scalar* row(PointNumber point) const;
   void squares(const double* from, Scratch& scratch) const;
+  [[nodiscard]] double squared_spacing() const;
   void lower_bounds(SiteNumber site, std::span<const PointNumber> members, Scratch& scratch) const;
   double gather(SiteNumber site, std::span<const PointNumber> members, Scratch& scratch) const;
 
@@ -110,7 +111,8 @@ class SquaredDistances final : public MoveCosts {
   std::vector<Scalar> brought_;
   std::span<const double> sites_;
   std::vector<double> packs_;  ///< positions, for the kernel
-  // Positions in float, and how far off they are; none where distances are not looked at in float.
+  // Positions in float, and how far off they are; none where distances are not looked at in float:
+  // points in double, few dimensions, or sites far from the origin that are near each other.
   std::vector<float> rounded_;
   std::vector<float> rounded_packs_;
   std::vector<double> off_;
