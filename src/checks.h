@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "ccvt/domain.h"
 #include "ccvt/types.h"
 
 namespace ccvt {
@@ -22,10 +23,18 @@ void require_data(const std::string& name, const PointsView<Scalar>& points) {
   if (points.count > 0 && points.data == nullptr) {
     throw InvalidInput(name + ": the view has no data");
   }
-  if (points.dimension > 1 && points.stride < points.dimension) {
+  if (points.dimension > 1 && points.count > 1 && points.stride < points.dimension) {
     throw InvalidInput(name + ": the stride is " + std::to_string(points.stride) +
                        ": it must be at least the dimension, " + std::to_string(points.dimension));
   }
+}
+
+/// Throws InvalidInput unless both corners have as many dimensions.
+inline void require_corners(const Box& box) {
+  if (box.lower.size() == box.upper.size()) return;
+  throw InvalidInput("box: lower has " + std::to_string(box.lower.size()) +
+                     " dimensions and upper has " + std::to_string(box.upper.size()) +
+                     ", but both must have the same number");
 }
 
 }  // namespace ccvt

@@ -12,6 +12,17 @@ struct Solver<Scalar>::Implementation : Run<Scalar> {
   using Run<Scalar>::Run;
 };
 
+namespace {
+
+/// Throws InvalidInput where a solver has none, since it was moved from.
+template <class Implementation>
+Implementation& whole(const std::unique_ptr<Implementation>& implementation) {
+  if (implementation == nullptr) throw InvalidInput("solver: was moved from");
+  return *implementation;
+}
+
+}  // namespace
+
 template <class Scalar>
 Solver<Scalar>::Solver(Problem<Scalar> problem, Options options)
     : implementation_(std::make_unique<Implementation>(std::move(problem), std::move(options))) {}
@@ -29,46 +40,47 @@ Solver<Scalar>::~Solver() {}  // NOLINT: where Implementation is complete
 
 template <class Scalar>
 bool Solver<Scalar>::step() {
-  return implementation_->step();
+  return whole(implementation_).step();
 }
 
 template <class Scalar>
 void Solver<Scalar>::run() {
-  while (implementation_->step()) {
+  while (whole(implementation_).step()) {
   }
 }
 
 template <class Scalar>
 void Solver<Scalar>::cancel() {
-  if (!implementation_->record.ended()) {
-    implementation_->stop.enter();
-    implementation_->end_for_now(Termination::cancelled);
+  Implementation& run = whole(implementation_);
+  if (!run.record.ended()) {
+    run.stop.enter();
+    run.end_for_now(Termination::cancelled);
   }
 }
 
 template <class Scalar>
 void Solver<Scalar>::save(const std::filesystem::path& file) const {
-  implementation_->save(file);
+  whole(implementation_).save(file);
 }
 
 template <class Scalar>
 void Solver<Scalar>::load(const std::filesystem::path& file) {
-  implementation_->load(file);
+  whole(implementation_).load(file);
 }
 
 template <class Scalar>
 Columns<Scalar> Solver<Scalar>::site_columns() const {
-  return implementation_->site_columns();
+  return whole(implementation_).site_columns();
 }
 
 template <class Scalar>
 std::vector<Index> Solver<Scalar>::owners() const {
-  return implementation_->owners();
+  return whole(implementation_).owners();
 }
 
 template <class Scalar>
 const Summary& Solver<Scalar>::summary() const {
-  return implementation_->record.summary();
+  return whole(implementation_).record.summary();
 }
 
 // Each member that is compiled here; a whole class would bring along what is inline.

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ccvt/codebook.h"
@@ -98,6 +99,36 @@ TEST_CASE("a number that is no enumerator is refused by name") {
   CHECK(message_of([&] { ccvt::write_particles(directory / "p.gadget", points, particles); }) ==
         "type" + kRule);
   CHECK(directory.entries() == 0);
+
+  ccvt::ValueMap map;
+  map.kind = no_enumerator<ccvt::ValueMap::Kind>();
+  CHECK(message_of([&] { map.validate(); }) == "kind" + kRule);
+  ccvt::Volume volume;
+  volume.type = no_enumerator<ccvt::VoxelType>();
+  CHECK(message_of([&] { static_cast<void>(volume.stored()); }) == "Volume::type" + kRule);
+  CHECK(message_of([&] { static_cast<void>(ccvt::bytes_of(volume.type)); }) == "type" + kRule);
+  CHECK(message_of([&] { static_cast<void>(ccvt::to_string(volume.type)); }) == "type" + kRule);
+}
+
+TEST_CASE("a box with corners of different sizes, and a solver that was moved from, are refused") {
+  Box box = Box::unit(3);
+  box.upper = ccvt::Box::unit(2).upper;
+  const std::string rule =
+      "box: lower has 3 dimensions and upper has 2, but both must have the same number";
+  CHECK(message_of([&] { ccvt::normalized_energy(1, 10, 2, box); }) == rule);
+  CHECK(message_of([&] { ccvt::sample_uniform<float>(box, 9, 1); }) == rule);
+
+  ccvt::Solver<double> solver(ccvt::Problem<double>(some_points(), 5));
+  const ccvt::Solver<double> other = std::move(solver);
+  CHECK(other.owners().size() == 50);
+  // NOLINTBEGIN(bugprone-use-after-move): that is what is tested.
+  const std::string moved = "solver: was moved from";
+  CHECK(message_of([&] { solver.step(); }) == moved);
+  CHECK(message_of([&] { solver.run(); }) == moved);
+  CHECK(message_of([&] { solver.cancel(); }) == moved);
+  CHECK(message_of([&] { static_cast<void>(solver.owners()); }) == moved);
+  CHECK(message_of([&] { static_cast<void>(solver.summary()); }) == moved);
+  // NOLINTEND(bugprone-use-after-move)
 }
 
 TEST_CASE("a view without data, or with rows that overlap, is refused by name") {

@@ -109,7 +109,7 @@ TEST_CASE("error examples: codebooks") {
       {[] { code_usage({}, 2); }, "codes: there are none"},
       {[] { Codebook(Points<double>(0, 0)); }, "codewords: there are 0 of 0 dimensions"},
       {[&] { static_cast<void>(codebook.encode(vectors, Coding::nearest, -1)); },
-       "threads is -1: it must be from 0 (one per processor) to 4096"},
+       "threads: is -1; must be from 0 (one per processor) to 4096"},
       {[&] { static_cast<void>(codebook.distortion(vectors, std::span(codes).first(3))); },
        "codes: there are 3 for 8 vectors"},
       {[&] { train_codebook_from(vectors, Columns<double>(3, 2)); },

@@ -167,7 +167,7 @@ TEST_CASE("ranks: what is wrong with vectors to encode is thrown on all") {
                       (void)codebook.encode(ranks, own_of(ranks, vectors), Coding::nearest,
                                             ranks.rank() - 1);
                     }),
-        "threads is -1");
+        "threads: is -1");
   check(messages_of(2,
                     [&](ccvt::Ranks& ranks) {
                       const std::vector<Index> codes(ranks.rank() == 0 ? 22 : 9, 0);

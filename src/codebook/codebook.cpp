@@ -18,6 +18,7 @@
 #include "numbers.h"
 #include "parallel/together.h"
 #include "scales.h"
+#include "thread_count.h"
 
 namespace ccvt {
 namespace {
@@ -87,12 +88,6 @@ void check_extent(Ranks* ranks, PointsView<Scalar> own,
   throw InvalidInput("vectors: they and the codewords differ by at most " + text(widest) +
                      ": they must be all equal or differ by " + text(least) +
                      " or more somewhere; multiply both by a power of two");
-}
-
-void check_threads(int threads) {
-  if (threads >= 0 && threads <= 4096) return;
-  throw InvalidInput("threads is " + std::to_string(threads) +
-                     ": it must be from 0 (one per processor) to 4096");
 }
 
 /// Of the codes of all ranks; `own` are in 0..codewords-1.
@@ -223,7 +218,7 @@ Codebook::Codebook(Columns<double> codewords, Coordinates weights)
 template <class Scalar>
 std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, int threads,
                                     const std::function<bool()>& cancelled) const try {
-  check_threads(threads);
+  require_threads(threads);
   require_enumerator("coding", coding, Coding::weighted);
   check_vectors(vectors, dimension());
   check_extent(nullptr, vectors, codewords_.eigen());
@@ -242,7 +237,7 @@ std::vector<Index> Codebook::encode(Ranks& ranks, PointsView<Scalar> own, Coding
                                     int threads) const {
   const RankPart part{&ranks, part_of_all(&ranks, own.count).first};
   agree(&ranks, [&] {
-    check_threads(threads);
+    require_threads(threads);
     require_enumerator("coding", coding, Coding::weighted);
     check_vectors(own, dimension(), part.first);
   });

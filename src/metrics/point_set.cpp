@@ -64,6 +64,7 @@ double normalized_energy(double energy, Index points, Index sites, const Box& bo
   if (points < 1) throw InvalidInput("points: " + std::to_string(points) + " is not positive");
   if (sites < 1) throw InvalidInput("sites: " + std::to_string(sites) + " is not positive");
   if (box.dimension() < 1) throw InvalidInput("box: has no dimension");
+  require_corners(box);
   for (int d = 0; d < box.dimension(); ++d) {
     if (box.upper[d] > box.lower[d]) continue;
     throw InvalidInput("box: dimension " + std::to_string(d) + " goes from " + text(box.lower[d]) +

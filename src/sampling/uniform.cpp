@@ -194,10 +194,7 @@ namespace detail {
 void check_sampling(const Box& box, Index count, int fixed_dimension, std::size_t scalar_bytes) {
   if (count < 1) throw InvalidInput(concat("count: is ", count, ", but must be at least 1"));
   const Eigen::Index dimension = box.lower.size();
-  if (dimension != box.upper.size()) {
-    throw InvalidInput(concat("box: lower has ", dimension, " dimensions and upper has ",
-                              box.upper.size(), ", but both must have the same number"));
-  }
+  require_corners(box);
   if (dimension < 1) throw InvalidInput("box: has 0 dimensions, but must have at least 1");
   if (fixed_dimension != Eigen::Dynamic && dimension != fixed_dimension) {
     throw InvalidInput(concat("box: has ", dimension, " dimensions, but points of ",

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "checks.h"
 #include "number_text.h"
 #include "volume/mask_entries.h"
 
@@ -59,6 +60,7 @@ DensityGrid Grid::density(GridValues values, Interpolation interpolation) const 
 }
 
 void ValueMap::validate() const {
+  require_enumerator("kind", kind, Kind::gamma);
   check_finite(low, "low");
   check_finite(high, "high");
   if (kind == Kind::window && !(low < high)) {
@@ -95,6 +97,7 @@ double ValueMap::operator()(double value, double greatest) const {
 }
 
 std::size_t bytes_of(VoxelType type) {
+  require_enumerator("type", type, VoxelType::float64);
   switch (type) {
     case VoxelType::int8:
     case VoxelType::uint8:
@@ -115,6 +118,7 @@ std::size_t bytes_of(VoxelType type) {
 }
 
 const char* to_string(VoxelType type) {
+  require_enumerator("type", type, VoxelType::float64);
   constexpr std::array<const char*, 10> names = {"int8",   "uint8", "int16",  "uint16",  "int32",
                                                  "uint32", "int64", "uint64", "float32", "float64"};
   return names[static_cast<std::size_t>(type)];
@@ -126,6 +130,7 @@ std::uint64_t VolumeHeader::cells() const {
 }
 
 GridValues Volume::stored() const& {
+  require_enumerator("Volume::type", type, VoxelType::float64);
   switch (type) {
     case VoxelType::int8:
       return view_as<std::int8_t>(data);

@@ -127,6 +127,7 @@ ADVICE = {
     "src/sampling/region.cpp": _PARAMETER,
     "src/sampling/uniform.cpp": _PARAMETER,
     "src/scales.cpp": "Shift or scale the points, so that coordinates are neither huge nor tiny.",
+    "src/solver.cpp": "Use the solver that it was moved to.",
     "src/stipple/draw.cpp": _PARAMETER,
     "src/stipple/ink.cpp": _PARAMETER,
     "src/stipple/stipple.cpp": "Give a picture that is neither all white nor all black, or say "
