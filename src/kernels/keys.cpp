@@ -100,10 +100,10 @@ HWY_INLINE hn::Vec<Tag> key_at(Tag tag, const Scalar* block, Index stride, int d
 }
 
 /// The highest key of a block, or the lowest. The last full vector may overlap the one before it:
-/// extremes do not mind.
-template <bool Highest, class Scalar, class AnyCut>
-HWY_INLINE Scalar extreme_of(const Scalar* block, Index stride, Index count, int dimension,
-                             const AnyCut& cut) {
+/// extremes do not mind. Compiled once for whoever calls it: that is a third of this file.
+template <bool Highest, class Scalar, class Dimension, class AnyCut>
+HWY_NOINLINE Scalar extreme_of(const Scalar* block, Index stride, Index count, Dimension dimension,
+                               const AnyCut& cut) {
   const hn::ScalableTag<Scalar> wide;
   const auto lanes = static_cast<Index>(hn::Lanes(wide));
   const auto beyond = [](auto a, auto b)

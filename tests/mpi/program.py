@@ -399,8 +399,9 @@ def checkpoints():
         check(warned == (full == 0), f"rank {full} is full: {warned} warnings: {errors}")
         goes_on([given.mpirun, "-n", "2", TOGETHER], outputs, f"the disk of rank {full} was full")
 
+    sites = long_enough(4 * PATIENCE, outputs)
     for number in (signal.SIGINT, signal.SIGTERM):
-        end_by(number, bad, outputs)
+        end_by(number, sites, bad, outputs)
     interrupt_one()
 
     # The ranks of an mpirun that was killed need a while to notice: who comes next waits for them.
@@ -435,26 +436,32 @@ def ended_by(number, run):
     check(left == [], f"{number.name} left {left}")
 
 
-def end_by(number, bad, outputs):
-    """mpirun waits `patience` seconds, tells the ranks, waits as long again, and kills them: they are
-    kept once more in between. The run is long enough for that; nothing else would have kept it again.
-    It has begun when it says that it goes on."""
-    patience = 4
-    patient = ["--mca", "odls_base_sigkill_timeout", str(patience)] if is_open_mpi() else []
-    checkpoint = pathlib.Path("kept/ccvt.checkpoint")
-    for sites in (16000, 64000, 256000):
+PATIENCE = 3  # seconds
+
+
+def long_enough(seconds, outputs):
+    """How many sites take one process so long; their result."""
+    for sites in (64000, 100000, 160000, 256000):
         began = time.monotonic()
         alone(*sample_of(sites), *files("alone-", *outputs))
-        if time.monotonic() - began > 4 * patience:
-            break
-    else:
-        check(False, f"{number.name} to mpirun: even {sites} sites are too few")
+        if time.monotonic() - began > seconds:
+            return sites
+    check(False, f"even {sites} sites take less than {seconds} s")
+    return sites
+
+
+def end_by(number, sites, bad, outputs):
+    """mpirun waits for PATIENCE, tells the ranks, waits as long again, and kills them: they are kept
+    once more in between. The run is long enough for that; nothing else would have kept it again. It
+    has begun when it says that it goes on."""
+    patient = ["--mca", "odls_base_sigkill_timeout", str(PATIENCE)] if is_open_mpi() else []
+    checkpoint = pathlib.Path("kept/ccvt.checkpoint")
     kept = [*sample_of(sites), "--checkpoint", "kept", "--checkpoint-every", "3600"]
     alone(*kept, *files("kept-", *outputs), "--max-iterations", "2")
     before = checkpoint.read_bytes()
     run, _ = start_kept(2, *kept, *bad, options=patient)
-    begun = run.stderr.readline()
-    check("goes on from kept" in begun, f"{number.name} to mpirun: it began with {begun}")
+    begun = next((line for line in run.stderr if "goes on from kept" in line), None)
+    check(begun is not None, f"{number.name} to mpirun: it did not go on")
     run.send_signal(number)
     errors = run.communicate(timeout=60)[1]
     ended_by(number, run)
@@ -530,13 +537,9 @@ def soak(problems):
 if given.soak > 0:
     soak(given.soak)
 else:
-    bits()
-    volumes()
-    codebooks()
-    faults()
-    checkpoints()
-    volume_faults()
-    codebook_faults()
-    kills()
+    for part in (bits, volumes, codebooks, faults, checkpoints, volume_faults, codebook_faults, kills):
+        began = time.monotonic()
+        part()
+        print(f"{part.__name__}: {time.monotonic() - began:.0f} s", flush=True)
 print("passed" if failures == 0 else f"{failures} failed")
 sys.exit(failures > 0)
