@@ -62,8 +62,9 @@ function(ccvt_compile_settings target)
   target_compile_options(${target} PRIVATE -ffp-contract=off)
 
   # Kernels take long to compile, once for each instruction set. What had SSSE3 or SSE4 but no AVX2
-  # was sold until 2013: one number at a time serves there, of which compilers make SSE2. Sanitized they take a minute each, so two must do.
-  # AVX3_DL gains nothing here, and Highway 1.0 does not build where it is the baseline.
+  # was sold until 2013: one number at a time serves there, of which compilers make SSE2. Sanitized
+  # they take a minute each, so two must do. AVX3_DL gains nothing here, and Highway 1.0 does not
+  # build where it is the baseline.
   set(unused HWY_SSSE3|HWY_SSE4|HWY_AVX3_DL)
   if(CCVT_SANITIZE)
     string(APPEND unused |HWY_AVX3)
