@@ -20,6 +20,7 @@
 #include "relax/moving_cells.h"
 #include "relax/nearest_sites.h"
 #include "relax/owner_bounds.h"
+#include "relax/site_columns.h"
 #include "relax/update.h"
 #include "schedule/tiling.h"
 #include "stopwatch.h"
@@ -298,12 +299,7 @@ detail::LloydResult<Scalar> Lloyd<Scalar>::run() {
   while (summary_.termination == Termination::running && step()) {
   }
   detail::LloydResult<Scalar> result;
-  result.sites = {summary_.dimension, summary_.sites};
-  for (const SiteNumber s : sites_.all()) {
-    for (int d = 0; d < summary_.dimension; ++d) {
-      result.sites(d, s.index()) = metric_.template as<Scalar>(sites_.at(s)[d], d);
-    }
-  }
+  result.sites = site_columns(problem_, metric_, sites_, [](SiteNumber s) { return s; });
   result.owners = std::move(owners_);
   result.summary = std::move(summary_);
   return result;

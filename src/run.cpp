@@ -19,6 +19,7 @@
 #include "relax/levels.h"
 #include "relax/moved_points.h"
 #include "relax/relaxer.h"
+#include "relax/site_columns.h"
 #include "relax/site_order.h"
 #include "relax/update.h"
 #include "run_record.h"
@@ -378,14 +379,7 @@ void Run<Scalar>::begin_level() {
 
 template <class Scalar>
 Columns<Scalar> Run<Scalar>::site_columns() const {
-  Columns<Scalar> sites(problem.dimension(), problem.site_count());
-  for (const SiteNumber k : state.sites.all()) {
-    const double* position = state.sites.at(k);
-    for (int d = 0; d < problem.dimension(); ++d) {
-      sites(d, site_of[k].index()) = metric.template as<Scalar>(position[d], d);
-    }
-  }
-  return sites;
+  return ccvt::site_columns(problem, metric, state.sites, [&](SiteNumber k) { return site_of[k]; });
 }
 
 template <class Scalar>

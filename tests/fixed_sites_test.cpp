@@ -113,6 +113,26 @@ TEST_CASE("far outside, at one place, and where a site was drawn") {
   check(problem);
 }
 
+TEST_CASE_TEMPLATE("on a torus, in the box with its faces, they come back as given", Scalar, float,
+                   double) {
+  const Box box = uneven_box(2);
+  const auto points = make_points<Scalar>(Layout::random, box, 300);
+  Problem<Scalar> problem(points, 10);
+  problem.set_domain(Domain::periodic(box, {true, false}));
+  Points<Scalar> fixed = places<Scalar>(box, 5);
+  fixed(0, 1) = static_cast<Scalar>(box.upper[0]);
+  fixed(1, 2) = static_cast<Scalar>(box.upper[1]);
+  fixed(0, 3) = static_cast<Scalar>(box.lower[0]);
+  problem.set_fixed_sites(fixed);
+  check(problem);
+  CHECK(ccvt::lloyd(problem).sites.leftCols(5) == fixed);
+  fixed(0, 4) = static_cast<Scalar>(box.upper[0] + 1);
+  problem.set_fixed_sites(fixed);
+  const auto outside = ccvt::tessellate(problem);
+  CHECK(outside.sites.col(4)(0) == doctest::Approx(box.lower[0] + 1));
+  CHECK(outside.sites.leftCols(4) == fixed.leftCols(4));
+}
+
 TEST_CASE("beside initial sites and owners") {
   const auto points = make_points<double>(Layout::random, uneven_box(2), 300);
   Problem<double> problem(points, 10);

@@ -370,6 +370,16 @@ TEST_CASE("put_back refuses what does not agree") {
           ccvt::put_back(flat, std::vector<Index>{0, 1, 1}, flat_sites, nowhere);
         }) == "points: they have no dimension");
   // A site without points stays, and is not counted.
+  auto lost = sites;
+  lost(1, 1) = std::numeric_limits<double>::quiet_NaN();
+  CHECK(message_of([&] {
+          ccvt::put_back(points, std::vector<Index>{0, 1, 1}, lost, nowhere);
+        }).find("sites: coordinate 1 of sites[1] is nan") == 0);
+  auto missing = points;
+  missing(0, 2) = std::numeric_limits<double>::infinity();
+  CHECK(message_of([&] {
+          ccvt::put_back(missing, std::vector<Index>{0, 1, 1}, sites, nowhere);
+        }).find("points: coordinate 0 of points[2] is inf") == 0);
   CHECK(ccvt::put_back(points, std::vector<Index>{0, 0, 0}, sites, nowhere).sites == 1);
 }
 

@@ -65,7 +65,7 @@ class CCVT_EXPORT Problem {
   /// points, two of them at one place or not. They own points as the others do, as many as their
   /// capacities, but do not move to the centroids of their cells; the others find places around
   /// them. Default: none. Of initial sites, the first k then count for nothing. In a periodic
-  /// domain the images in the box are meant.
+  /// domain the images in the box are meant; on its upper face they come back as they were given.
   template <class Derived>
   Problem& set_fixed_sites(const Eigen::DenseBase<Derived>& sites) {
     static_assert(!std::is_integral_v<typename Derived::Scalar>,

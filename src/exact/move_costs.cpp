@@ -33,8 +33,9 @@ constexpr std::size_t kLeastWeighings = 32;
 constexpr int kLeastRounded = 16;
 /// Squares above this, or sums of them, are not to be had in float.
 constexpr double kLargeSquare = 1e37;
-/// What rounding the sites does to squares is to be less than such a share of them; else so many
-/// points must be looked at in double as well that this takes up to 1.8 times as long.
+/// What rounding the sites does to squares is to be so many times less than they are. Else nearly
+/// all points must be looked at in double as well: 6000 x 16 vectors at 1e4 took five times as
+/// long.
 constexpr double kFine = 64;
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 

@@ -8,6 +8,7 @@
 #include "geometry/fitted.h"
 #include "geometry/metric.h"
 #include "put_back.h"
+#include "scales.h"
 
 namespace ccvt {
 namespace {
@@ -35,6 +36,8 @@ PutBack put_back_to(PointsView<Scalar> points, std::span<const Index> owners,
   }
   const PointsView<Scalar> all_sites{sites.data(), points.dimension, static_cast<Index>(count),
                                      points.dimension};
+  require_moderate("points", points);
+  require_moderate("sites", all_sites);
   const Metric metric(points.dimension, measured_domain(domain, points, all_sites));
   const auto at = [&](SiteNumber s) { return sites.data() + s * dimension; };
   std::vector<double> position(dimension);

@@ -38,7 +38,7 @@ COMMANDS = {
 COMMANDS_OF_RANKS = {
     "sample by ranks": "sample --dim 3 --sites 4000 --points-per-site 100 --periodic -o OUT.npy "
                        "--owners-out OUT.owners.npy",
-    "tessellate by ranks": "tessellate points.npy --capacities capacities.csv --sites 300 -o OUT.npy "
+    "tessellate by ranks": "tessellate points.npy --capacities tenfold.csv --sites 300 -o OUT.npy "
                            "--owners-out OUT.owners.npy",
 }
 
@@ -49,9 +49,10 @@ def write_inputs(program, folder, chance):
     (folder / "points.csv").write_text("\n".join(lines) + "\n")
     sizes = [points // sites + (s % 7 - 3) * (s < 294) for s in range(sites)]
     (folder / "capacities.csv").write_text("\n".join(map(str, sizes)) + "\n")
+    (folder / "tenfold.csv").write_text("\n".join(str(10 * size) for size in sizes) + "\n")
     (folder / "masses.csv").write_text("\n".join(str(1 + chance.random()) for _ in range(points)) + "\n")
     (folder / "volume.raw").write_bytes(bytes(chance.randrange(256) for _ in range(16 ** 3)))
-    subprocess.run([program, "sample", "--dim", "2", "--sites", "300", "--points-per-site", "100", "-q",
+    subprocess.run([program, "sample", "--dim", "2", "--sites", "300", "--points-per-site", "1000", "-q",
                     "--distribution", "white", "-o", "drawn.npy", "--points-out", "points.npy"],
                    cwd=folder, check=True)
 

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "ccvt/problem.h"
+#include "geometry/metric.h"
+#include "relax/site_state.h"
+
+namespace ccvt {
+
+/// Positions as the caller counts sites, number_of(site). Fixed ones as they were given, where that
+/// is in the box: on a torus its upper face is at the place of the lower one.
+template <class Scalar, class NumberOf>
+Columns<Scalar> site_columns(const Problem<Scalar>& problem, const Metric& metric,
+                             const SiteState& sites, NumberOf number_of) {
+  Columns<Scalar> columns(problem.dimension(), problem.site_count());
+  for (const SiteNumber s : sites.all()) {
+    for (int d = 0; d < problem.dimension(); ++d) {
+      columns(d, number_of(s).index()) = metric.template as<Scalar>(sites.at(s)[d], d);
+    }
+  }
+  if (!metric.periodic()) return columns;
+  const Columns<Scalar>& fixed = problem.fixed_sites();
+  const Box& box = problem.domain().box();
+  for (std::ptrdiff_t f = 0; f < fixed.cols(); ++f) {
+    for (std::ptrdiff_t d = 0; d < fixed.rows(); ++d) {
+      const double given = fixed(d, f);
+      if (given >= box.lower[d] && given <= box.upper[d]) columns(d, f) = fixed(d, f);
+    }
+  }
+  return columns;
+}
+
+}  // namespace ccvt
