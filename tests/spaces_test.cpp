@@ -369,7 +369,6 @@ TEST_CASE("put_back refuses what does not agree") {
   CHECK(message_of([&] {
           ccvt::put_back(flat, std::vector<Index>{0, 1, 1}, flat_sites, nowhere);
         }) == "points: they have no dimension");
-  // A site without points stays, and is not counted.
   auto lost = sites;
   lost(1, 1) = std::numeric_limits<double>::quiet_NaN();
   CHECK(message_of([&] {
@@ -380,6 +379,7 @@ TEST_CASE("put_back refuses what does not agree") {
   CHECK(message_of([&] {
           ccvt::put_back(missing, std::vector<Index>{0, 1, 1}, sites, nowhere);
         }).find("points: coordinate 0 of points[2] is inf") == 0);
+  // A site without points stays, and is not counted.
   CHECK(ccvt::put_back(points, std::vector<Index>{0, 0, 0}, sites, nowhere).sites == 1);
 }
 
