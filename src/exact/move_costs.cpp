@@ -115,10 +115,11 @@ void SquaredDistances<Scalar>::round_sites() {
   }
   for (double& off : off_) off = std::sqrt(off);
   most_off_ = *std::max_element(off_.begin(), off_.end());
-  rounded_packs_ = packs_of<kernels::kFloatPack, float>(sites_, dimension());
-  if (kFine * margin(0, most_off_).beside < squared_spacing()) return;
-  rounded_.clear();
-  rounded_packs_.clear();
+  if (kFine * margin(0, most_off_).beside < squared_spacing()) {
+    rounded_packs_ = packs_of<kernels::kFloatPack, float>(sites_, dimension());
+  } else {
+    rounded_.clear();
+  }
 }
 
 /// How far sites are from the nearest others, squared: the mean of the first few.

@@ -12,6 +12,7 @@
 #include "geometry/chosen_points.h"
 #include "number_text.h"
 #include "point_count.h"
+#include "relax/site_columns.h"
 #include "relax/update.h"
 #include "weighted/curve_order.h"
 #include "weighted/inputs.h"
@@ -152,12 +153,7 @@ void MassRun<Scalar>::end(Termination termination) {
 template <class Scalar>
 void MassRun<Scalar>::take_sites(const SiteState& sites, std::vector<double>&& masses,
                                  double energy) {
-  result_.sites = {problem_.dimension(), static_cast<std::ptrdiff_t>(sites.count())};
-  for (const SiteNumber s : sites.all()) {
-    for (int d = 0; d < problem_.dimension(); ++d) {
-      result_.sites(d, s.index()) = metric_.template as<Scalar>(sites.at(s)[d], d);
-    }
-  }
+  result_.sites = site_columns<Scalar>(metric_, sites, [](SiteNumber s) { return s; });
   result_.masses = std::move(masses);
   for (double& mass : result_.masses) mass /= inputs_.scale;
   result_.summary.energy = energy / inputs_.scale;
