@@ -178,6 +178,8 @@ TEST_CASE("stipple refuses what cannot be done") {
   CHECK_THROWS_AS(stipple(image, 10, {.gamma = 0}), InvalidInput);
   CHECK_THROWS_AS(stipple(image, 10, {.gamma = std::nan("")}), InvalidInput);
   CHECK_THROWS_AS(stipple(image, 10, {.dot_radius = -1}), InvalidInput);
+  CHECK(test::message_of([&] { stipple(image, 10, {.gamma = -1e-9}); }) ==
+        "gamma: is -1e-09; must be positive and finite");
   CHECK_THROWS_AS(stipple(image, 10, {.tessellation = {.max_iterations = -1}}), InvalidInput);
   Image wrong = image;
   wrong.values.pop_back();

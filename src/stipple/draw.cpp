@@ -103,7 +103,7 @@ Image render(const Stippling<Scalar>& stippling, double scale) {
   const Side width{std::ceil(stippling.width * scale)};
   const Side height{std::ceil(stippling.height * scale)};
   if (!(scale > 0 && width.length * height.length <= kMostPixels)) {
-    throw InvalidInput("scale: is " + std::to_string(scale) +
+    throw InvalidInput("scale: is " + text(scale) +
                        "; must be positive and make at most 268435456 pixels");
   }
   Image image{width.pixels(), height.pixels(), {}};

@@ -7,6 +7,7 @@
 #include "ccvt/stipple.h"
 #include "checks.h"
 #include "geometry/as_matrix.h"
+#include "number_text.h"
 
 namespace ccvt {
 
@@ -130,7 +131,7 @@ double dot_radius_for(PointsView<Scalar> dots, int width, int height, double ink
                        std::to_string(dots.dimension) + " by " + std::to_string(dots.count));
   }
   if (width < 1 || height < 1 || !(ink > 0 && ink <= area)) {
-    throw InvalidInput("ink: is " + std::to_string(ink) + " for " + std::to_string(width) + " x " +
+    throw InvalidInput("ink: is " + text(ink) + " for " + std::to_string(width) + " x " +
                        std::to_string(height) +
                        " pixels; must be positive and at most the number of pixels");
   }

@@ -11,6 +11,7 @@
 #include "ccvt/domain.h"
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
+#include "number_text.h"
 #include "parallel/arena.h"
 #include "point_count.h"
 #include "thread_count.h"
@@ -23,11 +24,10 @@ void StippleOptions::validate() const {
                        "; must be at least 1");
   }
   if (!(gamma > 0 && std::isfinite(gamma))) {
-    throw InvalidInput("gamma: is " + std::to_string(gamma) + "; must be positive and finite");
+    throw InvalidInput("gamma: is " + text(gamma) + "; must be positive and finite");
   }
   if (!(dot_radius >= 0 && std::isfinite(dot_radius))) {
-    throw InvalidInput("dot_radius: is " + std::to_string(dot_radius) +
-                       "; must be at least 0 and finite");
+    throw InvalidInput("dot_radius: is " + text(dot_radius) + "; must be at least 0 and finite");
   }
   tessellation.validate();
 }
@@ -38,7 +38,7 @@ std::vector<float> darkness(const Image& image, bool invert, double gamma, int t
   std::vector<float> result(image.values);
   for (std::size_t i = 0; i < result.size(); ++i) {
     if (result[i] >= 0 && result[i] <= 1) continue;
-    throw InvalidInput("image: value " + std::to_string(i) + " is " + std::to_string(result[i]) +
+    throw InvalidInput("image: value " + std::to_string(i) + " is " + text(result[i]) +
                        "; must be in [0, 1]");
   }
   const Arena arena(result.size() <= kPixelsPerGrain ? 1 : threads);
