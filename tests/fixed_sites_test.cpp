@@ -133,6 +133,26 @@ TEST_CASE_TEMPLATE("on a torus, in the box with its faces, they come back as giv
   CHECK(outside.sites.leftCols(4) == fixed.leftCols(4));
 }
 
+TEST_CASE_TEMPLATE("on a torus, on faces that have to be rounded, they come back as given", Scalar,
+                   float, double) {
+  for (const Box& box : {Box{{0, 0}, {.1, .1}}, Box{{.7, -.3}, {1.1, .3}}}) {
+    Points<Scalar> points = make_points<Scalar>(Layout::random, Box::unit(2), 300);
+    for (int d = 0; d < 2; ++d) {
+      const auto lower = static_cast<Scalar>(box.lower[d]);
+      const auto upper = static_cast<Scalar>(box.upper[d]);
+      points.row(d) = (lower + (upper - lower) * points.row(d).array()).max(lower).min(upper);
+    }
+    Problem<Scalar> problem(points, 10);
+    problem.set_domain(Domain::periodic(box));
+    Points<Scalar> fixed(2, 2);
+    fixed.col(0) << static_cast<Scalar>(box.upper[0]), static_cast<Scalar>(box.upper[1]);
+    fixed.col(1) << static_cast<Scalar>(box.lower[0]), static_cast<Scalar>(box.lower[1]);
+    problem.set_fixed_sites(fixed);
+    CHECK(ccvt::tessellate(problem).sites.leftCols(2) == fixed);
+    CHECK(ccvt::lloyd(problem).sites.leftCols(2) == fixed);
+  }
+}
+
 TEST_CASE("beside initial sites and owners") {
   const auto points = make_points<double>(Layout::random, uneven_box(2), 300);
   Problem<double> problem(points, 10);

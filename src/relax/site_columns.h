@@ -18,8 +18,8 @@ Columns<Scalar> site_columns(const Metric& metric, const SiteState& sites, Numbe
   return columns;
 }
 
-/// The same, fixed ones as they were given, where that is in the box: on a torus its upper face is
-/// at the place of the lower one.
+/// The same, fixed ones as they were given, where that is in the box, whose faces are rounded as
+/// coordinates are: on a torus its upper face is at the place of the lower one.
 template <class Scalar, class NumberOf>
 Columns<Scalar> site_columns(const Problem<Scalar>& problem, const Metric& metric,
                              const SiteState& sites, NumberOf number_of) {
@@ -29,8 +29,10 @@ Columns<Scalar> site_columns(const Problem<Scalar>& problem, const Metric& metri
   const Box& box = problem.domain().box();
   for (std::ptrdiff_t f = 0; f < fixed.cols(); ++f) {
     for (std::ptrdiff_t d = 0; d < fixed.rows(); ++d) {
-      const double given = fixed(d, f);
-      if (given >= box.lower[d] && given <= box.upper[d]) columns(d, f) = fixed(d, f);
+      const Scalar given = fixed(d, f);
+      const auto lower = static_cast<Scalar>(box.lower[d]);
+      const auto upper = static_cast<Scalar>(box.upper[d]);
+      if (given >= lower && given <= upper) columns(d, f) = given;
     }
   }
   return columns;
