@@ -13,6 +13,7 @@
 #include "ccvt/io.h"
 #include "ccvt/sampling.h"
 #include "support/files.h"
+#include "support/npy.h"
 #include "support/process.h"
 #include "support/volumes.h"
 
@@ -192,6 +193,11 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
   put(directory / "nan.nii", with_nan());
   put(directory / "l.nii", labels());
   put(directory / "zero.nii", nifti1({16, 16, 8}, 2, 8) + std::string(16 * 16 * 8, '\0'));
+  for (const char* const shape : {"(4, 4, 4)", "(2, 4, 8)"}) {
+    const std::string name = std::string(1, shape[1]) + ".npy";
+    put(directory / ("c" + name), npy_file("|u1", shape, std::string(64, '\1')));
+    put(directory / ("f" + name), npy_file("|u1", shape, std::string(64, '\1'), true));
+  }
   const std::size_t before = directory.entries();
   const auto check = [&](const std::string& arguments, const std::string& part) {
     const Ran ran = run(directory, "volume --sites 5 -q -o s.ply " + arguments);
@@ -219,6 +225,12 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
   check("v.nii --map threshold:1000", "all 2048 densities are 0");
   check("v.nii --mask m.nii", "has 16 x 16 x 7 cells, but v.nii has 16 x 16 x 8");
   check("v.nii --mask moved.nii", "its cells are not where those of v.nii are");
+  for (const std::string shape : {"2", "4"}) {
+    check(
+        "c" + shape + ".npy --mask f" + shape + ".npy",
+        "f" + shape + ".npy: its axes are stored in another order than those of c" + shape +
+            ".npy (of two .npy, one is in C order, the other in Fortran order): store both alike");
+  }
   check("v.nii --spacing 1,1,1", "says its spacing and origin itself");
   check("v.nii --preview p.jpg", "must be .png");
   check("v.raw", "needs a shape of 3 numbers and a type");

@@ -1,6 +1,7 @@
 #include "cli/volume_input.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -49,6 +50,26 @@ std::string words_of(const std::vector<std::int64_t>& labels) {
   return words;
 }
 
+/// The edges of the box of all cells, one a column.
+Eigen::Matrix3d sides_of(const Grid& grid) {
+  const Eigen::Map<const Eigen::Vector3<std::int64_t>> cells(grid.shape.data());
+  return grid.axes.eigen() * cells.cast<double>().asDiagonal();
+}
+
+/// Whether two grids have the same sides, but not one after the other as they are in memory.
+bool in_another_order(const Grid& a, const Grid& b) {
+  const double tolerance = 0.1 * a.spacing().minCoeff();
+  std::array<int, 3> order = {0, 1, 2};
+  const auto alike = [&] {
+    return (sides_of(a) - sides_of(b)(Eigen::all, order)).colwise().norm().sum() <= tolerance;
+  };
+  if (alike()) return false;
+  while (std::next_permutation(order.begin(), order.end())) {
+    if (alike()) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 void check_labels(const VolumeArguments& arguments) {
@@ -75,16 +96,21 @@ void check_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
     }
     return result;
   };
+  if (in_another_order(volume.grid, mask.grid)) {
+    throw InvalidInput(arguments.mask.string() +
+                       ": its axes are stored in another order than those of " +
+                       arguments.volume.string() +
+                       " (of two .npy, one is in C order, the other in Fortran order): store both "
+                       "alike");
+  }
   if (volume.grid.shape != mask.grid.shape) {
     throw InvalidInput(arguments.mask.string() + ": has " + shape(mask) + " cells, but " +
                        arguments.volume.string() + " has " + shape(volume));
   }
-  const double cell = volume.grid.spacing().minCoeff();
-  const Eigen::Map<const Eigen::Vector3<std::int64_t>> cells(mask.grid.shape.data());
-  const Eigen::Vector3d last = cells.cast<double>();
-  const Eigen::Vector3d near = volume.grid.origin.eigen() - mask.grid.origin.eigen();
-  const Eigen::Vector3d far = near + (volume.grid.axes.eigen() - mask.grid.axes.eigen()) * last;
-  if (near.norm() > 0.1 * cell || far.norm() > 0.1 * cell) {
+  const double tolerance = 0.1 * volume.grid.spacing().minCoeff();
+  const Eigen::Vector3d moved = volume.grid.origin.eigen() - mask.grid.origin.eigen();
+  const Eigen::Matrix3d turned = sides_of(volume.grid) - sides_of(mask.grid);
+  if (moved.norm() > tolerance || turned.colwise().norm().sum() > tolerance) {
     throw InvalidInput(arguments.mask.string() + ": its cells are not where those of " +
                        arguments.volume.string() + " are; resample it first");
   }
