@@ -31,9 +31,10 @@ if(TARGET ccvt_cli)
     DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
 endif()
 if(TARGET ccvt_mpi)
-  install(TARGETS ccvt_mpi EXPORT ccvtTargets
+  install(TARGETS ccvt_mpi EXPORT ccvtMpiTargets
     ARCHIVE COMPONENT development
     FILE_SET HEADERS COMPONENT development)
+  install(EXPORT ccvtMpiTargets NAMESPACE ccvt:: DESTINATION ${package_dir} COMPONENT development)
 endif()
 if(TARGET ccvt_mpi_cli)
   set_target_properties(ccvt_mpi_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${libdir_from_bindir}")

@@ -64,6 +64,22 @@ function(install_and_consume binary_dir name)
   consume(${name}_consumer -D CMAKE_PREFIX_PATH=${WORK_DIR}/${name}
     -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
 
+  # Where the library was built with MPI, its component is there, and the rest without MPI, too.
+  file(GLOB_RECURSE mpi ${WORK_DIR}/${name}/*/ccvtMpiTargets.cmake)
+  if(mpi)
+    set(of_prefix ${common} -D CMAKE_PREFIX_PATH=${WORK_DIR}/${name}
+      -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
+    run(${CMAKE_COMMAND} -S ${consumer} -B ${WORK_DIR}/${name}_mpi ${of_prefix} -D MPI=ON)
+    run(${CMAKE_COMMAND} --build ${WORK_DIR}/${name}_mpi --target consumer_mpi)
+    run(${CMAKE_COMMAND} -S ${consumer} -B ${WORK_DIR}/${name}_without_mpi ${of_prefix}
+      -D CMAKE_DISABLE_FIND_PACKAGE_MPI=ON)
+    execute_process(COMMAND ${CMAKE_COMMAND} -S ${consumer} -B ${WORK_DIR}/${name}_without_mpi -D MPI=ON
+      OUTPUT_QUIET ERROR_VARIABLE errors RESULT_VARIABLE result)
+    if(result EQUAL 0 OR NOT errors MATCHES "libopenmpi-dev")
+      message(FATAL_ERROR "Without MPI, find_package(ccvt COMPONENTS mpi) says: ${errors}")
+    endif()
+  endif()
+
   find_program(PKG_CONFIG NAMES pkgconf pkg-config REQUIRED)
   file(GLOB_RECURSE pc ${WORK_DIR}/${name}/*/ccvt.pc)
   cmake_path(GET pc PARENT_PATH pc_dir)
