@@ -179,7 +179,8 @@ tidy_all() {
 }
 
 # The sources that differ from where this branch left the main one; on that itself, those of the
-# last commits. The 15 that changed last: time is short where this is used.
+# last commits; first what is not committed. The 15 that changed last: time is short where this is
+# used.
 changed_sources() {
   local base
   base=$(git merge-base HEAD origin/main 2>/dev/null || git merge-base HEAD main 2>/dev/null ||
@@ -187,8 +188,10 @@ changed_sources() {
   if [ "$base" = "$(git rev-parse HEAD)" ]; then
     base=$(git rev-list --max-count=20 HEAD | tail -n 1)
   fi
-  git log --format= --name-only "$base..HEAD" -- 'src/*.cpp' |
-    awk '!seen[$0]++ && !system("test -e " $0)' | sed -n 1,15p
+  {
+    git diff --name-only HEAD -- 'src/*.cpp'
+    git log --format= --name-only "$base..HEAD" -- 'src/*.cpp'
+  } | awk '!seen[$0]++ && !system("test -e " $0)' | sed -n 1,15p
 }
 
 tidy_changed() {
