@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "ccvt/domain.h"
@@ -27,6 +28,13 @@ void require_data(const std::string& name, const PointsView<Scalar>& points) {
     throw InvalidInput(name + ": the stride is " + std::to_string(points.stride) +
                        ": it must be at least the dimension, " + std::to_string(points.dimension));
   }
+}
+
+/// Throws InvalidInput where an object has no implementation, since it was moved from.
+template <class Implementation>
+Implementation& whole(const char* name, const std::unique_ptr<Implementation>& implementation) {
+  if (implementation == nullptr) throw InvalidInput(std::string(name) + ": was moved from");
+  return *implementation;
 }
 
 /// Throws InvalidInput unless both corners have as many dimensions.

@@ -3,6 +3,7 @@
 #include <memory>
 #include <utility>
 
+#include "checks.h"
 #include "run.h"
 
 namespace ccvt {
@@ -14,11 +15,9 @@ struct Solver<Scalar>::Implementation : Run<Scalar> {
 
 namespace {
 
-/// Throws InvalidInput where a solver has none, since it was moved from.
 template <class Implementation>
 Implementation& whole(const std::unique_ptr<Implementation>& implementation) {
-  if (implementation == nullptr) throw InvalidInput("solver: was moved from");
-  return *implementation;
+  return whole("solver", implementation);
 }
 
 }  // namespace

@@ -6,8 +6,10 @@ namespace ccvt {
 namespace {
 
 const char* why_not_normalized(const Summary& summary) {
-  return summary.normal_dimensions > 0 ? " (not normalized: normals are dimensions)"
-                                       : " (not normalized: the domain has no volume)";
+  if (summary.normal_dimensions > 0) return " (not normalized: normals are dimensions)";
+  // Before there is a result, nothing is known of it.
+  if (summary.termination == Termination::running) return "";
+  return " (not normalized: the domain has no volume)";
 }
 
 /// "normalized energy 0.17, ": what compares; nothing when energies are of normals as well.

@@ -9,6 +9,7 @@
 #include "ccvt/codebook.h"
 #include "ccvt/density.h"
 #include "ccvt/io.h"
+#include "ccvt/mapped_points.h"
 #include "ccvt/metrics.h"
 #include "ccvt/particles.h"
 #include "ccvt/sampling.h"
@@ -103,6 +104,7 @@ TEST_CASE("a number that is no enumerator is refused by name") {
   ccvt::ValueMap map;
   map.kind = no_enumerator<ccvt::ValueMap::Kind>();
   CHECK(message_of([&] { map.validate(); }) == "kind" + kRule);
+  CHECK(message_of([&] { static_cast<void>(map(1, 2)); }) == "kind" + kRule);
   ccvt::Volume volume;
   volume.type = no_enumerator<ccvt::VoxelType>();
   CHECK(message_of([&] { static_cast<void>(volume.stored()); }) == "Volume::type" + kRule);
@@ -129,6 +131,49 @@ TEST_CASE("a box with corners of different sizes, and a solver that was moved fr
   CHECK(message_of([&] { static_cast<void>(solver.owners()); }) == moved);
   CHECK(message_of([&] { static_cast<void>(solver.summary()); }) == moved);
   // NOLINTEND(bugprone-use-after-move)
+}
+
+TEST_CASE("codebooks and mapped points that were moved from are refused") {
+  const TemporaryDirectory directory;
+  const Points<double>& points = some_points();
+  ccvt::write_points(directory / "p.npy", points);
+  const std::vector<Index> codes(50, 0);
+  ccvt::Codebook codebook(Points<double>(points.leftCols(4)));
+  const ccvt::Codebook other = std::move(codebook);
+  CHECK(other.encode(points).size() == 50);
+  ccvt::MappedPoints<double> mapped(directory / "p.npy");
+  const ccvt::MappedPoints<double> others = std::move(mapped);
+  CHECK(others.view().count == 50);
+  // NOLINTBEGIN(bugprone-use-after-move): that is what is tested.
+  std::string moved = "codebook: was moved from";
+  CHECK(message_of([&] { static_cast<void>(codebook.encode(points)); }) == moved);
+  CHECK(message_of([&] { static_cast<void>(codebook.decode(codes)); }) == moved);
+  CHECK(message_of([&] { static_cast<void>(codebook.distortion(points, codes)); }) == moved);
+  CHECK(message_of([&] { codebook.save(directory / "c.npy"); }) == moved);
+  moved = "points: was moved from";
+  CHECK(message_of([&] { static_cast<void>(mapped.view()); }) == moved);
+  CHECK(message_of([&] { static_cast<void>(mapped.mapped()); }) == moved);
+  CHECK(message_of([&] { mapped.check_unchanged(); }) == moved);
+  // NOLINTEND(bugprone-use-after-move)
+  CHECK(directory.entries() == 1);
+}
+
+TEST_CASE("numbers of threads and dimensions that cannot be are refused") {
+  const std::string rule = "threads: is -1; must be from 0 (one per processor) to 4096";
+  const ccvt::PointSet set(some_points(), ccvt::Domain::periodic(Box::unit(3)));
+  const ccvt::PointSet flat(some_points().topRows(2), ccvt::Domain::periodic(Box::unit(2)));
+  CHECK(message_of([&] { ccvt::nearest_distances(set, -1); }) == rule);
+  CHECK(message_of([&] { ccvt::pair_correlation({&set, 1}, -1); }) == rule);
+  CHECK(message_of([&] { ccvt::bond_order(flat, -1); }) == rule);
+  CHECK(message_of([&] { ccvt::power_spectrum({&set, 1}, {.threads = -1}); }) == rule);
+  CHECK(message_of([&] { ccvt::star_discrepancy(flat, -1); }) == rule);
+  CHECK(message_of([&] { ccvt::integration_variance(set, 0, -1); }) == rule);
+
+  CHECK(message_of([] { Box::unit(-1); }) == "dimension: is -1; must be at least 0");
+  const ccvt::Problem<double> problem(some_points(), 5);
+  CHECK(message_of([&] { ccvt::tessellate<2>(problem); }) ==
+        "problem: has points of 3 dimensions, but sites of 2 are asked for");
+  CHECK(ccvt::tessellate<3>(problem).sites == ccvt::tessellate(problem).sites);
 }
 
 TEST_CASE("a view without data, or with rows that overlap, is refused by name") {

@@ -75,6 +75,8 @@ TEST_CASE("error examples: points and problems") {
          energy(far, site, owners);
        },
        "the sum of their squared distances exceeds the range of double"},
+      {[&] { energy(points, Points<float>(2, 0), owners); }, "sites: there are none"},
+      {[] { normalized_energy(NAN, 4, 1, Box::unit(2)); }, "energy: is nan; must be at least 0"},
       {[] { normalized_energy(1, 0, 1, Box::unit(2)); }, "points: 0 is not positive"},
       {[] { normalized_energy(1, 4, 1, Box()); }, "box: has no dimension"},
       {[] {
@@ -97,6 +99,12 @@ TEST_CASE("error examples: points and problems") {
          power_spectrum({&set, 1}, {.ring_width = 2e-5});
        },
        "ring_width: makes "},
+      {[] {
+         const PointSet set(sample_uniform<double>(Box::unit(2), 500, 1),
+                            Domain::periodic(Box::unit(2)));
+         power_spectrum({&set, 1}, {.max_frequency = 1e8});
+       },
+       "max_frequency: 1e+08 makes more than a million rings of width 0.04"},
   });
 }
 

@@ -132,6 +132,23 @@ TEST_CASE("energy, normalized energy and imbalance agree with the solver's summa
   }
 }
 
+TEST_CASE("on a torus, energy is that of the images in the box") {
+  const Box box{{-1, 2}, {3, 2.5}};
+  const Points<double> points = make_points<double>(Layout::random, box, 200);
+  const Points<double> sites = points.leftCols(7);
+  std::vector<Index> owners(200);
+  for (std::size_t p = 0; p < owners.size(); ++p) owners[p] = static_cast<Index>(p % 7);
+  Points<double> far = points;
+  Points<double> far_sites = sites;
+  for (int p = 0; p < 200; ++p) far.col(p) += Eigen::Vector2d(4.0 * (p % 5), .5 - p % 3);
+  for (int s = 0; s < 7; ++s) far_sites.col(s) -= Eigen::Vector2d(8.0 * (s % 2), s % 4);
+  const Domain torus = Domain::periodic(box);
+  const double expected = energy(points, sites, owners, torus);
+  CHECK(energy(far, sites, owners, torus) == doctest::Approx(expected));
+  CHECK(energy(points, far_sites, owners, torus) == doctest::Approx(expected));
+  CHECK(energy(far, far_sites, owners, torus) == doctest::Approx(expected));
+}
+
 TEST_CASE("the densest lattices have distance 1") {
   const std::vector<PointSet> lattices = {cubic(1, 9),        hexagonal(8, 5),
                                           checkerboard(3, 3), checkerboard(4, 2),

@@ -104,7 +104,11 @@ TEST_CASE("darkness") {
   CHECK(darkness(image) == std::vector<float>{0.75F, 0});
   CHECK(darkness(image, true) == std::vector<float>{0.25F, 1});
   CHECK(darkness(image, false, 2) == std::vector<float>{0.5625F, 0});
+  CHECK_THROWS_AS(darkness(image, false, 0), InvalidInput);
+  CHECK_THROWS_AS(darkness(image, false, NAN), InvalidInput);
   image.values[1] = 1.5F;
+  CHECK_THROWS_AS(darkness(image), InvalidInput);
+  image.values.pop_back();
   CHECK_THROWS_AS(darkness(image), InvalidInput);
 }
 

@@ -66,7 +66,8 @@ struct CCVT_EXPORT CodebookOptions {
   /// Threads to use; 0: one per processor. Any number gives identical bits.
   int threads = 0;
   std::uint64_t seed = 0;
-  /// Vectors of each codeword, summing to their number. Empty: equal. To allow a codeword at most c
+  /// Vectors of each codeword, summing to their number. Empty: equal, and where these cannot all
+  /// be, the method decides which have one more. To allow a codeword at most c
   /// vectors, give it c, or less.
   std::vector<Index> capacities = {};
   /// `exact` ends when an assignment is proved to cost, for the centroids of its cells, at most

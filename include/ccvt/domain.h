@@ -2,10 +2,12 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include "ccvt/columns.h"
 #include "ccvt/export.h"
+#include "ccvt/types.h"
 
 namespace ccvt {
 
@@ -15,8 +17,11 @@ struct Box {
   Coordinates lower;
   Coordinates upper;
 
-  /// The unit cube [0, 1]^dimension.
+  /// The unit cube [0, 1]^dimension. Throws InvalidInput when `dimension` is negative.
   static Box unit(int dimension) {
+    if (dimension < 0) {
+      throw InvalidInput("dimension: is " + std::to_string(dimension) + "; must be at least 0");
+    }
     return {Coordinates::constant(dimension, 0), Coordinates::constant(dimension, 1)};
   }
 

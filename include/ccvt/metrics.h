@@ -17,14 +17,15 @@
 /// frequencies at all, are NaN.
 ///
 /// Everything is computed in double and in a fixed order: no number of threads changes a bit.
-/// `threads`: 0 is one per processor.
+/// `threads`: 0 is one per processor; InvalidInput below that, and above 4096.
 namespace ccvt {
 
 // Tessellations
 
 /// Sum over points of the squared distance to the owner's site [Balzer et al. 2009, eq. 1], in the
-/// domain. `points`: #dimensions by m, `sites`: #dimensions by n, `owners`: m numbers in 0..n-1;
-/// throws InvalidInput where they do not agree.
+/// domain; where that is periodic, the images in its box are meant. `points`: #dimensions by m,
+/// `sites`: #dimensions by n, `owners`: m numbers in 0..n-1; throws InvalidInput where they do not
+/// agree.
 template <class Scalar>
 CCVT_EXPORT double energy(PointsView<Scalar> points, PointsView<Scalar> sites,
                           std::span<const Index> owners, const Domain& domain = {});
@@ -35,7 +36,8 @@ double energy(const Eigen::DenseBase<A>& points, const Eigen::DenseBase<B>& site
 }
 
 /// energy * n^(2/D) / (m * |box|^(2/D)) for n sites and m points: does not depend on the size of
-/// the box, and hardly on n and m. Throws InvalidInput unless n, m and all extents are positive.
+/// the box, and hardly on n and m. Throws InvalidInput unless n, m and all extents are positive,
+/// and `energy` is at least 0.
 CCVT_EXPORT double normalized_energy(double energy, Index points, Index sites, const Box& box);
 
 /// n * sum of c_i^2 / m^2 for cells of c_i points: 1 when all are equal; how much longer than that
@@ -51,7 +53,9 @@ CCVT_EXPORT double imbalance_factor(std::span<const Index> owners, Index sites);
 class CCVT_EXPORT PointSet {
  public:
   /// `points`: #dimensions by n >= 2, finite, inside the domain's box (its faces included), not all
-  /// equal. Throws InvalidInput otherwise, or when the domain has no box.
+  /// equal. Throws InvalidInput otherwise, and when the domain has no box, one of which some
+  /// dimensions are periodic and others are not, or one with corners above 1e140 in magnitude (less
+  /// beyond 8192 dimensions) or less than 1e-140 apart.
   template <class Derived>
   PointSet(const Eigen::DenseBase<Derived>& points, Domain domain)
       : PointSet(Columns<double>(points), std::move(domain)) {}
@@ -219,8 +223,10 @@ struct Spectrum {
 /// are told from |f|^2 with each term rounded to a 65536th part of max_frequency^2.
 ///
 /// Throws InvalidInput unless there is a set, all agree in dimension, count and domain, and the
-/// options are in range; also when max_frequency is more than 2^30 steps k_d of some dimension, or
-/// the drawn frequencies would take more than 1 GiB. It never needs more than twice that.
+/// options are in range; also when max_frequency makes more than a million rings or is more than
+/// 2^30 steps k_d of some dimension, or the drawn frequencies would take more than 1 GiB. It never
+/// needs more than twice that. Each drawn frequency takes a sine and a cosine a point, and there may
+/// be 128 of them in each of 65537 rings.
 CCVT_EXPORT Spectrum power_spectrum(std::span<const PointSet> sets,
                                     const SpectrumOptions& options = {});
 

@@ -66,8 +66,8 @@ CCVT_EXPORT PutBack put_back(PointsView<double> points, std::span<const Index> o
 /// Moves the sites that lie outside the region, such as the centroid of a cell that bends round a
 /// hole, to the nearest of their own points; of several, to the first. A site without points stays.
 /// `points`: #dimensions by m; `owners`: m numbers in 0..n-1; `sites`: #dimensions by n, one at
-/// least. Asks the region once a site. O(m). Throws InvalidInput where these do not agree, or are
-/// not finite.
+/// least. Asks the region once a site. O(m). Throws InvalidInput where these do not agree, are not
+/// finite, or too large (see Problem).
 template <class Derived, int Dimension>
 PutBack put_back(const Eigen::DenseBase<Derived>& points, std::span<const Index> owners,
                  Eigen::Matrix<typename Derived::Scalar, Dimension, Eigen::Dynamic>& sites,

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "ccvt/export.h"
@@ -86,9 +87,13 @@ struct Result {
 
 /// Runs a problem to its end. Time near-linear in m. Memory, beside the points: a copy of
 /// them, and about 12 bytes a point; in the start up to 1 kB (2D float) to 4 kB (3D double) a site.
-/// Throws InvalidInput for bad options.
+/// Throws InvalidInput for bad options, and when the points are not of `Dimension`.
 template <int Dimension = Eigen::Dynamic, class Scalar>
 Result<Scalar, Dimension> tessellate(const Problem<Scalar>& problem, const Options& options = {}) {
+  if (Dimension != Eigen::Dynamic && problem.dimension() != Dimension) {
+    throw InvalidInput("problem: has points of " + std::to_string(problem.dimension()) +
+                       " dimensions, but sites of " + std::to_string(Dimension) + " are asked for");
+  }
   Solver<Scalar> solver(problem, options);
   solver.run();
   return {solver.sites(), solver.owners(), solver.summary()};

@@ -43,7 +43,8 @@ struct Stippling {
 
 /// How dark each pixel is, row by row: (1 - value)^gamma, or value^gamma when inverted. Values are
 /// taken as stored, so that a picture looks as dark as its dots: a grey that is stored as 0.5 is
-/// half covered with ink.
+/// half covered with ink. Throws InvalidInput unless there is a value in [0, 1] for each pixel,
+/// gamma is positive and finite, and `threads` (0: one per processor) is at most 4096.
 CCVT_EXPORT std::vector<float> darkness(const Image& image, bool invert = false, double gamma = 1,
                                         int threads = 1);
 
@@ -74,7 +75,8 @@ CCVT_EXPORT void write_svg(const std::filesystem::path& path, const Stippling<Sc
 
 /// Draws the dots, antialiased, `scale` times the size of the picture. `scale` 0: as large as it
 /// takes for dots of radius 3, but not below the picture's size nor beyond 33 million pixels.
-/// Throws InvalidInput for a scale that is negative, not finite or makes a larger picture.
+/// Throws InvalidInput for a scale that is negative, not finite or makes more than 268435456
+/// pixels.
 template <class Scalar>
 CCVT_EXPORT Image render(const Stippling<Scalar>& stippling, double scale = 0);
 

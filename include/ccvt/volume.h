@@ -72,14 +72,14 @@ struct CCVT_EXPORT ValueMap {
   [[nodiscard]] bool needs_greatest() const {
     return kind == Kind::gamma || (kind == Kind::linear && invert);
   }
-  /// `greatest` is that of the field.
+  /// `greatest` is that of the field. Throws InvalidInput where `kind` is no enumerator.
   [[nodiscard]] double operator()(double value, double greatest) const;
 };
 
 /// The types of values that files of volumes hold.
 enum class VoxelType { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
 
-/// What one value takes, 1 to 8.
+/// What one value takes, 1 to 8. As to_string(), throws InvalidInput for what is no enumerator.
 CCVT_EXPORT std::size_t bytes_of(VoxelType type);
 /// "int8", "uint8", …
 CCVT_EXPORT const char* to_string(VoxelType type);

@@ -33,6 +33,11 @@ void require(bool valid, const char* field, const std::string& value, const char
   }
 }
 
+/// Throws InvalidInput where there are none.
+void require_codewords(const Codebook& codebook) {
+  if (codebook.size() == 0) throw InvalidInput("codebook: was moved from");
+}
+
 void check_codes(std::span<const Index> codes, Index codewords) {
   for (std::size_t k = 0; k < codes.size(); ++k) {
     if (codes[k] >= 0 && codes[k] < codewords) continue;
@@ -218,6 +223,7 @@ Codebook::Codebook(Columns<double> codewords, Coordinates weights)
 template <class Scalar>
 std::vector<Index> Codebook::encode(PointsView<Scalar> vectors, Coding coding, int threads,
                                     const std::function<bool()>& cancelled) const try {
+  require_codewords(*this);
   require_threads(threads);
   require_enumerator("coding", coding, Coding::weighted);
   check_vectors(vectors, dimension());
@@ -237,6 +243,7 @@ std::vector<Index> Codebook::encode(Ranks& ranks, PointsView<Scalar> own, Coding
                                     int threads) const {
   const RankPart part{&ranks, part_of_all(&ranks, own.count).first};
   agree(&ranks, [&] {
+    require_codewords(*this);
     require_threads(threads);
     require_enumerator("coding", coding, Coding::weighted);
     check_vectors(own, dimension(), part.first);
@@ -258,6 +265,7 @@ Coordinates Codebook::weights_for(Coding coding) const {
 }
 
 void Codebook::decode_to(std::span<const Index> codes, std::span<double> vectors) const {
+  require_codewords(*this);
   check_codes(codes, size());
   double* to = vectors.data();
   for (const Index code : codes) to = std::copy_n(codewords_.col(code).data(), dimension(), to);
@@ -265,6 +273,7 @@ void Codebook::decode_to(std::span<const Index> codes, std::span<double> vectors
 
 template <class Scalar>
 double Codebook::distortion(PointsView<Scalar> vectors, std::span<const Index> codes) const {
+  require_codewords(*this);
   check_vectors(vectors, dimension());
   if (std::cmp_not_equal(codes.size(), vectors.count) || codes.empty()) {
     throw InvalidInput("codes: there are " + std::to_string(codes.size()) + " for " +
@@ -279,6 +288,7 @@ template <class Scalar>
 double Codebook::distortion(Ranks& ranks, PointsView<Scalar> own,
                             std::span<const Index> codes) const {
   agree(&ranks, [&] {
+    require_codewords(*this);
     check_vectors(own, dimension());
     check_codes_of(static_cast<std::size_t>(own.count), codes, size());
   });
@@ -293,6 +303,7 @@ double Codebook::distortion(Ranks& ranks, PointsView<Scalar> own,
 
 void Codebook::save(const std::filesystem::path& codewords,
                     const std::filesystem::path& weights) const {
+  require_codewords(*this);
   Publication together;
   if (!weights.empty()) {
     write_points(weights, PointsView<double>{weights_.data(), 1, size(), 1});

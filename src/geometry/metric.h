@@ -101,6 +101,23 @@ class Metric {
     return squared_distance_in<0>(a, b);
   }
 
+  /// The same of positions that may lie outside the box, and mean their images in it.
+  template <class A, class B>
+  [[nodiscard]] double squared_distance_of_images(const A* a, const B* b) const {
+    double sum = 0;
+    for (std::size_t d = 0; d < coordinate_count(); ++d) {
+      const double to = a[d];
+      double difference = to - b[d];
+      if (periodic()) {
+        if (std::abs(difference) > extent()[d])
+          difference = std::remainder(difference, extent()[d]);
+        difference = shortest_distance(difference, extent()[d]);
+      }
+      sum += difference * difference;
+    }
+    return sum;
+  }
+
  private:
   /// `Dimension`: 0 for any. Where it is known, the loop is unrolled.
   template <int Dimension, class A, class B>

@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "checks.h"
 #include "io/finite.h"
 #include "io/formats.h"
 #include "io/input_file.h"
@@ -72,17 +73,18 @@ MappedPoints<Scalar>::~MappedPoints() = default;
 
 template <class Scalar>
 PointsView<Scalar> MappedPoints<Scalar>::view() const {
-  return implementation_->view;
+  return whole("points", implementation_).view;
 }
 
 template <class Scalar>
 bool MappedPoints<Scalar>::mapped() const {
-  return implementation_->file.has_value();
+  return whole("points", implementation_).file.has_value();
 }
 
 template <class Scalar>
 void MappedPoints<Scalar>::check_unchanged() const {
-  if (implementation_->file) implementation_->file->check_unchanged();
+  const auto& file = whole("points", implementation_).file;
+  if (file) file->check_unchanged();
 }
 
 template <class Scalar>

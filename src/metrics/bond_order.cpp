@@ -12,6 +12,7 @@
 #include "numbers.h"
 #include "parallel/arena.h"
 #include "spatial/site_tree.h"
+#include "thread_count.h"
 
 namespace ccvt {
 
@@ -150,7 +151,10 @@ Bonds bonds_of(const Cell& cell, double shortest) {
 
 }  // namespace
 
-BondOrder bond_order(const PointSet& set, int threads) { return bond_order(set, Arena(threads)); }
+BondOrder bond_order(const PointSet& set, int threads) {
+  require_threads(threads);
+  return bond_order(set, Arena(threads));
+}
 
 BondOrder bond_order(const PointSet& set, const Arena& arena) {
   if (set.dimension() != 2) {

@@ -11,6 +11,7 @@
 #include "numbers.h"
 #include "parallel/arena.h"
 #include "spatial/site_tree.h"
+#include "thread_count.h"
 
 namespace ccvt {
 
@@ -77,6 +78,7 @@ double packing_distance(int dimension) {
 }
 
 NearestDistances nearest_distances(const PointSet& set, int threads) {
+  require_threads(threads);
   return nearest_distances(set, Arena(threads));
 }
 
@@ -110,6 +112,7 @@ NearestDistances nearest_distances(const PointSet& set, const Arena& arena) {
 }
 
 PairCorrelation pair_correlation(std::span<const PointSet> sets, int threads) {
+  require_threads(threads);
   return pair_correlation(sets, Arena(threads));
 }
 

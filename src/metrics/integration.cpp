@@ -10,6 +10,7 @@
 #include "parallel/arena.h"
 #include "random.h"
 #include "streams.h"
+#include "thread_count.h"
 
 namespace ccvt {
 
@@ -101,6 +102,7 @@ class Functions {
 }  // namespace
 
 double star_discrepancy(const PointSet& set, int threads) {
+  require_threads(threads);
   return star_discrepancy(set, Arena(threads));
 }
 
@@ -126,6 +128,7 @@ double star_discrepancy(const PointSet& set, const Arena& arena) {
 }
 
 IntegrationVariance integration_variance(const PointSet& set, std::uint64_t seed, int threads) {
+  require_threads(threads);
   return integration_variance(set, seed, Arena(threads));
 }
 

@@ -42,6 +42,7 @@ double energy(PointsView<Scalar> points, PointsView<Scalar> sites, std::span<con
     throw InvalidInput("owners: there are " + std::to_string(owners.size()) + " for " +
                        std::to_string(points.count) + " points: the two must be equal");
   }
+  if (sites.count < 1) throw InvalidInput("sites: there are none");
   const Metric metric(points.dimension, measured_domain(domain, points, sites));
   double sum = 0;
   for (const PointNumber p : points_below(points.count)) {
@@ -50,7 +51,7 @@ double energy(PointsView<Scalar> points, PointsView<Scalar> sites, std::span<con
       throw InvalidInput("owners[" + std::to_string(p.index()) + "] is " + std::to_string(owner) +
                          ": it must be in 0.." + std::to_string(sites.count - 1));
     }
-    sum += metric.squared_distance(points[p.index()], sites[owner]);
+    sum += metric.squared_distance_of_images(points[p.index()], sites[owner]);
   }
   if (!std::isfinite(sum)) {
     throw InvalidInput(
@@ -61,6 +62,9 @@ double energy(PointsView<Scalar> points, PointsView<Scalar> sites, std::span<con
 }
 
 double normalized_energy(double energy, Index points, Index sites, const Box& box) {
+  if (!(energy >= 0)) {
+    throw InvalidInput("energy: is " + text(energy) + "; must be at least 0");
+  }
   if (points < 1) throw InvalidInput("points: " + std::to_string(points) + " is not positive");
   if (sites < 1) throw InvalidInput("sites: " + std::to_string(sites) + " is not positive");
   if (box.dimension() < 1) throw InvalidInput("box: has no dimension");

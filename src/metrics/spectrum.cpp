@@ -15,6 +15,7 @@
 #include "parallel/arena.h"
 #include "random.h"
 #include "streams.h"
+#include "thread_count.h"
 
 namespace ccvt {
 
@@ -28,6 +29,7 @@ constexpr double kNoPower = 1e-20;        ///< what rounding leaves of none
 constexpr double kNoPowerShare =
     1e-9;  ///< of the mean: what rounding of coordinates leaves of none
 constexpr int kRingDraws = 128;
+constexpr double kMostRings = 1e6;
 constexpr Eigen::Index kBetweenChecks = 1 << 12;
 constexpr int kLowDraws = 512;
 
@@ -288,14 +290,12 @@ void check_options(const SpectrumOptions& options) {
     throw InvalidInput("ring_width: " + text(options.ring_width) +
                        " is neither 0 nor positive and finite");
   }
-  if (options.ring_width > 0 && options.max_frequency / options.ring_width > 1e6) {
+  if (options.ring_width > 0 && options.max_frequency / options.ring_width > kMostRings) {
     throw InvalidInput("ring_width: " + text(options.ring_width) +
                        " makes more than a million rings up to max_frequency " +
                        text(options.max_frequency));
   }
-  if (options.threads < 0) {
-    throw InvalidInput("threads: " + std::to_string(options.threads) + " is negative");
-  }
+  require_threads(options.threads);
 }
 
 Spectrum power_spectrum(std::span<const PointSet> sets, const SpectrumOptions& options) {
@@ -321,6 +321,10 @@ Spectrum power_spectrum(std::span<const PointSet> sets, const SpectrumOptions& o
 
   const double width =
       options.ring_width > 0 ? options.ring_width : std::max(1.0 / 32, steps.maxCoeff());
+  if (options.max_frequency / width > kMostRings) {
+    throw InvalidInput("max_frequency: " + text(options.max_frequency) +
+                       " makes more than a million rings of width " + text(width));
+  }
   RingSums rings(width, options.max_frequency);
   const Eigen::ArrayXd half = (options.max_frequency / steps.array() * (1 + 1e-12)).floor();
   const double products = (2 * half + 1).prod() * first.count();

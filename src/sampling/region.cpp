@@ -48,7 +48,7 @@ PutBack put_back_to(PointsView<Scalar> points, std::span<const Index> owners,
         return !region(position);
       },
       [&](PointNumber p, SiteNumber s) {
-        return metric.squared_distance(points[p.index()], at(s));
+        return metric.squared_distance_of_images(points[p.index()], at(s));
       },
       [&](SiteNumber s, PointNumber p) { std::copy_n(points[p.index()], dimension, at(s)); });
 }

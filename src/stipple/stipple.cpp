@@ -18,14 +18,31 @@
 
 namespace ccvt {
 
+namespace {
+
+void require_gamma(double gamma) {
+  if (gamma > 0 && std::isfinite(gamma)) return;
+  throw InvalidInput("gamma: is " + text(gamma) + "; must be positive and finite");
+}
+
+void require_pixels(const Image& image) {
+  const std::int64_t width = image.width;
+  if (image.width >= 1 && image.height >= 1 && std::ssize(image.values) == width * image.height) {
+    return;
+  }
+  throw InvalidInput("image: has " + std::to_string(image.values.size()) + " values for " +
+                     std::to_string(image.width) + " x " + std::to_string(image.height) +
+                     " pixels; needs one value for each");
+}
+
+}  // namespace
+
 void StippleOptions::validate() const {
   if (points_per_site < 1) {
     throw InvalidInput("points_per_site: is " + std::to_string(points_per_site) +
                        "; must be at least 1");
   }
-  if (!(gamma > 0 && std::isfinite(gamma))) {
-    throw InvalidInput("gamma: is " + text(gamma) + "; must be positive and finite");
-  }
+  require_gamma(gamma);
   if (!(dot_radius >= 0 && std::isfinite(dot_radius))) {
     throw InvalidInput("dot_radius: is " + text(dot_radius) + "; must be at least 0 and finite");
   }
@@ -34,6 +51,8 @@ void StippleOptions::validate() const {
 
 std::vector<float> darkness(const Image& image, bool invert, double gamma, int threads) {
   require_threads(threads);
+  require_gamma(gamma);
+  require_pixels(image);
   constexpr std::size_t kPixelsPerGrain = std::size_t{1} << 14;
   std::vector<float> result(image.values);
   for (std::size_t i = 0; i < result.size(); ++i) {
@@ -53,12 +72,6 @@ template <class Scalar>
 Stippling<Scalar> stipple(const Image& image, Index sites, const StippleOptions& options) {
   options.validate();
   const Index points = checked_point_count(sites, options.points_per_site);
-  const std::int64_t width = image.width;
-  if (image.width < 1 || image.height < 1 || std::ssize(image.values) != width * image.height) {
-    throw InvalidInput("image: has " + std::to_string(image.values.size()) + " values for " +
-                       std::to_string(image.width) + " x " + std::to_string(image.height) +
-                       " pixels; needs one value for each");
-  }
   const std::vector<float> dark =
       darkness(image, options.invert, options.gamma, options.tessellation.threads);
   const double ink = std::accumulate(dark.begin(), dark.end(), 0.0);

@@ -93,6 +93,7 @@ double ValueMap::operator()(double value, double greatest) const {
       return inverted < 0 ? inverted : std::pow(inverted / greatest, gamma);
     }
   }
+  require_enumerator("kind", kind, Kind::gamma);  // which throws: all have returned
   return value;
 }
 

@@ -9,9 +9,11 @@ _DAMAGED = ("The file is damaged, cut short or of another kind than its name say
             "name it for what it is.")
 
 ADVICE = {
+    "include/ccvt/domain.h": _PARAMETER,
     "include/ccvt/grid_values.h": _PARAMETER,
     "include/ccvt/region.h": _PARAMETER,
     "include/ccvt/sampling.h": _PARAMETER,
+    "include/ccvt/solver.h": _PARAMETER,
     "include/ccvt/types.h": "Pass a column-major matrix, one point a column; copy it with `.eval()` "
                             "where its memory is strided.",
     "src/bounds.h": "Solve the problem that it was moved to; nothing is left of the other.",
@@ -127,7 +129,6 @@ ADVICE = {
     "src/sampling/region.cpp": _PARAMETER,
     "src/sampling/uniform.cpp": _PARAMETER,
     "src/scales.cpp": "Shift or scale the points, so that coordinates are neither huge nor tiny.",
-    "src/solver.cpp": "Use the solver that it was moved to.",
     "src/stipple/draw.cpp": _PARAMETER,
     "src/stipple/ink.cpp": _PARAMETER,
     "src/stipple/stipple.cpp": "Give a picture that is neither all white nor all black, or say "
