@@ -225,8 +225,8 @@ struct Spectrum {
 /// Throws InvalidInput unless there is a set, all agree in dimension, count and domain, and the
 /// options are in range; also when max_frequency makes more than a million rings or is more than
 /// 2^30 steps k_d of some dimension, or the drawn frequencies would take more than 1 GiB. It never
-/// needs more than twice that. Each drawn frequency takes a sine and a cosine a point, and there may
-/// be 128 of them in each of 65537 rings.
+/// needs more than twice that. Each drawn frequency takes a sine and a cosine a point, and there
+/// may be 128 of them in each of 65537 rings.
 CCVT_EXPORT Spectrum power_spectrum(std::span<const PointSet> sets,
                                     const SpectrumOptions& options = {});
 
