@@ -10,6 +10,7 @@
 #include "cli/run.h"
 #include "cli/streams.h"
 #include "cli/volume_input.h"
+#include "cli/volume_mask.h"
 
 namespace ccvt::cli {
 
@@ -24,7 +25,7 @@ int sample(const VolumeArguments& arguments, const VolumeHeader& header,
                                           sizeof(Scalar), header.bytes() + mask_bytes);
   if (!arguments.quiet) print("needs about " + needed + " of memory\n");
 
-  const Volume volume = read_volume(arguments.volume, arguments.layout);
+  const Volume volume = read_volume(arguments.volume, layout_of_volume(arguments));
   const std::vector<std::uint8_t> mask = read_mask(arguments, volume);
   check_values(arguments, volume, mask);
   DensityGrid density =
@@ -61,9 +62,9 @@ int run_volume(const VolumeArguments& arguments) {
       .add_input("--checkpoint", checkpoint_file(arguments))
       .add_input("--mask", arguments.mask)
       .check();
-  const VolumeHeader header = inspect_input(arguments.volume, arguments.layout);
+  const VolumeHeader header = inspect_input(arguments.volume, layout_of_volume(arguments));
   std::optional<VolumeHeader> mask;
-  if (!arguments.mask.empty()) mask = inspect_input(arguments.mask, arguments.layout);
+  if (!arguments.mask.empty()) mask = inspect_mask(arguments, header);
   // Headers tell which files hold the data.
   outputs.add_input("the data file of FILE", header.data_file)
       .add_input("the data file of --mask", mask ? mask->data_file : "")

@@ -3,32 +3,28 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
-#include <span>
+#include <variant>
 #include <vector>
 
 #include "cli/arguments.h"
 
 namespace ccvt::cli {
 
-/// Throws InvalidInput where there are labels, but no --mask.
-void check_labels(const VolumeArguments& arguments);
-
-/// The header of FILE or --mask. Throws InvalidInput, as inspect_volume() does, and where standard
+/// The header of a volume. Throws InvalidInput, as inspect_volume() does, and where standard
 /// input has the header, but not the data.
 VolumeHeader inspect_input(const std::filesystem::path& file, const VolumeLayout& layout);
 
-/// One byte for each cell of `volume`: not 0 where --mask, and --label, let samples be; empty
-/// without --mask. Throws InvalidInput unless the mask has the cells of the volume, at the same
-/// places, and some of them count.
-std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const VolumeHeader& volume);
-
-/// Of a mask of which processes have parts: throws unless it is of that volume; what is in a part,
-/// and whether any of that counts; and throws, where none does on any of them.
-void check_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
-                const VolumeHeader& mask);
-std::vector<std::uint8_t> mask_of(const VolumeArguments& arguments, const Volume& file);
-bool counts(std::span<const std::uint8_t> mask);
-[[noreturn]] void refuse_mask(const VolumeArguments& arguments);
+/// Calls visit(i, value) for each cell.
+template <class Visit>
+void visit_values(const Volume& volume, const Visit& visit) {
+  std::visit(
+      [&](const auto& numbers) {
+        for (std::size_t i = 0; i < numbers.size(); ++i) {
+          visit(i, volume.slope * static_cast<double>(numbers[i]) + volume.intercept);
+        }
+      },
+      volume.stored());
+}
 
 /// Throws InvalidInput, naming the option that helps, for values that --map makes no density of.
 void check_values(const VolumeArguments& arguments, const Volume& volume,

@@ -8,6 +8,7 @@
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/volume_input.h"
+#include "cli/volume_mask.h"
 #include "commands.h"
 #include "parallel/together.h"
 #include "results.h"
@@ -46,10 +47,10 @@ Headers check(const Session& session, const VolumeArguments& arguments) {
         .add_input("FILE", arguments.volume)
         .add_input("--mask", arguments.mask);
     if (session.is_first()) outputs.check();
-    headers.volume = cli::inspect_input(arguments.volume, arguments.layout);
+    headers.volume = cli::inspect_input(arguments.volume, cli::layout_of_volume(arguments));
     if (!arguments.mask.empty()) {
-      headers.mask = cli::inspect_input(arguments.mask, arguments.layout);
-      cli::check_mask(arguments, headers.volume, *headers.mask);
+      headers.mask = cli::inspect_mask(arguments, headers.volume);
+      cli::check_mask_of_parts(arguments, headers.volume, *headers.mask);
     }
     outputs.add_input("the data file of FILE", headers.volume.data_file)
         .add_input("the data file of --mask", headers.mask ? headers.mask->data_file : "");
@@ -79,9 +80,10 @@ Part read(const Session& session, const VolumeArguments& arguments, const Header
   cli::ValueRange values;
   session.together([&] {
     check_memory(session, arguments, headers, part.layers, scalar_bytes);
-    part.volume = read_volume(arguments.volume, arguments.layout, part.layers);
+    part.volume = read_volume(arguments.volume, cli::layout_of_volume(arguments), part.layers);
     if (!headers.mask) return;
-    part.mask = cli::mask_of(arguments, read_volume(arguments.mask, arguments.layout, part.layers));
+    part.mask = cli::mask_of(
+        arguments, read_volume(arguments.mask, cli::layout_of_mask(arguments), part.layers));
   });
   const bool counts = any(&session.ranks(), cli::counts(part.mask));
   session.together([&] {

@@ -126,6 +126,7 @@ def volumes():
     compare(["volume"], SAMPLES, ["packed.nrrd", *sites, "--map", "gamma:2", "--invert"], threads=(1,))
     compare(["volume"], SAMPLES, ["v.raw", *raw, "--sites", "30", "--points-per-site", "700", "--mask",
                                   "labels.raw", "--label", "1", "--interpolation", "constant"])
+    compare(["volume"], SAMPLES, ["v.nrrd", *raw, "--sites", "30", "--mask", "labels.raw"], threads=(1,))
 
 
 def volume_faults():
@@ -136,6 +137,12 @@ def volume_faults():
     ends(together(3, "volume", "absent.nrrd", *outputs), 2, "absent.nrrd")
     ends(together(3, "volume", "v.raw", *raw, "--mask", "labels.raw", "--label", "9", *outputs), 2,
          "labels.raw: no cell has the label 9")
+    for order in (False, True):
+        header = f"{{'descr': '|u1', 'fortran_order': {order}, 'shape': (4, 4, 4), }}\n"
+        pathlib.Path(f"{order}.npy").write_bytes(
+            b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode() + b"\1" * 64)
+    ends(together(3, "volume", "True.npy", "--mask", "False.npy", *outputs), 2,
+         "False.npy: its axes are stored in another order than those of True.npy")
     short = pathlib.Path("v.nrrd").read_bytes()[:-3]
     pathlib.Path("short.nrrd").write_bytes(short)
     ends(together(3, "volume", "short.nrrd", *outputs), 2, "short.nrrd: is truncated")

@@ -1,0 +1,185 @@
+#include "cli/volume_mask.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+
+#include "cli/outputs.h"
+#include "cli/volume_input.h"
+
+namespace ccvt::cli {
+
+namespace {
+
+constexpr AxisOrder kSameOrder = {0, 1, 2};
+
+/// Whether a file is nothing but values; and whether it does not say where in the world they are.
+bool is_raw(const std::filesystem::path& file) { return lower_extension(file) == ".raw"; }
+bool has_no_place(const std::filesystem::path& file) {
+  return is_raw(file) || lower_extension(file) == ".npy";
+}
+
+/// What is said of `file`, where there is `other` too.
+VolumeLayout layout_of(const std::filesystem::path& file, const std::filesystem::path& other,
+                       VolumeLayout layout) {
+  if (is_raw(other) && !is_raw(file)) {
+    layout.shape.clear();
+    layout.type.reset();
+    layout.big_endian = false;
+  }
+  if (has_no_place(other) && !has_no_place(file)) {
+    layout.spacing.clear();
+    layout.origin.clear();
+  }
+  return layout;
+}
+
+/// The edges of the box of all cells, one a column.
+Eigen::Matrix3d sides_of(const Grid& grid) {
+  const Eigen::Map<const Eigen::Vector3<std::int64_t>> cells(grid.shape.data());
+  return grid.axes.eigen() * cells.cast<double>().asDiagonal();
+}
+
+std::string shape_text(const Grid& grid, const AxisOrder& order = kSameOrder) {
+  std::string result;
+  for (const int axis : order) {
+    result +=
+        (result.empty() ? "" : " x ") + std::to_string(grid.shape[static_cast<std::size_t>(axis)]);
+  }
+  return result;
+}
+
+std::string words_of(const std::vector<std::int64_t>& labels) {
+  std::string words = labels.size() == 1 ? "the label " : "one of the labels ";
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    words += (i > 0 ? ", " : "") + std::to_string(labels[i]);
+  }
+  return words;
+}
+
+/// Which axis of b runs nearest along each of a.
+AxisOrder directions(const Grid& a, const Grid& b) {
+  const Eigen::Matrix3d along =
+      a.axes.eigen().colwise().normalized().transpose() * b.axes.eigen().colwise().normalized();
+  AxisOrder order = kSameOrder;
+  AxisOrder best = order;
+  double most = -1;
+  do {
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      sum += std::abs(along(axis, order[static_cast<std::size_t>(axis)]));
+    }
+    if (sum > most + 1e-9) best = order;
+    most = std::max(most, sum);
+  } while (std::next_permutation(order.begin(), order.end()));
+  return best;
+}
+
+/// The values of a mask, in the order of the volume that has these axes of it.
+std::vector<std::uint8_t> reordered(const std::vector<std::uint8_t>& mask, const Grid& grid,
+                                    const AxisOrder& order) {
+  const auto cells = [&](int axis) {
+    return static_cast<std::size_t>(grid.shape[static_cast<std::size_t>(axis)]);
+  };
+  const std::array<std::size_t, 3> strides = {1, cells(0), cells(0) * cells(1)};
+  const auto [a, b, c] = order;
+  const std::size_t steps[] = {strides[static_cast<std::size_t>(a)],
+                               strides[static_cast<std::size_t>(b)],
+                               strides[static_cast<std::size_t>(c)]};
+  std::vector<std::uint8_t> result;
+  result.reserve(mask.size());
+  for (std::size_t k = 0; k < cells(c); ++k) {
+    for (std::size_t j = 0; j < cells(b); ++j) {
+      const std::size_t row = j * steps[1] + k * steps[2];
+      for (std::size_t i = 0; i < cells(a); ++i) result.push_back(mask[row + i * steps[0]]);
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+void check_labels(const VolumeArguments& arguments) {
+  if (arguments.labels.empty() || !arguments.mask.empty()) return;
+  throw InvalidInput("--label: needs --mask, the volume of labels; see ccvt volume --help");
+}
+
+VolumeLayout layout_of_volume(const VolumeArguments& arguments) {
+  return layout_of(arguments.volume, arguments.mask, arguments.layout);
+}
+
+VolumeLayout layout_of_mask(const VolumeArguments& arguments) {
+  return layout_of(arguments.mask, arguments.volume, arguments.layout);
+}
+
+VolumeHeader inspect_mask(const VolumeArguments& arguments, const VolumeHeader& volume) {
+  VolumeHeader mask = inspect_input(arguments.mask, layout_of_mask(arguments));
+  if (has_no_place(arguments.mask) && !has_no_place(arguments.volume) &&
+      arguments.layout.spacing.empty() && arguments.layout.origin.empty()) {
+    mask.grid.axes = volume.grid.axes.eigen() * mask.grid.axes.eigen();
+    mask.grid.origin = volume.grid.origin;
+  }
+  return mask;
+}
+
+AxisOrder order_of_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
+                        const VolumeHeader& mask) {
+  const AxisOrder order = directions(volume.grid, mask.grid);
+  const std::string cells = shape_text(mask.grid, order);
+  if (cells != shape_text(volume.grid)) {
+    throw InvalidInput(arguments.mask.string() + ": has " + cells + " cells, but " +
+                       arguments.volume.string() + " has " + shape_text(volume.grid));
+  }
+  const double tolerance = 0.1 * volume.grid.spacing().minCoeff();
+  const Eigen::Vector3d moved = volume.grid.origin.eigen() - mask.grid.origin.eigen();
+  const Eigen::Matrix3d turned = sides_of(volume.grid) - sides_of(mask.grid)(Eigen::all, order);
+  if (moved.norm() > tolerance || turned.colwise().norm().sum() > tolerance) {
+    throw InvalidInput(arguments.mask.string() + ": its cells are not where those of " +
+                       arguments.volume.string() + " are; resample it first");
+  }
+  return order;
+}
+
+std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const VolumeHeader& volume) {
+  if (arguments.mask.empty()) return {};
+  const VolumeHeader header = inspect_mask(arguments, volume);
+  const AxisOrder order = order_of_mask(arguments, volume, header);
+  std::vector<std::uint8_t> mask =
+      mask_of(arguments, read_volume(arguments.mask, layout_of_mask(arguments)));
+  if (!counts(mask)) refuse_mask(arguments);
+  return order == kSameOrder ? mask : reordered(mask, header.grid, order);
+}
+
+void check_mask_of_parts(const VolumeArguments& arguments, const VolumeHeader& volume,
+                         const VolumeHeader& mask) {
+  if (order_of_mask(arguments, volume, mask) == kSameOrder) return;
+  throw InvalidInput(
+      arguments.mask.string() + ": its axes are stored in another order than those of " +
+      arguments.volume.string() +
+      " (of two .npy, one is in C order, the other in Fortran order): several processes "
+      "need both alike");
+}
+
+std::vector<std::uint8_t> mask_of(const VolumeArguments& arguments, const Volume& file) {
+  std::vector<std::uint8_t> mask(file.cells());
+  const auto counts = [&](double value) {
+    if (arguments.labels.empty()) return value != 0 && !std::isnan(value);
+    return std::any_of(arguments.labels.begin(), arguments.labels.end(),
+                       [&](std::int64_t label) { return value == static_cast<double>(label); });
+  };
+  visit_values(file, [&](std::size_t i, double value) { mask[i] = counts(value) ? 1 : 0; });
+  return mask;
+}
+
+bool counts(std::span<const std::uint8_t> mask) {
+  return std::any_of(mask.begin(), mask.end(), [](std::uint8_t entry) { return entry != 0; });
+}
+
+void refuse_mask(const VolumeArguments& arguments) {
+  throw InvalidInput(
+      arguments.mask.string() + ": no cell " +
+      (arguments.labels.empty() ? "is anything but 0" : "has " + words_of(arguments.labels)));
+}
+
+}  // namespace ccvt::cli
