@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ccvt/io.h"
@@ -159,6 +160,74 @@ TEST_CASE("JPEG, and contents rather than names") {
   CHECK(grey(3, 5) == doctest::Approx(128.0 / 255).epsilon(0.02));
   fs::copy(data / "gradient.jpg", directory / "named.png");
   CHECK(read_image(directory / "named.png").values == gradient.values);
+}
+
+TEST_CASE("JPEGs are turned upright as their Exif data say") {
+  const TemporaryDirectory directory;
+  const std::string stored = get(fs::path(CCVT_TEST_DATA) / "gradient.jpg");
+  const Image as_stored = read_image(fs::path(CCVT_TEST_DATA) / "gradient.jpg");
+  const auto with_exif = [&](const std::string& tiff) {
+    const std::string segment = jpeg_segment(0xE1, "Exif\0\0"s + tiff);
+    return put(directory / "p.jpg", stored.substr(0, 2) + segment + stored.substr(2));
+  };
+  const auto little = [](char orientation) {
+    return "II*\0\x8\0\0\0\2\0\x0F\1\2\0\1\0\0\0x\0\0\0\x12\1\3\0\1\0\0\0"s + orientation +
+           "\0\0\0"s;
+  };
+  const auto big = [](char orientation) {
+    return "MM\0*\0\0\0\x8\0\1\1\x12\0\3\0\0\0\1\0"s + orientation + "\0\0"s;
+  };
+  // Where the pixel (x, y) of the upright picture is stored, the last of columns c and of rows r.
+  const auto place = [](int orientation, int x, int y, int c, int r) -> std::pair<int, int> {
+    switch (orientation) {
+      case 2:
+        return {c - x, y};
+      case 3:
+        return {c - x, r - y};
+      case 4:
+        return {x, r - y};
+      case 5:
+        return {y, x};
+      case 6:
+        return {y, r - x};
+      case 7:
+        return {c - y, r - x};
+      case 8:
+        return {c - y, x};
+      default:
+        return {x, y};
+    }
+  };
+  for (int orientation = 1; orientation <= 8; ++orientation) {
+    for (const std::string& tiff :
+         {little(static_cast<char>(orientation)), big(static_cast<char>(orientation))}) {
+      CAPTURE(orientation);
+      const fs::path path = with_exif(tiff);
+      const Image image = read_image(path);
+      REQUIRE(image.width == (orientation < 5 ? 24 : 16));
+      REQUIRE(image.height == (orientation < 5 ? 16 : 24));
+      bool right = true;
+      for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+          const auto [column, row] = place(orientation, x, y, 23, 15);
+          right = right && image(x, y) == as_stored(column, row);
+        }
+      }
+      CHECK(right);
+      const ColourImage colours = read_colour_image(path);
+      CHECK(colours.width == image.width);
+      CHECK(colours.rgb.size() == 3 * image.values.size());
+    }
+  }
+  // What says nothing, or nothing that can be.
+  const std::string right = little(6);
+  for (std::size_t size = 0; size < right.size() - 3; ++size) {
+    CHECK(read_image(with_exif(right.substr(0, size))).values == as_stored.values);
+  }
+  for (const std::string& tiff :
+       {little(0), little(9), "II*\0\xFF\xFF\xFF\xFF"s, "JJ" + right.substr(2)}) {
+    CHECK(read_image(with_exif(tiff)).values == as_stored.values);
+  }
 }
 
 TEST_CASE("every truncation of a picture is refused") {

@@ -171,10 +171,10 @@ struct Image {
 
 /// Reads PNG or JPEG, 8 or 16 bits, told by the file's contents. Colours become grey by the luma
 /// weights of Rec. 709 (0.2126, 0.7152, 0.0722); alpha is composited on white. White stays 1
-/// exactly. Throws InvalidInput for truncated and damaged files too; for more than 2^28 pixels, or
-/// more than the file can hold (1032 bytes of rows a byte of PNG, 1024 pixels a byte of JPEG),
-/// before it allocates any; and for JPEGs in CMYK, with other than 8 bits a sample, lossless, of
-/// arithmetic codes, or of more than 100 scans.
+/// exactly. A JPEG is turned upright as its Exif data say. Throws InvalidInput for truncated and
+/// damaged files too; for more than 2^28 pixels, or more than the file can hold (1032 bytes of rows
+/// a byte of PNG, 1024 pixels a byte of JPEG), before it allocates any; and for JPEGs in CMYK, with
+/// other than 8 bits a sample, lossless, of arithmetic codes, or of more than 100 scans.
 CCVT_EXPORT Image read_image(const std::filesystem::path& path);
 
 /// Writes 8-bit grey; `path` ends in .png. Throws InvalidInput unless the image has pixels and as

@@ -108,6 +108,8 @@ void read_rows(const std::filesystem::path& path, std::size_t values_per_pixel, 
   decoder->finish();
   image.width = static_cast<int>(layout.width);
   image.height = static_cast<int>(layout.height);
+  if (layout.orientation.upright()) return;
+  values = layout.orientation.turned(values, values_per_pixel, image.width, image.height);
 }
 
 }  // namespace

@@ -24,6 +24,8 @@ constexpr std::uint64_t kMostPixelsPerByte = std::uint64_t{8} * 128;
 constexpr int kMostScans = 100;
 /// For the coefficients of a picture of several scans, 2 bytes each. As many as kMostPixels have.
 constexpr long kMostMemory = 1L << 31;
+constexpr int kExifMarker = JPEG_APP0 + 1;
+constexpr unsigned kMostExif = 0xFFFF;
 
 /// What libjpeg's callbacks leave behind.
 struct Failure {
@@ -120,7 +122,7 @@ class JpegDecoder final : public PictureDecoder {
 
   [[nodiscard]] PictureLayout layout() const override {
     return {jpeg_.output_width, jpeg_.output_height,
-            static_cast<std::size_t>(jpeg_.output_components), 8};
+            static_cast<std::size_t>(jpeg_.output_components), 8, orientation_};
   }
   const std::uint8_t* next_row() override {
     attempt([&](jpeg_decompress_struct& jpeg) {
@@ -139,6 +141,7 @@ class JpegDecoder final : public PictureDecoder {
     decompression_.attempt(file_, step);
   }
   void check_header() const;
+  [[nodiscard]] Orientation read_orientation() const;
   void check_components() const;
 
   const InputFile& file_;
@@ -146,6 +149,7 @@ class JpegDecoder final : public PictureDecoder {
   Decompression decompression_;
   jpeg_decompress_struct& jpeg_ = decompression_.jpeg;
   std::vector<std::uint8_t> row_;
+  Orientation orientation_;
 };
 
 JpegDecoder::JpegDecoder(const InputFile& file, std::span<const unsigned char> bytes)
@@ -156,9 +160,11 @@ JpegDecoder::JpegDecoder(const InputFile& file, std::span<const unsigned char> b
     jpeg.progress = &progress_;
     jpeg.mem->max_memory_to_use = kMostMemory;
     jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
+    jpeg_save_markers(&jpeg, kExifMarker, kMostExif);
     jpeg_read_header(&jpeg, TRUE);
   });
   check_header();
+  orientation_ = read_orientation();
   attempt([](jpeg_decompress_struct& jpeg) {
     jpeg.out_color_space = jpeg.num_components == 1 ? JCS_GRAYSCALE : JCS_RGB;
     jpeg.do_block_smoothing = FALSE;  // that guesses what scans have not told
@@ -181,6 +187,15 @@ void JpegDecoder::check_header() const {
                " components; 1 (grey) and 3 (colour) are supported");
   }
   check_size(file_, jpeg_.image_width, jpeg_.image_height, kMostPixelsPerByte * file_.size());
+}
+
+/// That of the first segment that has one.
+Orientation JpegDecoder::read_orientation() const {
+  for (auto* marker = jpeg_.marker_list; marker != nullptr; marker = marker->next) {
+    const Orientation told(std::span<const unsigned char>(marker->data, marker->data_length));
+    if (!told.upright()) return told;
+  }
+  return {};
 }
 
 /// libjpeg shows a component that no scan has as even grey.

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "io/input_file.h"
+#include "io/orientation.h"
 
 /// The doors to libpng and libjpeg: only the files behind these functions see them. Both leave a
 /// call that fails by longjmp(), which stays inside a function that owns nothing.
@@ -20,6 +21,7 @@ struct PictureLayout {
   std::size_t height = 0;
   std::size_t channels = 0;  ///< 1 grey, 2 grey and alpha, 3 colour, 4 colour and alpha
   int depth = 0;             ///< 8 or 16 bits
+  Orientation orientation = {};
 };
 
 /// A picture that is decoded row by row. Its functions throw InvalidInput, which names the file.
