@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ccvt/io.h"
@@ -223,6 +224,35 @@ TEST_CASE("weighted codes of new vectors keep the balance, nearest ones do not")
               .transpose() -
           training.codebook.weights();
       CHECK(reduced[codes[static_cast<std::size_t>(p)]] <= reduced.minCoeff() + 1e-12);
+    }
+  }
+}
+
+TEST_CASE("vectors in one place get one code, whatever their numbers") {
+  for (const auto& [dimension, words] : {std::pair{2, 50}, {3, 200}, {12, 50}, {12, 3000}}) {
+    CAPTURE(dimension);
+    CAPTURE(words);
+    // Whole numbers of few values: half of the vectors are as near to several codewords.
+    const auto lattice = [&](Index count, std::uint64_t seed) {
+      const Points<float> points =
+          sample_uniform<float>(Box::unit(dimension), count, seed, Distribution::white);
+      return Points<float>((2 * points).array().round());
+    };
+    const Codebook codebook(lattice(words, 1));
+    const Points<float> vectors = lattice(500, 2);
+    Points<float> twice(dimension, 1001);
+    twice << vectors.rowwise().reverse(), vectors.col(0), vectors;
+    for (const Coding coding : {Coding::nearest, Coding::weighted}) {
+      const std::vector<Index> codes = codebook.encode(vectors, coding);
+      std::vector<Index> expected(codes.rbegin(), codes.rend());
+      expected.push_back(codes[0]);
+      expected.insert(expected.end(), codes.begin(), codes.end());
+      CHECK(codebook.encode(twice, coding) == expected);
+      std::vector<Index> alone;
+      for (Index p = 0; p < 500; ++p) {
+        alone.push_back(codebook.encode(Points<float>(vectors.col(p)), coding)[0]);
+      }
+      CHECK(alone == codes);
     }
   }
 }

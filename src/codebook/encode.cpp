@@ -19,7 +19,7 @@ std::vector<Index> cheapest_sites(PointsView<Scalar> points, const WeightedSites
                                   const Arena& arena, const RankPart& part) {
   const Metric metric(points.dimension, Domain());
   if (points.dimension > kTreeDimensions || sites.count() <= kProductSites) {
-    return Pricer<Scalar>(metric, points, arena, part).cheapest(sites);
+    return Pricer<Scalar>(metric, points, arena, part).cheapest(sites, Ties::by_place);
   }
   // One dimension up: |p - s|^2 + (W - w) is a squared distance.
   const std::size_t dimension = sites.dimension;

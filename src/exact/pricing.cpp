@@ -202,14 +202,17 @@ auto Pricer<Scalar>::price_regions(const Task& task, std::span<const Index> regi
 }
 
 template <class Scalar>
-std::vector<Index> Pricer<Scalar>::cheapest(const WeightedSites& sites) const {
+std::vector<Index> Pricer<Scalar>::cheapest(const WeightedSites& sites, Ties ties) const {
   const std::size_t n = sites.count();
   std::vector<Index> owners(static_cast<std::size_t>(points_.count));
-  if (n >= kManyGroups && !metric_.periodic() && cheapest_by_groups(sites, owners)) return owners;
+  if (n >= kManyGroups && !metric_.periodic() && cheapest_by_groups(sites, ties, owners)) {
+    return owners;
+  }
   const std::vector<double> centre(sites.at(SiteNumber(0)), sites.at(SiteNumber(1)));
   price_regions({.sites = sites,
                  .owners = owners,
                  .first = true,
+                 .ties = ties,
                  .packs = packs_of(sites.position, sites.dimension)},
                 std::vector<Index>(owners.size(), 0), centre);
   return owners;
@@ -218,16 +221,17 @@ std::vector<Index> Pricer<Scalar>::cheapest(const WeightedSites& sites) const {
 /// Of the sites near the centre that is nearest; then of those that may be cheaper. False, and
 /// nothing is done, where most sites are groups of their own, as where they lie along a line.
 template <class Scalar>
-bool Pricer<Scalar>::cheapest_by_groups(const WeightedSites& sites,
+bool Pricer<Scalar>::cheapest_by_groups(const WeightedSites& sites, Ties ties,
                                         std::vector<Index>& owners) const {
   const auto most = static_cast<std::size_t>(std::sqrt(static_cast<double>(sites.count())));
   const SiteGroups groups(sites, most, arena_);
   if (2 * groups.count() > sites.count()) return false;
   const std::vector<double> none(groups.count(), 0.0);
-  const std::vector<Index> region = cheapest({groups.centres, none});
+  const std::vector<Index> region = cheapest({groups.centres, none}, ties);
   for (const bool first : {true, false}) {
-    price_regions({.sites = sites, .owners = owners, .first = first, .groups = &groups}, region,
-                  groups.centres);
+    price_regions(
+        {.sites = sites, .owners = owners, .first = first, .ties = ties, .groups = &groups}, region,
+        groups.centres);
   }
   return true;
 }
@@ -303,8 +307,8 @@ void Pricer<Scalar>::decide(const Task& task, PointNumber point, std::span<const
     const double cost = cost_of(point, task, j);
     return Choice{j, cost, cost - task.weight(j)};
   };
-  // Ties go round robin, so that points in one place spread over the sites in one place.
-  const auto turn = [&](SiteNumber j) {
+  const auto turn = [&](SiteNumber j) -> std::size_t {
+    if (task.ties == Ties::by_place) return j;
     const std::size_t n = task.sites.count();
     return (j + n - (static_cast<std::size_t>(part_.first) + point) % n) % n;
   };

@@ -34,6 +34,12 @@ struct Prices {
   double cheapest_energy = 0;
 };
 
+/// Which of several cheapest sites a point gets.
+enum class Ties {
+  in_turn,  ///< by the point's number: points in one place spread over the sites in one place
+  by_place  ///< the same for all points in one place
+};
+
 /// Finds the site of least reduced cost for every point, exactly, among all sites.
 ///
 /// Points are taken by cells of a grouping near the truth: with L the distance between two sites,
@@ -59,7 +65,7 @@ class Pricer {
                CellBounds* kept = nullptr) const;
 
   /// The site of least reduced cost for every point; of a rank, for its own: others need not call.
-  std::vector<Index> cheapest(const WeightedSites& sites) const;
+  std::vector<Index> cheapest(const WeightedSites& sites, Ties ties = Ties::in_turn) const;
 
  private:
   struct Part;
@@ -68,7 +74,7 @@ class Pricer {
   std::vector<Part> parts_of(Task& task, const Grouping& groups) const;
   static std::vector<Part> parts_around(std::span<const double> centres, const Grouping& groups);
   [[nodiscard]] Prices total(PriceSums own) const;
-  bool cheapest_by_groups(const WeightedSites& sites, std::vector<Index>& owners) const;
+  bool cheapest_by_groups(const WeightedSites& sites, Ties ties, std::vector<Index>& owners) const;
   PriceSums price_regions(const Task& task, std::span<const Index> region,
                           std::span<const double> centres) const;
   PriceSums price_cells(const WeightedSites& sites, std::vector<Index>& owners,

@@ -26,6 +26,7 @@ struct Pricer<Scalar>::Task {
   bool covered = false;  ///< by the bounds kept
   /// No point has an owner yet: those of its part's group are looked at, or all without groups.
   bool first = false;
+  Ties ties = Ties::in_turn;
   const SiteGroups* groups = nullptr;  ///< where cells are taken together
   std::vector<double> packs = {};      ///< the sites' positions, for the kernels
   std::vector<double> rows = {};       ///< bounds of the parts of cells that have several
