@@ -324,6 +324,20 @@ TEST_CASE_TEMPLATE("a tessellation descended to is what it claims", Scalar, floa
   }
 }
 
+TEST_CASE("a descent of points that are scaled by a power of two is the same, at any scale") {
+  const auto points = make_points<double>(Layout::clusters, Box::unit(2), 16 * 2000);
+  const Options options{.descent_points = 256};
+  const auto plain = tessellate(Problem<double>(points, 16), options);
+  for (const double scale : {0x1p-300, 0x1p-60, 0x1p90, 0x1p400}) {
+    CAPTURE(scale);
+    const ccvt::Points<double> scaled_points = points * scale;
+    const auto scaled = tessellate(Problem<double>(scaled_points, 16), options);
+    CHECK(scaled.owners == plain.owners);
+    CHECK(scaled.sites == ccvt::Points<double>(plain.sites * scale));
+    CHECK(scaled.summary.iterations == plain.summary.iterations);
+  }
+}
+
 TEST_CASE("tiles that do not fit the ranges of sites, and a cell of one point") {
   // Of 3000 points a site, 21 sites are a tile.
   std::vector<Index> capacities(200, 3000);

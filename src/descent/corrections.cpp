@@ -1,4 +1,6 @@
 // By how much the weights of a diagram must change so that its cells are full.
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -12,6 +14,8 @@ namespace {
 constexpr std::size_t kSitesPerGrain = 64;
 /// Points that a border has at the least: cells that do not meet now may come to.
 constexpr double kLeastMass = 1e-3;
+/// Of a float, whose sums over edges are finite still.
+constexpr double kLargestDensity = 1e30;
 
 }  // namespace
 
@@ -64,6 +68,8 @@ std::vector<double> Borders<Scalar>::weights_for(std::span<const double> lack) c
   graph.first[sites] = views_.count() - sites;
   graph.neighbour.resize(graph.first.back());
   graph.weight.resize(graph.neighbour.size());
+  // Densities are of points over squares of lengths: in the unit of a square they are for floats.
+  const double unit = std::exp2(std::ilogb(*std::max_element(width_.begin(), width_.end())));
   for_each_site(arena_, sites, kSitesPerGrain, [&](SiteNumber s) {
     std::size_t edge = graph.first[s];
     for (const View view : views_.of(s)) {
@@ -72,10 +78,12 @@ std::vector<double> Borders<Scalar>::weights_for(std::span<const double> lack) c
       const double density = (mass(view) + kLeastMass) / (2 * width_[s]) +
                              (mass(views_.twin(view)) + kLeastMass) / (2 * width_[other]);
       graph.neighbour[edge] = other;
-      graph.weight[edge++] = static_cast<float>(density);
+      graph.weight[edge++] = static_cast<float>(std::min(density * unit, kLargestDensity));
     }
   });
-  return potential(graph, lack, arena_);
+  std::vector<double> weights = potential(graph, lack, arena_);
+  for (double& weight : weights) weight *= unit;
+  return weights;
 }
 
 #define CCVT_INSTANTIATE(Scalar)                                                            \
