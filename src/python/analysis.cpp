@@ -80,7 +80,10 @@ double energy_of(const py::array& points, const py::array& sites, const py::arra
                  const std::optional<py::array_t<double>>& box, const std::vector<bool>& along) {
   const Domain domain = domain_of(box, along);
   return visit_points(points, [&]<class Scalar>(PointsView<Scalar> view) {
-    return energy(view, view_of<Scalar>(sites), span_of(owners), domain);
+    const PointsView<Scalar> places = view_of<Scalar>(sites);
+    const std::span<const Index> of_points = span_of(owners);
+    const py::gil_scoped_release release;
+    return energy(view, places, of_points, domain);
   });
 }
 

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "ccvt/columns.h"
@@ -24,8 +26,11 @@ namespace py = pybind11;
 template <class Scalar>
 PointsView<Scalar> view_of(const py::array& points) {
   const auto item = static_cast<py::ssize_t>(sizeof(Scalar));
+  // Strides that lead nowhere may be anything.
+  const bool columns = points.ndim() == 2 && points.size() > 0 && points.shape(1) > 1;
+  const bool rows = points.ndim() == 2 && points.size() > 0 && points.shape(0) > 1;
   if (points.ndim() != 2 || !py::isinstance<py::array_t<Scalar>>(points) ||
-      (points.shape(1) > 1 && points.strides(1) != item) || points.strides(0) % item != 0) {
+      (columns && points.strides(1) != item) || (rows && points.strides(0) % item != 0)) {
     throw std::logic_error("ccvt: an array that is no points got past the checks");
   }
   if (points.shape(0) > INT32_MAX) {
@@ -33,7 +38,7 @@ PointsView<Scalar> view_of(const py::array& points) {
                        " of them, but at most 2147483647 are supported");
   }
   return {static_cast<const Scalar*>(points.data()), static_cast<int>(points.shape(1)),
-          static_cast<Index>(points.shape(0)), points.strides(0) / item};
+          static_cast<Index>(points.shape(0)), rows ? points.strides(0) / item : points.shape(1)};
 }
 
 /// visit(view) with points of float or of double, as the array has them.
@@ -58,6 +63,9 @@ Columns<Scalar> columns_of(const py::array& points) {
 /// The numbers of a contiguous array, where they are.
 template <class Value>
 std::span<const Value> span_of(const py::array_t<Value>& values) {
+  if ((values.flags() & py::array::c_style) == 0) {
+    throw std::logic_error("ccvt: an array that is not contiguous got past the checks");
+  }
   return {values.data(), static_cast<std::size_t>(values.size())};
 }
 

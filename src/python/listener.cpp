@@ -14,8 +14,10 @@ bool Listener::hear(const IterationRecord& record) {
   if (error_) return false;
   const py::gil_scoped_acquire acquire;
   try {
-    // Whatever is not False, None in particular, goes on.
-    return progress_(tuple_of(record)).ptr() != Py_False;
+    // Whatever is not False, of Python or of NumPy, goes on; None in particular.
+    const py::object answer = progress_(tuple_of(record));
+    py::detail::make_caster<bool> truth;
+    return answer.is_none() || !truth.load(answer, false) || static_cast<bool>(truth);
   } catch (const py::error_already_set&) {
     error_ = std::current_exception();
     return false;

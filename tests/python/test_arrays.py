@@ -46,6 +46,18 @@ def test_other_types_are_converted(dtype):
     assert np.array_equal(found.sites, expected.sites)
 
 
+def test_foreign_byte_order_keeps_its_precision(points):
+    swapped = points.astype(">f4")
+    result = ccvt.tessellate(swapped, 20)
+    assert result.sites.dtype == np.float32
+    assert np.array_equal(result.sites, ccvt.tessellate(swapped.astype("=f4"), 20).sites)
+
+
+def test_results_are_compared_by_identity(points):
+    one, other = ccvt.tessellate(points, 5), ccvt.tessellate(points, 5)
+    assert one == one and one != other and len({one, other}) == 2
+
+
 def test_results_own_their_memory(points):
     given = points.copy()
     result = ccvt.tessellate(points, 20)
@@ -62,6 +74,13 @@ def test_results_own_their_memory(points):
     (lambda p: ccvt.tessellate([["a", "b"]], 1), "points: is an array of <U1"),
     (lambda p: ccvt.tessellate([[1, 2], [3]], 1), "points: must be an array of numbers"),
     (lambda p: ccvt.tessellate([[2**53 + 1, 1]], 1), "points: has whole numbers that float64 does"),
+    (lambda p: ccvt.tessellate(np.full((1, 1), 2**64 - 1, np.uint64), 1), "points: has whole numbers"),
+    (lambda p: ccvt.tessellate(p.astype("f4"), np.array([[2**24 + 1, 0]], "i4")), "has whole numbers that float32"),
+    (lambda p: ccvt.tessellate([[10**400, 1]], 1), "points: must be an array of numbers"),
+    (lambda p: ccvt.tessellate(np.array([[{}, 1]]), 1), "points: must be an array of numbers"),
+    (lambda p: ccvt.tessellate(np.ma.masked_less(p, .5), 3), "points: has masked entries"),
+    (lambda p: ccvt.tessellate(np.zeros((0, 2)), 1), "sites|points"),
+    (lambda p: ccvt.tessellate(p, np.zeros((0, 2))), "sites"),
     (lambda p: ccvt.tessellate(np.where(p > 0.999, np.nan, p), 3), "points.*nan"),
     (lambda p: ccvt.tessellate(p, 0), "sites: is 0, but must be from 1 to 2147483647"),
     (lambda p: ccvt.tessellate(p, 7000), "sites.*7000"),
@@ -86,7 +105,10 @@ def test_results_own_their_memory(points):
     (lambda p: ccvt.sample_volume(np.zeros((3, 3)), 2), "zero|0"),
     (lambda p: ccvt.sample_volume(np.ones((3, 3)), 2, np.eye(4)), "affine: has the shape"),
     (lambda p: ccvt.sample_volume(np.ones((3, 3)), 2, mask=np.ones(3)), "mask: has the shape"),
+    (lambda p: ccvt.sample_volume(np.ones((3, 3)), 2, mask=np.full((3, 3), "a")), "mask: is an array of <U1"),
     (lambda p: ccvt.sample_volume(np.ones((3, 3)), 2, window=(2, 1)), "low|window"),
+    (lambda p: ccvt.sample_volume(np.ones((3, 3)), 2, threshold=np.nan), "threshold: is nan"),
+    (lambda p: ccvt.sample_volume(np.ones((3, 3)), 2, window=(2,)), r"window: is \(2,\)"),
     (lambda p: ccvt.sample_volume(np.ones((3, 3)), 2, window=(1, 2), gamma=2), "gamma: cannot"),
     (lambda p: ccvt.stipple(np.ones((4, 4)), 3), "image: is white everywhere"),
     (lambda p: ccvt.stipple(np.full((4, 4), 7.), 3), "from 0 .black. to 1"),
@@ -94,6 +116,7 @@ def test_results_own_their_memory(points):
     (lambda p: ccvt.thin(p, 3, normals=p[:5]), "normals"),
     (lambda p: ccvt.sample_surface(p, [[0, 1, 2]], 3), r"vertices: has the shape \(6400, 2\)"),
     (lambda p: ccvt.sample_surface([[0, 0, 0]], [[0, 0, 7]], 3), "triangle"),
+    (lambda p: ccvt.sample_surface(np.eye(3), [[0, 1, 2]], 3, density=[]), "density: there are 0 for 3"),
     (lambda p: ccvt.analyze(p[:1]), "points"),
     (lambda p: ccvt.energy(p, p[:3], [0, 1]), "owners"),
     (lambda p: ccvt.read_points(__file__), "test_arrays.py"),
@@ -109,6 +132,7 @@ def test_refused(points, call, text):
     (lambda p: ccvt.tessellate(p, 2, seed="x"), "seed: is 'x'"),
     (lambda p: ccvt.tessellate(p, 2, time_limit="x"), "time_limit: is 'x'"),
     (lambda p: ccvt.tessellate(p, 2, progress=3), "progress: is 3, but must be a function"),
+    (lambda p: ccvt.sample(3, 2, dtype="x"), "dtype: is 'x'"),
     (lambda p: ccvt.stipple(p, 2, invert=1), "invert: is 1, but must be True or False"),
 ])  # fmt: skip
 def test_wrong_type(points, call, text):

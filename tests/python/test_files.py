@@ -1,5 +1,8 @@
 """Readers and writers."""
 
+import dataclasses
+import os
+
 import numpy as np
 import pytest
 
@@ -56,13 +59,33 @@ def test_volume(tmp_path, order):
     values = np.asarray(np.random.default_rng(1).integers(0, 99, (3, 4, 5)).astype(np.int16), order=order)
     np.save(tmp_path / "volume.npy", values)
     data, affine = ccvt.read_volume(tmp_path / "volume.npy")
-    # Axes may come in another order, with an affine that says so.
-    where = np.indices(data.shape).reshape(3, -1)
-    world = affine @ np.vstack([where, np.ones(where.shape[1])])
-    a, b, c = world[:3].astype(int)
-    assert np.array_equal(values[a, b, c], data.reshape(-1))
+    assert np.array_equal(data, values) and data.dtype == values.dtype
+    assert np.array_equal(affine, np.eye(4))
     from_file = ccvt.sample_volume(data, 20, affine)
     assert np.array_equal(from_file.sites, ccvt.sample_volume(values, 20).sites)
+
+
+def test_samples_of_any_layout(tmp_path):
+    made = ccvt.sample_volume(np.ones((4, 4, 4)), 9)
+    surface = ccvt.sample_surface(np.eye(3), [[0, 1, 2]], 9)
+
+    def spread(array):
+        return np.repeat(array, 2, axis=0)[::2].astype(array.dtype.newbyteorder())
+
+    for samples in [made, surface]:
+        fields = {name: getattr(samples, name) for name in ("sites", "capacities", "weights", "radii")}
+        if samples is surface:
+            fields |= {name: getattr(samples, name) for name in ("triangles", "barycentric", "normals")}
+        ccvt.write_samples(tmp_path / "one.csv", samples)
+        other = dataclasses.replace(samples, **{name: spread(one) for name, one in fields.items()})
+        ccvt.write_samples(tmp_path / "other.csv", other)
+        assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()
+        for name, one in fields.items():
+            with pytest.raises(ValueError, match="one each is needed"):
+                ccvt.write_samples(
+                    tmp_path / "short.csv", dataclasses.replace(samples, **{name: one[:-1]})
+                )
+    assert not (tmp_path / "short.csv").exists()
 
 
 def test_particles(tmp_path):
@@ -83,7 +106,15 @@ def test_errors_of_the_system(tmp_path, call):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_names_of_any_bytes(tmp_path):
+    name = os.fsencode(tmp_path) + b"/\xff.npy"
+    ccvt.write_points(os.fsdecode(name), [[1.0, 2.0]])
+    assert ccvt.read_points(name).tolist() == [[1.0, 2.0]]
+
+
 @pytest.mark.parametrize("call, text", [
+    (lambda folder: ccvt.write_points(folder / "a\0.csv", [[1.0]]), "null"),
+    (lambda folder: ccvt.write_owners(folder / "x.npy", []), "owners: there are none"),
     (lambda folder: ccvt.write_points(folder / "points.jpg", [[1.0]]), "points.jpg"),
     (lambda folder: ccvt.write_png(folder / "x.png", np.zeros((2, 2, 2))), "image: is an array"),
     (lambda folder: ccvt.write_particles(folder / "x.gadget", [[2.0, 0, 0]]), "2"),

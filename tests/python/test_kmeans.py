@@ -54,6 +54,21 @@ def test_predict_by_nearest(X):
     assert np.allclose(distances, direct)
 
 
+def test_attributes_of_any_layout(X):
+    model = ccvt.BalancedKMeans(7, random_state=0).fit(X)
+    expected = model.predict(X)
+    model.cluster_centers_ = np.asfortranarray(model.cluster_centers_)
+    model.weights_ = np.repeat(model.weights_, 2)[::2]
+    assert np.array_equal(model.predict(X), expected)
+
+
+def test_equal_samples_get_equal_labels(X):
+    model = ccvt.BalancedKMeans(4, random_state=0, predict_by="nearest").fit(X)
+    model.cluster_centers_ = np.array([[0.0] * X.shape[1], [2.0] * X.shape[1]])
+    model.weights_ = np.zeros(2)
+    assert model.predict(np.ones((9, X.shape[1]))).tolist() == [0] * 9
+
+
 def test_capacities(X):
     capacities = [300, 200, 100]
     model = BalancedKMeans(3, random_state=1, capacities=capacities).fit(X)

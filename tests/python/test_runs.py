@@ -61,6 +61,26 @@ def test_progress_false_stops(points):
     assert set(np.bincount(result.owners)) == {100}
 
 
+def test_numpys_false_stops_too(points):
+    result = ccvt.tessellate(points, 64, progress=lambda record: np.bool_(record.iteration < 3))
+    assert result.summary.termination == "cancelled"
+    assert result.summary.iterations == 3
+    for goes_on in [None, True, np.bool_(True), 0, "", []]:
+        assert ccvt.tessellate(points, 64, progress=lambda _: goes_on).summary.termination == "stable"
+
+
+def test_progress_never_falls(points):
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    for call in [lambda hear: ccvt.lloyd(points, 20, progress=hear),
+                 lambda hear: ccvt.sample_surface(corners, faces, 40, progress=hear)]:  # fmt: skip
+        heard = []
+        call(lambda record: heard.append((record.progress, record.seconds)))
+        for figures in zip(*heard):
+            assert all(a <= b for a, b in zip(figures, figures[1:]))
+        assert 0 <= heard[0][0] < heard[-1][0] == 1
+
+
 def test_progress_that_raises(points):
     def raising(record):
         raise LookupError("from progress")

@@ -32,6 +32,13 @@ def real(name: str, value: Any) -> float:
     return float(value)
 
 
+def finite(name: str, value: Any) -> float:
+    number = real(name, value)
+    if not np.isfinite(number):
+        raise ValueError(f"{name}: is {number}, but must be finite")
+    return number
+
+
 def seed_of(value: Any) -> int:
     return whole("seed", value, 0, _UINT64_MAX)
 
@@ -46,13 +53,23 @@ def flag(name: str, value: Any) -> bool:
     return bool(value)
 
 
-def _numeric(name: str, value: Any) -> Array:
+def plain(name: str, value: Any) -> Array:
+    """An array, but none of which entries are masked: what they stand for is not known here."""
+    if np.ma.is_masked(value):
+        raise ValueError(f"{name}: has masked entries; leave them out, or fill them in")
     try:
-        array = np.asarray(value)
-        if array.dtype.kind == "O":
-            array = array.astype(np.float64)
+        return np.asarray(value)
     except ValueError as error:
         raise ValueError(f"{name}: must be an array of numbers: {error}") from None
+
+
+def _numeric(name: str, value: Any) -> Array:
+    array = plain(name, value)
+    if array.dtype.kind == "O":
+        try:
+            array = array.astype(np.float64)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise ValueError(f"{name}: must be an array of numbers: {error}") from None
     if array.dtype.kind not in "fiub":
         raise ValueError(f"{name}: is an array of {array.dtype}, but must be of real numbers")
     return array
@@ -62,12 +79,14 @@ def as_float(name: str, value: Any, dtype: Any = None) -> Array:
     """An array of native float32 or float64: of `dtype`, or as it is, or else float64."""
     array = _numeric(name, value)
     if dtype is None:
-        floats = array.dtype == np.float32 or array.dtype == np.float64
-        dtype = array.dtype.newbyteorder("=") if floats else np.dtype(np.float64)
+        native = array.dtype.newbyteorder("=")
+        dtype = native if native in (np.float32, np.float64) else np.float64
     made = array.astype(dtype, copy=False)
-    if array.dtype.kind in "iu" and array.dtype.itemsize > 4:
-        if not np.array_equal(made.astype(array.dtype), array):
-            raise ValueError(f"{name}: has whole numbers that {dtype} does not hold exactly")
+    if array.dtype.kind in "iu" and array.dtype.itemsize >= made.itemsize:
+        # The largest is no float: rounded, it is one too many.
+        inside = bool((made < float(np.iinfo(array.dtype).max)).all())
+        if not inside or not np.array_equal(made.astype(array.dtype), array):
+            raise ValueError(f"{name}: has whole numbers that {np.dtype(dtype)} does not hold exactly")
     return made
 
 
@@ -91,7 +110,7 @@ def samples(X: Any) -> Array:
     """Samples of shape (n_samples, n_features); messages are as scikit-learn has them."""
     if hasattr(X, "toarray") and hasattr(X, "nnz"):
         raise TypeError("X: is a sparse matrix, but must be dense; X.toarray() makes it so")
-    array = np.asarray(X)
+    array = plain("X", X)
     if array.dtype.kind == "c":
         raise ValueError("Complex data not supported: X must be of real numbers")
     if array.ndim != 2:
@@ -138,7 +157,7 @@ def vector(name: str, value: Any) -> Array:
 
 def indices(name: str, value: Any, ndim: int = 1) -> Array:
     """Whole numbers, as int32."""
-    array = np.asarray(value)
+    array = plain(name, value)
     if array.ndim != ndim or array.dtype.kind not in "iuf":
         raise ValueError(
             f"{name}: is an array of {array.dtype} of shape {array.shape}, but must hold whole "
@@ -179,7 +198,10 @@ def domain_of(box: Any, periodic: Any, dimension: int) -> Tuple[Optional[Array],
 
 
 def dtype_of(dtype: Any) -> np.dtype[Any]:
-    made = np.dtype(dtype)
+    try:
+        made = np.dtype(dtype)
+    except TypeError:
+        raise TypeError(f"dtype: is {dtype!r}, but must be float32 or float64") from None
     if made not in (np.dtype(np.float32), np.dtype(np.float64)):
         raise ValueError(f"dtype: is {made}, but must be float32 or float64")
     return made

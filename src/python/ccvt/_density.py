@@ -19,7 +19,7 @@ _VALUES = "i1 u1 i2 u2 i4 u4 i8 u8 f4 f8".split()
 
 def _values(array: Any) -> Array:
     """Contiguous values, in C or Fortran order, of a type that the library takes."""
-    values = np.asarray(array)
+    values = _checks.plain("array", array)
     if values.dtype.kind == "b":
         values = values.astype(np.uint8)
     elif values.dtype.kind == "f" and values.dtype.itemsize not in (4, 8):
@@ -70,10 +70,12 @@ def _map(
         "greatest": 0.0,
     }
     if window is not None:
+        if np.shape(window) != (2,):
+            raise ValueError(f"window: is {window!r}, but must be (low, high)")
         low, high = window
-        given.update(low=_checks.real("window", low), high=_checks.real("window", high))
+        given.update(low=_checks.finite("window", low), high=_checks.finite("window", high))
     elif threshold is not None:
-        given.update(low=_checks.real("threshold", threshold))
+        given.update(low=_checks.finite("threshold", threshold))
     else:
         if gamma is not None:
             given.update(gamma=_checks.real("gamma", gamma))
@@ -167,7 +169,9 @@ def sample_volume(
     axes = directions.T if first_fastest else directions.T[::-1]
     bytes_of_mask: Optional[Array] = None
     if mask is not None:
-        counts = np.asarray(mask)
+        counts = _checks.plain("mask", mask)
+        if counts.dtype.kind not in "fiub":
+            raise ValueError(f"mask: is an array of {counts.dtype}, but must be of real numbers")
         if counts.shape != values.shape:
             raise ValueError(f"mask: has the shape {counts.shape}, but the array has {values.shape}")
         inside = (counts != 0) & (counts == counts)  # NaN is outside
@@ -199,7 +203,8 @@ def _grey(image: Any) -> Array:
     """A grey picture of float32 in [0, 1], as :func:`read_image` gives it."""
     if isinstance(image, (str, os.PathLike)):
         return read_image(image)
-    pixels = np.asarray(image)
+    pixels = _checks.plain("image", image)
+    pixels = pixels.astype(pixels.dtype.newbyteorder("="), copy=False)
     if pixels.dtype in (np.uint8, np.uint16):
         values = pixels.astype(np.float32) / np.float32(np.iinfo(pixels.dtype).max)
     elif pixels.dtype.kind == "f":

@@ -20,11 +20,19 @@ from ._records import Array, Stippling, SurfaceSamples, VolumeSamples
 Path = Union[str, "os.PathLike[str]"]
 
 
-def _existing(path: Path) -> str:
+def _named(path: Path) -> bytes:
+    """The name as the system has it, which need be no text."""
+    name = os.fsencode(path)
+    if b"\0" in name:
+        raise ValueError(f"path: {os.fspath(path)!r} has a null character")
+    return name
+
+
+def _existing(path: Path) -> bytes:
     """The library takes a missing file for a wrong name; Python has an error of its own for it."""
-    name = os.fspath(path)
+    name = _named(path)
     if not os.path.exists(name):
-        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fspath(path))
     return name
 
 
@@ -68,7 +76,7 @@ def write_points(path: Path, points: ArrayLike) -> None:
     path : path
     points : array_like of shape (N, D)
     """
-    _ccvt.write_points(os.fspath(path), _checks.table("points", points))
+    _ccvt.write_points(_named(path), _checks.table("points", points))
 
 
 def read_owners(path: Path) -> Array:
@@ -93,7 +101,7 @@ def write_owners(path: Path, owners: ArrayLike) -> None:
     path : path
     owners : array_like of int, shape (N,)
     """
-    _ccvt.write_owners(os.fspath(path), _checks.indices("owners", owners))
+    _ccvt.write_owners(_named(path), _checks.indices("owners", owners))
 
 
 def read_numbers(path: Path) -> Array:
@@ -135,9 +143,9 @@ def write_png(path: Path, image: ArrayLike) -> None:
         Of floats from 0 to 1 and shape (height, width): grey; of uint8 and shape (height, width) or
         (height, width, 3): grey or colours.
     """
-    pixels = np.asarray(image)
+    pixels = _checks.plain("image", image)
     if pixels.ndim == 3 and pixels.shape[2] == 3 and pixels.dtype == np.uint8:
-        _ccvt.write_colour(os.fspath(path), np.ascontiguousarray(pixels))
+        _ccvt.write_colour(_named(path), np.ascontiguousarray(pixels))
         return
     if pixels.ndim != 2 or pixels.dtype.kind not in "fu":
         raise ValueError(
@@ -146,7 +154,7 @@ def write_png(path: Path, image: ArrayLike) -> None:
         )
     if pixels.dtype.kind == "u":
         pixels = pixels / np.float32(np.iinfo(pixels.dtype).max)
-    _ccvt.write_grey(os.fspath(path), np.ascontiguousarray(pixels, dtype=np.float32))
+    _ccvt.write_grey(_named(path), np.ascontiguousarray(pixels, dtype=np.float32))
 
 
 class VolumeFile(NamedTuple):
@@ -166,16 +174,22 @@ def read_volume(path: Path) -> VolumeFile:
     Returns
     -------
     VolumeFile
-        ``data`` of shape (X, Y, Z), in Fortran order, in the type of the file unless that scales
-        its numbers, and ``affine`` of shape (4, 4): as :func:`sample_volume` takes them.
+        ``data`` of shape (X, Y, Z), in Fortran order, or as an .npy file has it, in the type of the
+        file unless that scales its numbers, and ``affine`` of shape (4, 4): as
+        :func:`sample_volume` takes them.
     """
     read = _ccvt.read_volume(_existing(path))
     shape = read["shape"]
+    axes = read["axes"].T
     data = read["values"].reshape(shape, order="F")
+    if os.fsencode(path).lower().endswith(b".npy") and axes[0, 0] == 0:
+        # In C order, whose first axis in memory is the last of the array.
+        data = data.T
+        axes = axes[:, ::-1]
     if read["slope"] != 1 or read["intercept"] != 0:
         data = read["slope"] * data.astype(np.float64) + read["intercept"]
     affine = np.eye(len(shape) + 1)
-    affine[:-1, :-1] = read["axes"].T
+    affine[:-1, :-1] = axes
     affine[:-1, -1] = read["origin"]
     return VolumeFile(data, affine)
 
@@ -214,18 +228,28 @@ def write_samples(path: Path, samples: Union[VolumeSamples, SurfaceSamples]) -> 
     path : path
     samples : VolumeSamples or SurfaceSamples
     """
+    sites = _checks.table("sites", samples.sites, np.float64)
+
+    def one_each(name: str, value: Array) -> Array:
+        if len(value) != len(sites):
+            raise ValueError(f"{name}: there are {len(value)} for {len(sites)} sites: one each is needed")
+        return value
+
     given = {
-        "sites": _checks.table("sites", samples.sites, np.float64),
-        "capacities": samples.capacities,
-        "weights": samples.weights,
-        "radii": samples.radii,
+        "sites": sites,
+        "capacities": one_each("capacities", _checks.indices("capacities", samples.capacities)),
+        "weights": one_each("weights", _checks.vector("weights", samples.weights)),
+        "radii": one_each("radii", _checks.vector("radii", samples.radii)),
         "doubles": samples.dtype == np.float64,
     }
     if isinstance(samples, SurfaceSamples):
-        given.update(
-            triangles=samples.triangles, barycentric=samples.barycentric, normals=samples.normals
-        )
-    _ccvt.write_samples(os.fspath(path), given)
+        given.update(triangles=one_each("triangles", _checks.indices("triangles", samples.triangles)))
+        for name in ("barycentric", "normals"):
+            rows = _checks.table(name, getattr(samples, name), np.float64)
+            if rows.shape[1] != 3:
+                raise ValueError(f"{name}: has the shape {rows.shape}, but must be (N, 3)")
+            given[name] = one_each(name, rows)
+    _ccvt.write_samples(_named(path), given)
 
 
 def write_svg(path: Path, stippling: Stippling) -> None:
@@ -237,7 +261,7 @@ def write_svg(path: Path, stippling: Stippling) -> None:
     stippling : Stippling
     """
     _ccvt.write_svg(
-        os.fspath(path),
+        _named(path),
         _checks.table("sites", stippling.sites),
         stippling.width,
         stippling.height,
@@ -281,4 +305,4 @@ def write_particles(
         "gas": _checks.flag("gas", gas),
         "gadget_format": _checks.whole("gadget_format", gadget_format, 1, 2),
     }
-    _ccvt.write_particles(os.fspath(path), _checks.table("sites", sites), given)
+    _ccvt.write_particles(_named(path), _checks.table("sites", sites), given)

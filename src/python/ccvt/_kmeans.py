@@ -250,7 +250,7 @@ class BalancedKMeans(Estimator):
         else:
             self._fit_masses(trained, clusters, masses)
         if len(trained) < len(X):
-            labels = _ccvt.encode(X, self.cluster_centers_, self.weights_, False, self._threads())
+            labels = self._encode(X, False)
             labels[heavy] = self.labels_
             self.labels_ = labels
 
@@ -289,9 +289,12 @@ class BalancedKMeans(Estimator):
         ndarray of int32, shape (n_samples,)
         """
         checked = self._checked(X)
-        return _ccvt.encode(
-            checked, self.cluster_centers_, self.weights_, self._predicts_by_weight(), self._threads()
-        )
+        return self._encode(checked, self._predicts_by_weight())
+
+    def _encode(self, X: Array, weighted: bool) -> Array:
+        centres = _checks.table("cluster_centers_", self.cluster_centers_, np.float64)
+        weights = _checks.vector("weights_", self.weights_)
+        return _ccvt.encode(X, centres, weights, weighted, self._threads())
 
     def transform(self, X: ArrayLike) -> Array:
         """The distance of each sample to each centre.

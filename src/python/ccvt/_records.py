@@ -117,7 +117,7 @@ def summary_of(values: Dict[str, Any]) -> Summary:
     return Summary(**values)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Result:
     """Sites, and who owns the points.
 
@@ -153,7 +153,7 @@ class Result:
         return f"<{type(self).__name__}: {n} sites in {dimension}D, {self.summary.brief}>"
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PointSample(Result):
     """What :func:`ccvt.sample` returns: with the points under the cells.
 
@@ -165,7 +165,7 @@ class PointSample(Result):
     points: Array = field(repr=False)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class MassResult(Result):
     """What :func:`ccvt.tessellate` returns for points with masses.
 
@@ -188,7 +188,7 @@ class MassResult(Result):
     shares: Any
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Samples:
     sites: Array
     capacities: Array
@@ -204,7 +204,7 @@ class _Samples:
         return f"<{type(self).__name__}: {n} sites in {dimension}D, {self.summary.brief}>"
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class VolumeSamples(_Samples):
     """Samples that spread evenly through a density.
 
@@ -232,7 +232,7 @@ class VolumeSamples(_Samples):
     farthest_put_back: float
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SurfaceSamples(_Samples):
     """Samples that spread evenly over a surface.
 
@@ -256,7 +256,7 @@ class SurfaceSamples(_Samples):
     area: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Stippling:
     """A picture made of equal black dots on white, in pixels: x to the right, y down.
 
@@ -281,7 +281,7 @@ class Stippling:
         return f"<Stippling: {len(self.sites)} dots of radius {self.dot_radius:.3g}>"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Thinning:
     """Some of the points, and what each stands for.
 
@@ -314,7 +314,7 @@ class Thinning:
         return f"<Thinning: {len(self.chosen)} of {len(self.owners)} points>"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Spectrum:
     """The power spectrum of point sets. Frequencies are in 1 / mean spacing; white noise has power 1.
 
@@ -351,7 +351,7 @@ class Spectrum:
         return f"<Spectrum: {len(self.power)} rings, peak {self.peak:.3g} at {self.peak_frequency:.3g}>"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Analysis:
     """How good point sets are. Figures that do not exist are NaN.
 

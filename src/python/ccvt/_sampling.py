@@ -230,6 +230,10 @@ energy_tolerance, time_limit
     }
     scalar = _checks.dtype_of(dtype)
     densities = None if density is None else _checks.vector("density", density)
+    if densities is not None and len(densities) != len(corners):
+        raise ValueError(
+            f"density: there are {len(densities)} for {len(corners)} vertices: one each is needed"
+        )
     count = _checks.whole("sites", sites, 1)
     with listener(progress) as heard:
         found = _ccvt.sample_surface(
