@@ -10,6 +10,7 @@
 #include "bounds.h"
 #include "ccvt/capacity.h"
 #include "cell_sizes.h"
+#include "codebook/progress.h"
 #include "no_checkpoint.h"
 #include "normalize.h"
 #include "numbers.h"
@@ -73,6 +74,7 @@ class Lloyd {
   std::vector<std::uint8_t> changed_;  ///< of each site: whether its cell has changed
   double margin_ = 0;
   Summary summary_;
+  TrainingProgress progress_;
 };
 
 template <class Scalar>
@@ -101,6 +103,7 @@ template <class Scalar>
 void Lloyd<Scalar>::start() {
   const Stopwatch total(summary_.seconds_total);
   const Stopwatch initialization(summary_.seconds_initialization);
+  progress_.begin(1);
   {
     const Stop::Pause pause(stop_);  // without sites there is no tessellation
     sites_ = initial_sites(problem_, metric_, options_.seed, arena_);
@@ -279,6 +282,7 @@ bool Lloyd<Scalar>::step() {
   record.active_sites = std::accumulate(changed_.begin(), changed_.end(), Index{0});
   record.energy = summary_.energy;
   record.seconds = summary_.seconds_total;
+  record.progress = progress_.moved(record.exchanged);
   summary_.exchanged += record.exchanged;
   summary_.iterations_log.push_back(record);
   if (options_.on_iteration && !options_.on_iteration(record)) {

@@ -430,11 +430,32 @@ TEST_CASE("sampling a surface can be cancelled") {
   CHECK_THROWS_AS(ccvt::sample_surface<float>(sphere(20, 10), 100, chosen), ccvt::Cancelled);
   // Later: all sites are on the surface still.
   const TriangleMesh mesh = torus(20, 10);
-  chosen.tessellation.on_iteration = [](const ccvt::IterationRecord&) { return false; };
+  int calls = 0;
+  chosen.tessellation.on_iteration = [&](const ccvt::IterationRecord&) {
+    ++calls;
+    return false;
+  };
   chosen.tessellation.cancelled = {};
   const auto samples = ccvt::sample_surface<float>(mesh, 100, chosen);
   CHECK(samples.summary.termination == ccvt::Termination::cancelled);
   CHECK(faults(mesh, samples, 100, 64) == "");
+  CHECK(calls == 1);
+}
+
+TEST_CASE("progress and seconds never fall, whatever the parts of a run") {
+  SurfaceOptions chosen = options(64);
+  double progress = 0;
+  double seconds = 0;
+  bool falls = false;
+  chosen.tessellation.on_iteration = [&](const ccvt::IterationRecord& record) {
+    falls = falls || record.progress < progress || record.seconds < seconds;
+    progress = record.progress;
+    seconds = record.seconds;
+    return true;
+  };
+  ccvt::sample_surface<float>(torus(20, 10), 100, chosen);
+  CHECK_FALSE(falls);
+  CHECK(progress == 1);
 }
 
 TEST_CASE("samples of a surface in files are the samples") {

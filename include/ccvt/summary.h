@@ -45,8 +45,8 @@ struct IterationRecord {
   Index active_sites = 0;      ///< sites whose cell changed
   double energy = 0;           ///< after the centroid update; falls within a level, up to rounding
   double seconds = 0;          ///< since the start of the run
-  /// Of the run, in [0, 1]; never falls; 1 when stable or blue_noise. Of the training of a codebook
-  /// an estimate, from how many vectors still change their codeword.
+  /// Of the run, in [0, 1]; never falls; 1 when stable or blue_noise. Of lloyd() and the training
+  /// of a codebook an estimate, from how many points still change their owner.
   double progress = 0;
 };
 

@@ -195,9 +195,17 @@ ColourImage preview(const TriangleMesh& mesh, const SurfaceSamples& samples, int
   }
   if (up < 0 || up > 2) throw InvalidInput(concat("up: is ", up, "; must be from 0 to 2"));
   const std::ptrdiff_t sites = samples.sites.cols();
-  if (sites == 0 || samples.normals.cols() != sites) {
-    throw InvalidInput(concat("samples: there are ", sites, " sites and ", samples.normals.cols(),
-                              " normals; needs one for each, and one site"));
+  if (sites == 0 || samples.normals.cols() != sites || std::ssize(samples.radii) != sites) {
+    throw InvalidInput(concat("samples: there are ", sites, " sites, ", samples.normals.cols(),
+                              " normals and ", samples.radii.size(),
+                              " radii; needs one for each, and one site"));
+  }
+  if (samples.sites.rows() != 3 || samples.normals.rows() != 3) {
+    throw InvalidInput(concat("samples: sites have ", samples.sites.rows(), " rows and normals ",
+                              samples.normals.rows(), "; both need 3"));
+  }
+  if (!samples.sites.eigen().allFinite() || !samples.normals.eigen().allFinite()) {
+    throw InvalidInput("samples: sites and normals must be finite");
   }
   const Triangles triangles(mesh);
   const View view(triangles, size, up);

@@ -11,6 +11,10 @@ void write_samples(const std::filesystem::path& path, const SurfaceSamples& samp
   const auto columns = [](const Columns<double>& values) {
     return std::span<const double>(values.data(), static_cast<std::size_t>(values.size()));
   };
+  if (samples.barycentric.cols() > 0 && samples.barycentric.rows() != 3) {
+    throw InvalidInput("samples: barycentric has " + std::to_string(samples.barycentric.rows()) +
+                       " rows; needs 3");
+  }
   std::vector<double> uv;
   for (std::ptrdiff_t s = 0; s < samples.barycentric.cols(); ++s) {
     uv.insert(uv.end(), {samples.barycentric(1, s), samples.barycentric(2, s)});

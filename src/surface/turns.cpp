@@ -17,9 +17,32 @@ namespace {
 /// Where the first turn ends.
 constexpr double kFirstTolerance = 1e-3;
 
-/// The options for what is left of the time.
-Options after(double seconds, Options options) {
-  if (options.time_limit > 0) options.time_limit = std::max(options.time_limit - seconds, 1e-3);
+/// Of the progress of a run in two turns.
+constexpr double kProgressOfFirst = 0.5;
+
+/// What has been done of a run in several parts.
+struct Done {
+  double seconds = 0;
+  double progress = 0;
+  bool cancelled = false;
+};
+
+/// The options of its next part, of which `share` of the whole is told.
+Options part_after(const Done& done, double share, Options options) {
+  if (options.time_limit > 0) {
+    options.time_limit = std::max(options.time_limit - done.seconds, 1e-3);
+  }
+  if (done.cancelled) {
+    options.cancelled = [] { return true; };
+    options.on_iteration = nullptr;
+  } else if (options.on_iteration) {
+    options.on_iteration = [report = std::move(options.on_iteration), done,
+                            share](IterationRecord record) {
+      record.seconds += done.seconds;
+      record.progress = done.progress + share * record.progress;
+      return report(record);
+    };
+  }
   return options;
 }
 
@@ -55,23 +78,26 @@ Outcome<Scalar> tessellate_in_turns(Points<Scalar>& points, std::span<const Inde
   std::vector<Index> owners;
   owners.reserve(groups.size());
   std::vector<Index> capacities;
-  double seconds = 0;
+  Done done;
   for (const Share& share : shares) {
     const PointsView<Scalar> own{view[share.first], view.dimension, share.points, view.stride};
+    const double of_first = kProgressOfFirst * share.points / view.count;
     const auto [centroids, owned, summary] =
-        tessellate_line(own, share.sites, after(seconds, first));
+        tessellate_line(own, share.sites, part_after(done, of_first, first));
     const auto before = static_cast<Index>(capacities.size());
     for (const Index owner : owned) owners.push_back(before + owner);
     const std::vector<Index> equal = equal_capacities(share.points, share.sites);
     capacities.insert(capacities.end(), equal.begin(), equal.end());
-    seconds += summary.seconds_total;
+    done.seconds += summary.seconds_total;
+    done.progress += of_first;
+    done.cancelled = done.cancelled || summary.termination == Termination::cancelled;
   }
   points.template bottomRows<3>() *= static_cast<Scalar>(shrink);
   Problem<Scalar> problem(points, sites, options.threads);
   problem.set_capacities(std::move(capacities));
   problem.set_initial_owners(std::move(owners));
-  Result<Scalar> result = tessellate(problem, after(seconds, options));
-  result.summary.seconds_total += seconds;
+  Result<Scalar> result = tessellate(problem, part_after(done, 1 - done.progress, options));
+  result.summary.seconds_total += done.seconds;
   return {std::move(result.sites), std::move(result.owners), std::move(result.summary)};
 }
 
