@@ -69,6 +69,23 @@ void require_scale(const Domain& domain) {
   }
 }
 
+/// With corners rounded as coordinates are, so that points on its faces are inside; but for those
+/// that would be left without an extent. What was inside still is.
+template <class Scalar>
+Domain rounded(const Domain& domain) {
+  Box box = domain.box();
+  std::vector<bool> along;
+  for (int d = 0; d < box.dimension(); ++d) {
+    along.push_back(domain.is_periodic(d));
+    const double lower = static_cast<Scalar>(box.lower[d]);
+    const double upper = static_cast<Scalar>(box.upper[d]);
+    if (!(upper - lower >= kSmallestExtent<Scalar>)) continue;
+    box.lower[d] = lower;
+    box.upper[d] = upper;
+  }
+  return Domain::periodic(std::move(box), along);
+}
+
 template <class Scalar>
 void require_view(const PointsView<Scalar>& points) {
   if (points.dimension < 1) throw InvalidInput("points: they have no dimension");
@@ -146,6 +163,7 @@ Problem<Scalar>& Problem<Scalar>::set_domain(Domain domain) {
                          " dimensions, the points have " + std::to_string(dimension()));
     }
     require_scale<Scalar>(domain);
+    domain = rounded<Scalar>(domain);
     agree(ranks(), [&] {
       require_inside("points", own_points(), first_own_point(), domain.box(), Arena(threads_));
     });

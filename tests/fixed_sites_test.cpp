@@ -148,7 +148,11 @@ TEST_CASE_TEMPLATE("on a torus, on faces that have to be rounded, they come back
     fixed.col(0) << static_cast<Scalar>(box.upper[0]), static_cast<Scalar>(box.upper[1]);
     fixed.col(1) << static_cast<Scalar>(box.lower[0]), static_cast<Scalar>(box.lower[1]);
     problem.set_fixed_sites(fixed);
-    CHECK(ccvt::tessellate(problem).sites.leftCols(2) == fixed);
+    const auto result = ccvt::tessellate(problem);
+    CHECK(result.sites.leftCols(2) == fixed);
+    CHECK(result.summary.energy ==
+          doctest::Approx(ccvt::energy(points, result.sites, result.owners, problem.domain()))
+              .epsilon(1e-4));
     CHECK(ccvt::lloyd(problem).sites.leftCols(2) == fixed);
   }
 }

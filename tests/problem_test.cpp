@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <string>
@@ -370,6 +371,34 @@ TEST_CASE("points whose coordinates are not contiguous are refused") {
   using Gaps = Eigen::Map<Eigen::MatrixXf, 0, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>>;
   const Gaps points(storage.data(), 2, 40, Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic>(4, 2));
   CHECK_THROWS_AS(ccvt::Problem<float>(points, 3), ccvt::InvalidInput);
+}
+
+TEST_CASE_TEMPLATE("points on the faces of a box are inside, whatever their type", Scalar, float,
+                   double) {
+  // Of the corners, some are rounded up to float32 and others down.
+  const Box box{{.1, -.3, .7}, {.9, 1.1, 1.3}};
+  Points<Scalar> points = Points<Scalar>::Constant(3, 9, Scalar(.8));
+  for (int d = 0; d < 3; ++d) {
+    points(d, 2 * d) = static_cast<Scalar>(box.lower[d]);
+    points(d, 2 * d + 1) = static_cast<Scalar>(box.upper[d]);
+  }
+  for (const Domain& domain : {Domain::euclidean(box), Domain::periodic(box)}) {
+    Problem<Scalar> problem(points, 3);
+    problem.set_domain(domain);
+    const Box& rounded = problem.domain().box();
+    for (int d = 0; d < 3; ++d) {
+      CHECK(rounded.lower[d] == static_cast<double>(points(d, 2 * d)));
+      CHECK(rounded.upper[d] == static_cast<double>(points(d, 2 * d + 1)));
+    }
+    points(1, 4) = std::nextafter(points(1, 3), Scalar(9));
+    CHECK_THROWS_AS(problem.set_domain(domain), InvalidInput);
+    points(1, 4) = Scalar(.8);
+  }
+  // Where rounding would leave nothing.
+  const Points<Scalar> far = Points<Scalar>::Constant(1, 3, Scalar(1e8));
+  Problem<Scalar> problem(far, 2);
+  problem.set_domain(Domain::euclidean(Box{{1e8 - .25}, {1e8 + .25}}));
+  CHECK(problem.domain().box().extent()[0] == .5);
 }
 
 TEST_SUITE_END();
