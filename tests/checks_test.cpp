@@ -1,6 +1,7 @@
 // What every function asks of enumerators and of views: see src/checks.h.
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <span>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
 #include "ccvt/stipple.h"
+#include "ccvt/surface.h"
 #include "ccvt/thin.h"
 #include "ccvt/volume.h"
 #include "ccvt/weighted.h"
@@ -156,6 +158,43 @@ TEST_CASE("codebooks and mapped points that were moved from are refused") {
   CHECK(message_of([&] { mapped.check_unchanged(); }) == moved);
   // NOLINTEND(bugprone-use-after-move)
   CHECK(directory.entries() == 1);
+}
+
+TEST_CASE("sets that were moved from, and samples that do not fit, are refused") {
+  ccvt::PointSet set(some_points().topRows(2), ccvt::Domain::periodic(Box::unit(2)));
+  const ccvt::PointSet other = std::move(set);
+  CHECK(other.count() == 50);
+  // NOLINTBEGIN(bugprone-use-after-move): that is what is tested.
+  const std::string moved = "set: was moved from";
+  CHECK(message_of([&] { ccvt::nearest_distances(set); }) == moved);
+  CHECK(message_of([&] { ccvt::pair_correlation({&set, 1}); }) == moved);
+  CHECK(message_of([&] { ccvt::bond_order(set); }) == moved);
+  CHECK(message_of([&] { ccvt::power_spectrum({&set, 1}); }) == moved);
+  CHECK(message_of([&] { ccvt::star_discrepancy(set); }) == moved);
+  CHECK(message_of([&] { ccvt::integration_variance(set); }) == moved);
+  CHECK(message_of([&] { ccvt::analyze({&set, 1}); }) == moved);
+  // NOLINTEND(bugprone-use-after-move)
+
+  ccvt::TriangleMesh mesh;
+  mesh.vertices = Eigen::Matrix3d::Identity();
+  mesh.triangles = Eigen::Vector3i(0, 1, 2);
+  const auto good = ccvt::sample_surface<float>(mesh, 5);
+  const TemporaryDirectory directory;
+  auto bad = good;
+  bad.barycentric = {2, 5};
+  CHECK(message_of([&] { ccvt::write_samples(directory / "s.csv", bad); }) ==
+        "samples: barycentric has 2 rows; needs 3");
+  const auto refusal = [&] { return message_of([&] { ccvt::preview(mesh, bad); }); };
+  bad.radii.pop_back();
+  CHECK(refusal() ==
+        "samples: there are 5 sites, 5 normals and 4 radii; needs one for each, and one site");
+  bad = good;
+  bad.sites(0, 3) = NAN;
+  CHECK(refusal() == "samples: sites and normals must be finite");
+  bad = good;
+  bad.normals = {2, 5};
+  CHECK(refusal() == "samples: sites have 3 rows and normals 2; both need 3");
+  CHECK(directory.entries() == 0);
 }
 
 TEST_CASE("numbers of threads and dimensions that cannot be are refused") {

@@ -157,7 +157,7 @@ TEST_CASE("error examples: volumes and surfaces") {
       {[&] { preview(grid, Points<double>(Points<double>::Zero(2, 1))); },
        "preview: the grid has 3 dimensions and the sites have 2; both need 3"},
       {[&] { mesh.validate(); }, "mesh: triangles are 2 x 1; needs 3 rows"},
-      {[&] { preview(whole, SurfaceSamples()); }, "samples: there are 0 sites and 0 normals"},
+      {[&] { preview(whole, SurfaceSamples()); }, "samples: there are 0 sites, 0 normals and 0 radii"},
   });
 }
 

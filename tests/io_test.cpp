@@ -182,11 +182,31 @@ TEST_CASE("text that spans many blocks") {
 TEST_CASE("values too small for float are zero, values too large are refused") {
   const TemporaryDirectory directory;
   CHECK(read_points<float>(put(directory / "p.csv", "1e-60,-1e-60\n")).isZero(0));
+  const std::string zeros(400, '0');
+  put(directory / "p.csv", "1e-400,-1e-400,1e-99999," + ("." + zeros) + "1\n");
+  CHECK(read_points<float>(directory / "p.csv").isZero(0));
+  CHECK(read_points<double>(directory / "p.csv").isZero(0));
+  for (const std::string large : {"1e400", "-1e400", "1e99999"}) {
+    CHECK(contains(message_of([&] { read_points<double>(put(directory / "p.csv", large)); }),
+                   "is out of the range of float64"));
+  }
   CHECK(contains(message_of([&] { read_points<float>(put(directory / "p.csv", "1,1e60\n")); }),
                  "line 1: field 2: '1e60' is out of the range of float32"));
   put(directory / "p.npy", npy(header("<f8", "(2, 1)"), bytes_of<double>({1, 1e60})));
   CHECK(contains(message_of([&] { read_points<float>(directory / "p.npy"); }),
                  "row 1, column 0: 1e+60 is out of the range of float32"));
+}
+
+TEST_CASE("lines end with line feeds") {
+  const TemporaryDirectory directory;
+  Points<double> expected(2, 2);
+  expected << 1, 3, 2, 4;
+  CHECK(read_points<double>(put(directory / "p.txt", "1 2\r\n3 4\r\n")) == expected);
+  CHECK(read_points<double>(put(directory / "p.txt", "1,2\r\r\n\"3\",4\r")) == expected);
+  for (const char* const text : {"1 2\r3 4\r", "x,y\r1,2\r3,4", "# two\r1 2\r3 4\r\n"}) {
+    CHECK(contains(message_of([&] { read_points<double>(put(directory / "p.txt", text)); }),
+                   "line 1: has a carriage return inside; end lines with line feeds"));
+  }
 }
 
 TEST_CASE("hostile files are refused with one line that names them") {

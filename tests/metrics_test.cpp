@@ -212,6 +212,14 @@ TEST_CASE("nearest distances and pair correlation are those of all pairs") {
   }
 }
 
+TEST_CASE("pair correlation: the last bin may end at half the box") {
+  for (const Index side : {2, 4, 6, 8}) {
+    const PointSet set(make_points<double>(Layout::random, Box::unit(2), side * side),
+                       Domain::periodic(Box::unit(2)));
+    CHECK(pair_correlation({&set, 1}).value.size() == static_cast<std::size_t>(8 * side));
+  }
+}
+
 TEST_CASE("pair correlation: white noise is 1, Poisson disks keep their distance") {
   std::vector<PointSet> sets;
   std::vector<PointSet> boxes;

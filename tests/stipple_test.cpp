@@ -297,6 +297,22 @@ TEST_CASE("render: the ink of a dot is its area, at any place and scale") {
       CHECK(image(0, 0) == 1);
     }
   }
+  // Smaller than a pixel as well: at each place nearly, and exactly on the average.
+  for (const double scale : {0.02, 0.1, 0.2, 0.28}) {
+    stippling.width = stippling.height = 1000;
+    double sum = 0;
+    for (int i = 0; i < 8; ++i) {
+      for (int j = 0; j < 8; ++j) {
+        stippling.dots.eigen() << (9 + i / 8.0) / scale, (9 + j / 8.0) / scale;
+        const double ink = ink_of(render(stippling, scale)) / (scale * scale);
+        CHECK(ink == doctest::Approx(std::numbers::pi * 4).epsilon(0.13));
+        sum += ink / 64;
+      }
+    }
+    CHECK(sum == doctest::Approx(std::numbers::pi * 4).epsilon(0.005));
+  }
+  stippling.width = 20;
+  stippling.height = 10;
   // Half of a dot on the edge is outside; one that is all outside leaves no trace.
   stippling.dots.eigen() << 0, 5;
   CHECK(ink_of(render(stippling, 8)) / 64 == doctest::Approx(std::numbers::pi * 2).epsilon(0.02));

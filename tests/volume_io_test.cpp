@@ -49,7 +49,7 @@ std::string small_nifti() { return nifti1({2, 3, 4}, 2, 8) + bytes_of_values(kBy
 const std::string kNrrd =
     "NRRD0004\n# a comment\ntype: unsigned char\ndimension: 3\nsizes: 2 3 4\nencoding: raw\n"
     "space: left-posterior-superior\nspace directions: (0,2,0) (1, 0,0) (0,0,-3)\n"
-    "space origin: (5,6,7)\nkinds: domain domain domain\nname:=a value: with colons\n";
+    "space origin: (5,6,7)\nkinds: domain domain domain\nname:=a value: with colons\na:b:=c\n";
 
 template <class Value>
 void check_nifti_type(int datatype, VoxelType type) {
@@ -234,6 +234,9 @@ TEST_CASE("NIfTI: what cannot be read is refused by name") {
   CHECK(mentions(refusal(put(directory / "v.nii", rotated)), "no rotation"));
   CHECK(mentions(refusal(put(directory / "v.nii", good + "x")), "too long"));
   CHECK(mentions(refusal(put(directory / "v.nii.gz", good)), "gzip data are invalid"));
+  const std::string padded = gzipped(good) + std::string(100000, '\0');
+  CHECK(read_volume(put(directory / "v.nii.gz", padded)).grid.shape.size() == 3);
+  CHECK(mentions(refusal(put(directory / "v.nii.gz", padded + "xx")), "gzip data are invalid"));
   std::string damaged = gzipped(good);
   damaged[damaged.size() - 6] = static_cast<char>(damaged[damaged.size() - 6] ^ 1);  // checksum
   CHECK(mentions(refusal(put(directory / "v.nii.gz", damaged)), "damaged"));

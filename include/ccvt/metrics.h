@@ -181,7 +181,8 @@ struct Spectrum {
   std::vector<int> half;
   std::vector<double> power;
 
-  /// Mean power for 0 < |f| < 1/4: NaN when there is no such frequency.
+  /// Mean power for 0 < |f| < 1/4, or up to max_frequency where that is less: NaN when there is no
+  /// such frequency.
   double low_frequency_power = 0;
   /// The same range in shells, without the frequencies that have no power, less than 1e-9 of that
   /// mean, as lattices and repeated tiles have; of frequencies that were drawn, each once.

@@ -51,9 +51,9 @@ class Header {
       if (line.empty()) return;
       ++line_;
       if (line.front() == '#') continue;
+      if (line.find(":=") < line.find(": ")) continue;  // a key and value of the user's
       const std::size_t colon = line.find(':');
       if (colon == std::string::npos) fail("is not of the form 'field: value'");
-      if (line.compare(colon, 2, ":=") == 0) continue;  // a key and value of the user's
       const std::string field = in_lower_case(trimmed(std::string_view(line).substr(0, colon)));
       check_known(field);
       if (!fields_.emplace(field, trimmed(std::string_view(line).substr(colon + 1))).second) {

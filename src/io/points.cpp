@@ -272,6 +272,7 @@ std::vector<Index> read_indices(const std::filesystem::path& path) {
 
 void write_owners(const std::filesystem::path& path, std::span<const Index> owners) {
   static_assert(sizeof(Index) == 4);
+  if (owners.empty()) throw InvalidInput("owners: there are none");
   const std::string extension = table_extension(path);
   io::OutputFile file(path);
   if (extension == ".npy") {

@@ -23,6 +23,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::size_t kBlock = std::size_t{1} << 16;
+constexpr double kAny = std::numeric_limits<double>::infinity();
 
 template <class Value>
 void append_little(std::string& bytes, Value value) {
@@ -39,16 +40,21 @@ void append_big(std::string& bytes, Value value) {
   bytes.append(raw.data(), raw.size());
 }
 
-/// Whether float32 moves a site by more than a thousandth of the mean radius, or of the extent of
-/// all by what could take it across a face between a cell of density 0 and its own.
+/// Whether float32 moves a site by more than a thousandth of the mean radius, or along an axis by
+/// what could take it across a face between a cell of density 0 and its own: a share of the extent
+/// of all along that axis, if they have one.
 bool needs_double(const SampleTable& table) {
   const auto sites = table.sites.eigen();
   double radius = 0;
   const double count = view_points(table.sites).count;
   for (const double r : table.radii) radius += r / count;
-  const double extent = (sites.rowwise().maxCoeff() - sites.rowwise().minCoeff()).maxCoeff();
-  const double most = std::min(1e-3 * radius, 0x1p-22 * extent);
-  return ((sites - sites.cast<float>().cast<double>()).array().abs() > most).any();
+  for (Eigen::Index d = 0; d < sites.rows(); ++d) {
+    const auto along = sites.row(d);
+    const double extent = along.maxCoeff() - along.minCoeff();
+    const double most = std::min(1e-3 * radius, extent > 0 ? 0x1p-22 * extent : kAny);
+    if (((along - along.cast<float>().cast<double>()).array().abs() > most).any()) return true;
+  }
+  return false;
 }
 
 /// Whether float32 makes a number infinite, or loses digits of one near 0.

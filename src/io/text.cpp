@@ -74,6 +74,22 @@ std::from_chars_result parse_whole(std::string_view field, Number& value) {
   return result;
 }
 
+/// What a number that is out of Scalar's range is, if it is too near to zero for it: nearly zero.
+template <class Scalar>
+const char* parse_tiny(std::string_view field, Scalar& value, const char* otherwise) {
+  long double wide = 0;
+  if (parse_whole(field, wide).ec != std::errc()) {
+    const std::size_t exponent = field.find_first_of("eE");
+    if (exponent == std::string_view::npos || field.substr(exponent + 1, 1) != "-") {
+      return otherwise;
+    }
+    wide = field.front() == '-' ? -0.0L : 0.0L;
+  }
+  if (!(std::abs(wide) < 1)) return otherwise;
+  value = static_cast<Scalar>(wide);
+  return nullptr;
+}
+
 const char* check_finite(double value) {
   return std::isfinite(value) ? nullptr : "is not finite; coordinates must be finite";
 }
@@ -115,10 +131,20 @@ void TextRows::split(std::string_view line, char separator) {
   end_field(line.size());
 }
 
+/// Lines that end with carriage returns alone would be one line.
+void TextRows::check_returns(std::string_view line) const {
+  visit_unquoted(line, [this](std::size_t, char c) {
+    if (c == '\r') fail("has a carriage return inside; end lines with line feeds");
+    return true;
+  });
+}
+
 bool TextRows::next() {
   std::string_view line;
   while (lines_.next(line)) {
     if (lines_.number() == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
+    while (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    if (line.find('\r') != std::string_view::npos) check_returns(line);
     line = without_comment(line);
     if (trimmed(line).empty()) continue;
     split(line, separator_of_next(line));
@@ -159,8 +185,11 @@ void TextRows::fail_field(std::size_t at, const char* wrong) const {
 }
 
 const char* parse(std::string_view field, double& value) {
+  // What is too small becomes zero, as in float.
   const auto error = parse_whole(field, value).ec;
-  if (error == std::errc::result_out_of_range) return "is out of the range of float64";
+  if (error == std::errc::result_out_of_range) {
+    return parse_tiny(field, value, "is out of the range of float64");
+  }
   if (error != std::errc()) return "is not a number";
   return check_finite(value);
 }
@@ -170,12 +199,7 @@ const char* parse(std::string_view field, float& value) {
   // which rounds twice. What is too small for float becomes zero.
   const auto error = parse_whole(field, value).ec;
   if (error == std::errc::result_out_of_range) {
-    double wide = 0;
-    if (parse_whole(field, wide).ec == std::errc() && std::abs(wide) < 1) {
-      value = static_cast<float>(wide);
-      return nullptr;
-    }
-    return "is out of the range of float32";
+    return parse_tiny(field, value, "is out of the range of float32");
   }
   if (error != std::errc()) return "is not a number";
   return check_finite(value);

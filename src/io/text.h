@@ -41,6 +41,7 @@ class TextRows {
   [[nodiscard]] const InputFile& file() const { return lines_.file(); }
 
  private:
+  void check_returns(std::string_view line) const;
   [[nodiscard]] char separator_of_next(std::string_view line) const;
   /// Fills fields_ and texts_ from a line that is not blank.
   void split(std::string_view line, char separator);

@@ -152,6 +152,7 @@ Bonds bonds_of(const Cell& cell, double shortest) {
 }  // namespace
 
 BondOrder bond_order(const PointSet& set, int threads) {
+  require_points(set);
   require_threads(threads);
   return bond_order(set, Arena(threads));
 }

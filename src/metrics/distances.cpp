@@ -78,6 +78,7 @@ double packing_distance(int dimension) {
 }
 
 NearestDistances nearest_distances(const PointSet& set, int threads) {
+  require_points(set);
   require_threads(threads);
   return nearest_distances(set, Arena(threads));
 }
@@ -122,7 +123,7 @@ PairCorrelation pair_correlation(std::span<const PointSet> sets, const Arena& ar
   const double reach = first.domain().box().extent().minCoeff() / 2 / first.mean_spacing();
   PairCorrelation result;
   result.bin_width = 1.0 / 16;
-  const double bins = std::floor(std::min(4.0, reach) / result.bin_width);
+  const double bins = std::floor(std::min(4.0, reach) / result.bin_width * (1 + 1e-12));
   result.value.assign(static_cast<std::size_t>(bins), 0.0);
   if (result.value.empty()) return result;
   const Metric metric(first.dimension(), first.domain());

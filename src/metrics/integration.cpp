@@ -102,6 +102,7 @@ class Functions {
 }  // namespace
 
 double star_discrepancy(const PointSet& set, int threads) {
+  require_points(set);
   require_threads(threads);
   return star_discrepancy(set, Arena(threads));
 }
@@ -128,6 +129,7 @@ double star_discrepancy(const PointSet& set, const Arena& arena) {
 }
 
 IntegrationVariance integration_variance(const PointSet& set, std::uint64_t seed, int threads) {
+  require_points(set);
   require_threads(threads);
   return integration_variance(set, seed, Arena(threads));
 }

@@ -140,6 +140,7 @@ PointSet::PointSet(Columns<double> points, Domain domain)
 
 void check_alike(std::span<const PointSet> sets) {
   if (sets.empty()) throw InvalidInput("sets: there are none");
+  for (const PointSet& set : sets) require_points(set);
   const PointSet& first = sets.front();
   for (std::size_t s = 1; s < sets.size(); ++s) {
     const PointSet& set = sets[s];

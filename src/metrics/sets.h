@@ -7,6 +7,11 @@
 
 namespace ccvt {
 
+/// Throws InvalidInput where a set has no points, since it was moved from.
+inline void require_points(const PointSet& set) {
+  if (set.count() == 0) throw InvalidInput("set: was moved from");
+}
+
 /// Throws InvalidInput unless there is a set and all agree in dimension, count and domain.
 void check_alike(std::span<const PointSet> sets);
 

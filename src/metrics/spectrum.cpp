@@ -180,11 +180,11 @@ void fill_from_grid(std::span<const PointSet> sets, const SpectrumOptions& optio
       rest /= grid.width(d);
     }
     const double frequency = std::sqrt(squared);
+    if (frequency > options.max_frequency * (1 + 1e-12)) continue;
     if (frequency < kLowFrequency * (1 - 1e-12)) {
       low.add(spectrum.power[at]);
       low_powers.push_back({frequency, spectrum.power[at]});
     }
-    if (frequency > options.max_frequency * (1 + 1e-12)) continue;
     rings[rings.ring_of(frequency)].add(spectrum.power[at]);
   }
   spectrum.rings = rings.rings({}, options.max_frequency);

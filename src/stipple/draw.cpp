@@ -109,10 +109,12 @@ Image render(const Stippling<Scalar>& stippling, double scale) {
   Image image{width.pixels(), height.pixels(), {}};
   image.values.assign(static_cast<std::size_t>(width.length * height.length), 1.0F);
   // A pixel at distance d from the centre is covered by clamp(r - d + 1/2). The area under that
-  // ramp is pi (r^2 + 1/12): drawn with r^2 - 1/12, every dot keeps its exact amount of ink.
+  // ramp is pi (r^2 + 1/12) from r = 1/2 on: drawn with r^2 - 1/12, a dot keeps its amount of ink.
+  // Smaller ones are as wide as that of r = 1/2, so that none falls between the pixels, but paler.
   const double given = stippling.dot_radius * scale;
-  const double radius = std::sqrt(std::max(given * given - 1.0 / 12, 0.0));
-  const double faint = radius < 0.5 ? 0.0 : radius - 0.5;
+  const double square = std::max(given * given, 1.0 / 3);
+  const double radius = std::sqrt(square - 1.0 / 12);
+  const double strength = given * given / square;
   for (Eigen::Index dot = 0; dot < stippling.dots.cols(); ++dot) {
     const double x = stippling.dots(0, dot) * scale;
     const double y = stippling.dots(1, dot) * scale;
@@ -123,11 +125,8 @@ Image render(const Stippling<Scalar>& stippling, double scale) {
       float* const values = image.values.data() + std::ptrdiff_t{row} * image.width;
       for (int column = width.pixels_to(x - reach); column < last_column; ++column) {
         const double distance = std::hypot(column + 0.5 - x, row + 0.5 - y);
-        if (distance <= faint) {
-          values[column] = 0;
-        } else {
-          values[column] *= static_cast<float>(1 - std::clamp(radius - distance + 0.5, 0.0, 1.0));
-        }
+        const double covered = strength * std::clamp(radius - distance + 0.5, 0.0, 1.0);
+        values[column] *= static_cast<float>(1 - covered);
       }
     }
   }

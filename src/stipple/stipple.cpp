@@ -77,7 +77,9 @@ Stippling<Scalar> stipple(const Image& image, Index sites, const StippleOptions&
   const double ink = std::accumulate(dark.begin(), dark.end(), 0.0);
   if (!(ink > 0)) {
     throw InvalidInput(std::string("image: is ") + (options.invert ? "black" : "white") +
-                       " everywhere; there is nothing to stipple");
+                       " everywhere" +
+                       (options.gamma > 1 ? " with gamma " + text(options.gamma) : "") +
+                       "; there is nothing to stipple");
   }
   Box box{{0, 0}, {1.0 * image.width, 1.0 * image.height}};
   const DensityGrid density{std::span<const float>(dark), {image.width, image.height}, box};

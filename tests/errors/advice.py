@@ -47,6 +47,8 @@ ADVICE = {
     "src/cli/volume_input.cpp": "Choose which values matter with `--map`, and leave cells out with "
                                 "`--mask`, a volume of the same cells. Standard input must have the "
                                 "data along with the header.",
+    "src/cli/volume_mask.cpp": "The mask has the cells of the volume, at the same places; resample it, or "
+                               "choose other labels.",
     "src/codebook/codebook.cpp": _PARAMETER,
     "src/codebook/train.cpp": _PARAMETER,
     "src/codebook/trainer.h": _PARAMETER,
@@ -110,6 +112,7 @@ ADVICE = {
     "src/metrics/distances.cpp": _PARAMETER,
     "src/metrics/point_set.cpp": "Give two points at least, all in a box of positive extent, and sets "
                                  "that agree.",
+    "src/metrics/sets.h": _PARAMETER,
     "src/metrics/spectrum.cpp": _PARAMETER,
     "src/options.cpp": _PARAMETER,
     "src/parallel/alike.h": "Ranks are to make the same calls, each with its own points alone.",
@@ -136,6 +139,7 @@ ADVICE = {
     "src/surface/mesh.cpp": _PARAMETER,
     "src/surface/preview.cpp": _PARAMETER,
     "src/surface/sample.cpp": "The mesh needs an area, and densities a positive integral over it.",
+    "src/surface/samples_output.cpp": _PARAMETER,
     "src/tessellation.cpp": _PARAMETER,
     "src/thin/lift.cpp": _PARAMETER,
     "src/thin/thin.cpp": _PARAMETER,
@@ -158,6 +162,8 @@ CANNOT_BE_PROVOKED = {
     ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 16 GB together"): _HUGE,
     ("src/mpi/kept.h", "ended by a signal; the same command, or one with other limits, goes on from "): _MPI,
     ("src/cli/standard_streams.cpp", " reads and writes files only"): _MPI,
+    ("src/cli/volume_mask.cpp", " (of two .npy, one is in C order, the other in Fortran order): several "
+                                "processes need both alike"): _MPI,
     ("src/mpi/session.h", "out of memory"): "needs a machine without any left",
     ("src/mpi/results.h", ": what several processes write together goes into .npy"): _MPI,
     ("src/mpi/shared_file.cpp", ": cannot be opened by all ranks: "): "needs machines that do not see the same "
