@@ -60,10 +60,10 @@ Columns<Scalar> columns_of(const py::array& points) {
   });
 }
 
-/// The numbers of a contiguous array, where they are.
+/// The numbers of a contiguous array, in C or Fortran order, where they are.
 template <class Value>
 std::span<const Value> span_of(const py::array_t<Value>& values) {
-  if ((values.flags() & py::array::c_style) == 0) {
+  if ((values.flags() & (py::array::c_style | py::array::f_style)) == 0) {
     throw std::logic_error("ccvt: an array that is not contiguous got past the checks");
   }
   return {values.data(), static_cast<std::size_t>(values.size())};

@@ -77,7 +77,6 @@ def test_results_own_their_memory(points):
     (lambda p: ccvt.tessellate(np.full((1, 1), 2**64 - 1, np.uint64), 1), "points: has whole numbers"),
     (lambda p: ccvt.tessellate(p.astype("f4"), np.array([[2**24 + 1, 0]], "i4")), "has whole numbers that float32"),
     (lambda p: ccvt.tessellate([[10**400, 1]], 1), "points: must be an array of numbers"),
-    (lambda p: ccvt.tessellate(np.array([[{}, 1]]), 1), "points: must be an array of numbers"),
     (lambda p: ccvt.tessellate(np.ma.masked_less(p, .5), 3), "points: has masked entries"),
     (lambda p: ccvt.tessellate(np.zeros((0, 2)), 1), "sites|points"),
     (lambda p: ccvt.tessellate(p, np.zeros((0, 2))), "sites"),
@@ -132,6 +131,7 @@ def test_refused(points, call, text):
     (lambda p: ccvt.tessellate(p, 2, seed="x"), "seed: is 'x'"),
     (lambda p: ccvt.tessellate(p, 2, time_limit="x"), "time_limit: is 'x'"),
     (lambda p: ccvt.tessellate(p, 2, progress=3), "progress: is 3, but must be a function"),
+    (lambda p: ccvt.tessellate(np.array([[{}, 1]]), 1), "points: must be an array of numbers"),
     (lambda p: ccvt.sample(3, 2, dtype="x"), "dtype: is 'x'"),
     (lambda p: ccvt.stipple(p, 2, invert=1), "invert: is 1, but must be True or False"),
 ])  # fmt: skip

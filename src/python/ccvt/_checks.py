@@ -55,7 +55,7 @@ def flag(name: str, value: Any) -> bool:
 
 def plain(name: str, value: Any) -> Array:
     """An array, but none of which entries are masked: what they stand for is not known here."""
-    if np.ma.is_masked(value):
+    if isinstance(value, np.ma.MaskedArray) and np.any(value.mask):
         raise ValueError(f"{name}: has masked entries; leave them out, or fill them in")
     try:
         return np.asarray(value)
@@ -68,7 +68,9 @@ def _numeric(name: str, value: Any) -> Array:
     if array.dtype.kind == "O":
         try:
             array = array.astype(np.float64)
-        except (TypeError, ValueError, OverflowError) as error:
+        except TypeError as error:
+            raise TypeError(f"{name}: must be an array of numbers: {error}") from None
+        except (ValueError, OverflowError) as error:
             raise ValueError(f"{name}: must be an array of numbers: {error}") from None
     if array.dtype.kind not in "fiub":
         raise ValueError(f"{name}: is an array of {array.dtype}, but must be of real numbers")
