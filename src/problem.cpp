@@ -77,8 +77,8 @@ Domain rounded(const Domain& domain) {
   std::vector<bool> along;
   for (int d = 0; d < box.dimension(); ++d) {
     along.push_back(domain.is_periodic(d));
-    const double lower = static_cast<Scalar>(box.lower[d]);
-    const double upper = static_cast<Scalar>(box.upper[d]);
+    const auto lower = static_cast<Scalar>(box.lower[d]);
+    const auto upper = static_cast<Scalar>(box.upper[d]);
     if (!(upper - lower >= kSmallestExtent<Scalar>)) continue;
     box.lower[d] = lower;
     box.upper[d] = upper;
