@@ -119,7 +119,7 @@ def read_numbers(path: Path) -> Array:
 
 
 def read_image(path: Path) -> Array:
-    """Reads a PNG or JPEG file in grey.
+    """Reads a PNG or JPEG file in grey, turned upright as Exif data say.
 
     Parameters
     ----------
