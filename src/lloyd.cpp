@@ -10,7 +10,6 @@
 #include "bounds.h"
 #include "ccvt/capacity.h"
 #include "cell_sizes.h"
-#include "codebook/progress.h"
 #include "no_checkpoint.h"
 #include "normalize.h"
 #include "numbers.h"
@@ -24,6 +23,7 @@
 #include "relax/site_columns.h"
 #include "relax/update.h"
 #include "schedule/tiling.h"
+#include "settling_progress.h"
 #include "stopwatch.h"
 
 namespace ccvt {
@@ -74,7 +74,7 @@ class Lloyd {
   std::vector<std::uint8_t> changed_;  ///< of each site: whether its cell has changed
   double margin_ = 0;
   Summary summary_;
-  TrainingProgress progress_;
+  SettlingProgress progress_;
 };
 
 template <class Scalar>

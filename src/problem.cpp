@@ -22,16 +22,13 @@ namespace {
 /// Fewer points are checked by one thread: others would not have started before the end.
 constexpr Index kPointsForThreads = 1 << 18;
 
-/// Points are not looked at one by one unless one of them is outside.
+/// Points are not looked at one by one unless one of them is outside, as the box around all tells.
 template <class Scalar>
 void require_inside(const char* argument, const PointsView<Scalar>& points, Index first_number,
-                    const Box& box, const Arena& arena) {
-  if (points.count == 0) return;
-  const CoordinateRange<Scalar> range = coordinate_range(points, arena);
+                    const Box& box, const Box& around) {
   bool inside = true;
-  for (std::size_t d = 0; d < range.lower.size(); ++d) {
-    inside =
-        inside && range.lower[d] >= box.lower.data()[d] && range.upper[d] <= box.upper.data()[d];
+  for (int d = 0; d < box.dimension(); ++d) {
+    inside = inside && around.lower[d] >= box.lower[d] && around.upper[d] <= box.upper[d];
   }
   for (Index p = 0; p < points.count && !inside; ++p) {
     for (int d = 0; d < points.dimension; ++d) {
@@ -69,19 +66,20 @@ void require_scale(const Domain& domain) {
   }
 }
 
-/// With corners rounded as coordinates are, so that points on its faces are inside; but for those
-/// that would be left without an extent. What was inside still is.
+/// The domain with a box that is wider by what rounding its corners to Scalar makes of it, where
+/// points, which `around` is around, lie on those: on its faces, as near as coordinates tell.
 template <class Scalar>
-Domain rounded(const Domain& domain) {
+Domain with_points_on_faces(const Domain& domain, const Box& around) {
   Box box = domain.box();
   std::vector<bool> along;
   for (int d = 0; d < box.dimension(); ++d) {
     along.push_back(domain.is_periodic(d));
-    const auto lower = static_cast<Scalar>(box.lower[d]);
-    const auto upper = static_cast<Scalar>(box.upper[d]);
-    if (!(upper - lower >= kSmallestExtent<Scalar>)) continue;
-    box.lower[d] = lower;
-    box.upper[d] = upper;
+    if (around.lower[d] == static_cast<Scalar>(box.lower[d])) {
+      box.lower[d] = std::min(box.lower[d], around.lower[d]);
+    }
+    if (around.upper[d] == static_cast<Scalar>(box.upper[d])) {
+      box.upper[d] = std::max(box.upper[d], around.upper[d]);
+    }
   }
   return Domain::periodic(std::move(box), along);
 }
@@ -163,10 +161,10 @@ Problem<Scalar>& Problem<Scalar>::set_domain(Domain domain) {
                          " dimensions, the points have " + std::to_string(dimension()));
     }
     require_scale<Scalar>(domain);
-    domain = rounded<Scalar>(domain);
-    agree(ranks(), [&] {
-      require_inside("points", own_points(), first_own_point(), domain.box(), Arena(threads_));
-    });
+    const Box around = ranks() != nullptr ? box_of_ranks() : box_around(points_, Arena(threads_));
+    domain = with_points_on_faces<Scalar>(domain, around);
+    agree(ranks(),
+          [&] { require_inside("points", own_points(), first_own_point(), domain.box(), around); });
   }
   domain_ = std::move(domain);
   return *this;

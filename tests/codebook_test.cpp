@@ -229,7 +229,9 @@ TEST_CASE("weighted codes of new vectors keep the balance, nearest ones do not")
 }
 
 TEST_CASE("vectors in one place get one code, whatever their numbers") {
-  for (const auto& [dimension, words] : {std::pair{2, 50}, {3, 200}, {12, 50}, {12, 3000}}) {
+  for (const auto& shape : {std::pair{2, 50}, {3, 200}, {12, 50}, {12, 3000}}) {
+    const int dimension = shape.first;
+    const int words = shape.second;
     CAPTURE(dimension);
     CAPTURE(words);
     // Whole numbers of few values: half of the vectors are as near to several codewords.

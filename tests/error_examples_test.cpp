@@ -35,8 +35,6 @@ void check_all(const std::vector<Example>& examples) {
   }
 }
 
-const double kInfinity = std::numeric_limits<double>::infinity();
-
 PointsView<float> many_on_one_line(std::ptrdiff_t count) {
   static const float number = 0;
   return view_points(Eigen::Map<const Eigen::RowVectorXf>(&number, count));
@@ -157,7 +155,8 @@ TEST_CASE("error examples: volumes and surfaces") {
       {[&] { preview(grid, Points<double>(Points<double>::Zero(2, 1))); },
        "preview: the grid has 3 dimensions and the sites have 2; both need 3"},
       {[&] { mesh.validate(); }, "mesh: triangles are 2 x 1; needs 3 rows"},
-      {[&] { preview(whole, SurfaceSamples()); }, "samples: there are 0 sites, 0 normals and 0 radii"},
+      {[&] { preview(whole, SurfaceSamples()); },
+       "samples: there are 0 sites, 0 normals and 0 radii"},
   });
 }
 
@@ -303,11 +302,11 @@ TEST_CASE("error examples: the program") {
       {"tessellate p.csv --sites 2 --masses p.csv --whiten -o o.csv",
        "--whiten: cannot be combined with masses"},
   };
-  for (const auto& [line, message] : examples) {
-    CAPTURE(line);
-    const Ran ran = run(directory, line);
+  for (const auto& example : examples) {
+    CAPTURE(example.first);
+    const Ran ran = run(directory, example.first);
     CHECK(ran.status == 2);
-    CHECK(ran.errors == "ccvt: error: " + message + "\n");
+    CHECK(ran.errors == "ccvt: error: " + example.second + "\n");
   }
   CHECK(directory.entries() == 3);
 }

@@ -183,10 +183,13 @@ TEST_CASE("values too small for float are zero, values too large are refused") {
   const TemporaryDirectory directory;
   CHECK(read_points<float>(put(directory / "p.csv", "1e-60,-1e-60\n")).isZero(0));
   const std::string zeros(400, '0');
-  put(directory / "p.csv", "1e-400,-1e-400,1e-99999," + ("." + zeros) + "1\n");
+  const std::string many(20000, '0');
+  put(directory / "p.csv", "1e-400,-1e-400,1e-99999," + ("." + zeros) + "1,0." + many + "1,-0." +
+                               many + "1e5,123." + zeros + "e-500,1e-9999999999999999999999\n");
   CHECK(read_points<float>(directory / "p.csv").isZero(0));
   CHECK(read_points<double>(directory / "p.csv").isZero(0));
-  for (const std::string large : {"1e400", "-1e400", "1e99999"}) {
+  for (const std::string& large : {"1e400"s, "-1e400"s, "1e99999"s, "1" + many + "e-5",
+                                   "0." + many + "1e20500", "1e9999999999999999999999"s}) {
     CHECK(contains(message_of([&] { read_points<double>(put(directory / "p.csv", large)); }),
                    "is out of the range of float64"));
   }

@@ -7,12 +7,14 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "ccvt/capacity.h"
 #include "ccvt/lloyd.h"
+#include "ccvt/metrics.h"
 #include "ccvt/options.h"
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
@@ -382,23 +384,30 @@ TEST_CASE_TEMPLATE("points on the faces of a box are inside, whatever their type
     points(d, 2 * d) = static_cast<Scalar>(box.lower[d]);
     points(d, 2 * d + 1) = static_cast<Scalar>(box.upper[d]);
   }
+  std::vector<Index> own(9);
+  std::iota(own.begin(), own.end(), 0);
   for (const Domain& domain : {Domain::euclidean(box), Domain::periodic(box)}) {
     Problem<Scalar> problem(points, 3);
     problem.set_domain(domain);
-    const Box& rounded = problem.domain().box();
+    CHECK(ccvt::tessellate(problem).summary.energy > 0);
+    // No narrower than it was, and no wider than its points need.
+    const Box& widened = problem.domain().box();
     for (int d = 0; d < 3; ++d) {
-      CHECK(rounded.lower[d] == static_cast<double>(points(d, 2 * d)));
-      CHECK(rounded.upper[d] == static_cast<double>(points(d, 2 * d + 1)));
+      CHECK(widened.lower[d] == std::min<double>(box.lower[d], points(d, 2 * d)));
+      CHECK(widened.upper[d] == std::max<double>(box.upper[d], points(d, 2 * d + 1)));
     }
+    CHECK(ccvt::energy(points, points, own, domain) == 0);
+    CHECK_NOTHROW(ccvt::PointSet(points, domain));
     points(1, 4) = std::nextafter(points(1, 3), Scalar(9));
     CHECK_THROWS_AS(problem.set_domain(domain), InvalidInput);
     points(1, 4) = Scalar(.8);
   }
-  // Where rounding would leave nothing.
-  const Points<Scalar> far = Points<Scalar>::Constant(1, 3, Scalar(1e8));
+  // Without points on its faces, it stays as it is.
+  const Points<Scalar> far = Points<Scalar>::Constant(1, 3, Scalar(1000));
   Problem<Scalar> problem(far, 2);
-  problem.set_domain(Domain::euclidean(Box{{1e8 - .25}, {1e8 + .25}}));
-  CHECK(problem.domain().box().extent()[0] == .5);
+  problem.set_domain(Domain::periodic(Box{{999.7}, {1000.1}}));
+  CHECK(problem.domain().box().lower[0] == 999.7);
+  CHECK(problem.domain().box().upper[0] == 1000.1);
 }
 
 TEST_SUITE_END();

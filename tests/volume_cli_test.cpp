@@ -110,10 +110,12 @@ TEST_CASE("volume: a mask may store its axes in another order, or say less of it
     std::string first_fastest;
     std::string last_fastest;
     for (int k = 0; k < n[2]; ++k) {
-      for (int j = 0; j < n[1]; ++j) first_fastest += std::string(n[0], j < 2 ? '\0' : '\1');
+      for (int j = 0; j < n[1]; ++j)
+        first_fastest += std::string(static_cast<std::size_t>(n[0]), j < 2 ? '\0' : '\1');
     }
     for (int i = 0; i < n[0]; ++i) {
-      for (int j = 0; j < n[1]; ++j) last_fastest += std::string(n[2], j < 2 ? '\0' : '\1');
+      for (int j = 0; j < n[1]; ++j)
+        last_fastest += std::string(static_cast<std::size_t>(n[2]), j < 2 ? '\0' : '\1');
     }
     const std::string shape = "(" + std::to_string(n[0]) + ", " + std::to_string(n[1]) + ", " +
                               std::to_string(n[2]) + ")";

@@ -49,7 +49,8 @@ std::string small_nifti() { return nifti1({2, 3, 4}, 2, 8) + bytes_of_values(kBy
 const std::string kNrrd =
     "NRRD0004\n# a comment\ntype: unsigned char\ndimension: 3\nsizes: 2 3 4\nencoding: raw\n"
     "space: left-posterior-superior\nspace directions: (0,2,0) (1, 0,0) (0,0,-3)\n"
-    "space origin: (5,6,7)\nkinds: domain domain domain\nname:=a value: with colons\na:b:=c\n";
+    "space origin: (5,6,7)\nkinds: domain domain domain\nname:=a value: with colons\na:b:=c\na: "
+    "b:=c\ntype:=x\n";
 
 template <class Value>
 void check_nifti_type(int datatype, VoxelType type) {

@@ -250,7 +250,7 @@ Training train_codebook(const Eigen::DenseBase<Derived>& vectors, Index codeword
 template <class Scalar>
 CCVT_EXPORT Training train_codebook_from(PointsView<Scalar> vectors,
                                          const Columns<double>& codewords,
-                                         const CodebookOptions& options);
+                                         const CodebookOptions& options = {});
 template <class Derived>
 Training train_codebook_from(const Eigen::DenseBase<Derived>& vectors,
                              const Columns<double>& codewords,
@@ -275,7 +275,7 @@ Training train_codebook_from(const Eigen::DenseBase<Derived>& vectors,
 /// takes, and nobody is asked while codebooks are bred.
 template <class Scalar>
 CCVT_EXPORT Training train_codebook(Ranks& ranks, PointsView<Scalar> own, Index codewords,
-                                    const CodebookOptions& options);
+                                    const CodebookOptions& options = {});
 /// The same from given codewords, which are the same on all ranks, instead of seeds.
 template <class Scalar>
 CCVT_EXPORT Training train_codebook_from(Ranks& ranks, PointsView<Scalar> own,

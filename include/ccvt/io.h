@@ -150,7 +150,7 @@ CCVT_EXPORT std::vector<Index> read_indices(const std::filesystem::path& path);
 /// all finite; 64-bit whole numbers of shape (#,) are rounded.
 CCVT_EXPORT std::vector<double> read_numbers(const std::filesystem::path& path);
 
-/// One a line, or int32 of shape (#owners,).
+/// One a line, or int32 of shape (#owners,). At least one; else InvalidInput.
 CCVT_EXPORT void write_owners(const std::filesystem::path& path, std::span<const Index> owners);
 
 /// Writes `text` as it is, whatever the extension.

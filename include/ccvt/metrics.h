@@ -47,18 +47,37 @@ CCVT_EXPORT double imbalance_factor(std::span<const Index> owners, Index sites);
 
 // Point sets
 
+namespace detail {
+/// Points, but for those outside the box by no more than what its corners are rounded by to the
+/// Scalar that they come from: these are on its faces.
+template <class Scalar>
+Columns<double> on_faces(Columns<double> points, const Box& box) {
+  if constexpr (sizeof(Scalar) >= sizeof(double)) return points;
+  if (box.lower.size() != points.rows() || box.upper.size() != points.rows()) return points;
+  for (std::ptrdiff_t p = 0; p < points.cols(); ++p) {
+    for (std::ptrdiff_t d = 0; d < points.rows(); ++d) {
+      double& x = points(d, p);
+      if (x < box.lower[d] && x >= static_cast<Scalar>(box.lower[d])) x = box.lower[d];
+      if (x > box.upper[d] && x <= static_cast<Scalar>(box.upper[d])) x = box.upper[d];
+    }
+  }
+  return points;
+}
+}  // namespace detail
+
 /// A point set and the box that it fills, checked once; the coordinates are copied, in double.
 ///
 ///     const ccvt::PointSet set(sites, ccvt::Domain::periodic(ccvt::Box::unit(2)));
 class CCVT_EXPORT PointSet {
  public:
-  /// `points`: #dimensions by n >= 2, finite, inside the domain's box (its faces included), not all
-  /// equal. Throws InvalidInput otherwise, and when the domain has no box, one of which some
-  /// dimensions are periodic and others are not, or one with corners above 1e140 in magnitude (less
-  /// beyond 8192 dimensions) or less than 1e-140 apart.
+  /// `points`: #dimensions by n >= 2, finite, inside the domain's box (its faces included, of
+  /// floats as rounded), not all equal. Throws InvalidInput otherwise, and when the domain has no
+  /// box, one of which some dimensions are periodic and others are not, or one with corners above
+  /// 1e140 in magnitude (less beyond 8192 dimensions) or less than 1e-140 apart.
   template <class Derived>
   PointSet(const Eigen::DenseBase<Derived>& points, Domain domain)
-      : PointSet(Columns<double>(points), std::move(domain)) {}
+      : PointSet(detail::on_faces<typename Derived::Scalar>(Columns<double>(points), domain.box()),
+                 domain) {}
   PointSet(Columns<double> points, Domain domain);
 
   [[nodiscard]] int dimension() const { return static_cast<int>(points_.rows()); }

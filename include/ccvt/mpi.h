@@ -24,7 +24,7 @@ struct MpiFailure {
 /// gone. Calls come from the thread that calls the library.
 ///
 ///     ccvt::MpiRanks ranks(MPI_COMM_WORLD);
-///     ccvt::Problem<float> problem(ranks, own_points, sites);
+///     ccvt::Problem<float> problem(ranks, ccvt::view_points(own_points), sites);
 ///     auto [all_sites, owners_of_own_points, summary] = ccvt::tessellate(problem);
 ///
 /// Its functions throw MpiFailure. What is thrown while this lives is best caught while it lives,

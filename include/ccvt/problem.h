@@ -45,8 +45,8 @@ class CCVT_EXPORT Problem {
 
   /// Default: Euclidean space. A box must have the points' dimension and contain all points (a
   /// periodic box: both faces included); its corners are as moderate as coordinates, and a periodic
-  /// one extends over 1e-30 (double: 1e-140) or more in each dimension. They are rounded to Scalar,
-  /// as coordinates are, where that leaves an extent.
+  /// one extends over 1e-30 (double: 1e-140) or more in each dimension. Points may lie on corners
+  /// rounded to Scalar, as coordinates are: where some do outside the box, it is widened to them.
   Problem& set_domain(Domain domain);
   /// Default: equal, see equal_capacities(). One positive number per site, summing to m, and after
   /// set_initial_owners() as many as each site owns.

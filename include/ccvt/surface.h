@@ -142,14 +142,16 @@ CCVT_EXPORT SurfaceSamples sample_surface(const TriangleMesh& mesh, Index sites,
 ///   .csv, .txt        the columns of .ply
 ///   .npy              the sites alone, (#sites, 3), float64
 ///
-/// u and v are the barycentric coordinates of the second and the third corner.
+/// u and v are the barycentric coordinates of the second and the third corner. Throws InvalidInput
+/// when there are no samples, or not as many of all.
 CCVT_EXPORT void write_samples(const std::filesystem::path& path, const SurfaceSamples& samples);
 
 /// A picture of the surface, shaded, seen from the right, in front and above, with the samples that
 /// can be seen on it. `size`: of its longest side, in pixels, from 16 to 4096. `up`: the dimension
 /// that points up, 0 to 2; the one after it, and x after z, points to the right, and the third one
 /// to the back: with 2 x to the right and y to the back, with 1 z to the right and x to the back.
-/// Throws InvalidInput for other sizes and dimensions, and for what validate() refuses.
+/// Throws InvalidInput for other sizes and dimensions, for what validate() refuses, and for samples
+/// that are not finite, or not as many of all.
 CCVT_EXPORT ColourImage preview(const TriangleMesh& mesh, const SurfaceSamples& samples,
                                 int size = 720, int up = 2);
 

@@ -168,7 +168,11 @@ AnalyzedSet read_set(const AnalyzeArguments& arguments, const PointFiles& given,
       if (!warning.empty()) warn(arguments.quiet, {path.string() + ": " + warning});
     }
     set.files.push_back(with_names_of_streams(path.string()));
-    blame(path, [&] { set.runs.emplace_back(std::move(points), domain); });
+    Columns<double> placed(points);
+    if (header.scalar == ScalarType::float32) {
+      placed = detail::on_faces<float>(std::move(placed), domain.box());
+    }
+    blame(path, [&] { set.runs.emplace_back(std::move(placed), domain); });
     check_same_box(set, path);
   }
   return set;

@@ -10,11 +10,11 @@
 
 #include "ccvt/codebook.h"
 #include "ccvt/problem.h"
-#include "codebook/progress.h"
 #include "codebook/vectors.h"
 #include "geometry/metric.h"
 #include "parallel/arena.h"
 #include "parallel/stop.h"
+#include "settling_progress.h"
 
 namespace ccvt {
 
@@ -99,7 +99,7 @@ class Trainer {
   std::vector<Index> met_;  ///< the last owners of all vectors that met the capacities
   bool bred_ = false;       ///< the sites are those of balanced cells
   bool placed_ = false;     ///< the sites are where capacities want them
-  TrainingProgress progress_;
+  SettlingProgress progress_;
   CodebookSummary summary_;
 };
 

@@ -51,11 +51,15 @@ class Header {
       if (line.empty()) return;
       ++line_;
       if (line.front() == '#') continue;
-      if (line.find(":=") < line.find(": ")) continue;  // a key and value of the user's
       const std::size_t colon = line.find(':');
       if (colon == std::string::npos) fail("is not of the form 'field: value'");
       const std::string field = in_lower_case(trimmed(std::string_view(line).substr(0, colon)));
-      check_known(field);
+      // A key and value of the user's, whose key may have colons.
+      if (line[colon + 1] == '=') continue;
+      if (!is_known(field)) {
+        if (line.find(":=") != std::string::npos) continue;
+        fail("has the unknown field " + io::quoted(field));
+      }
       if (!fields_.emplace(field, trimmed(std::string_view(line).substr(colon + 1))).second) {
         fail("gives the field " + io::quoted(field) + " a second time");
       }
@@ -130,7 +134,7 @@ class Header {
                " is not a vector of 3 numbers");
   }
 
-  void check_known(const std::string& field) const {
+  static bool is_known(const std::string& field) {
     static const std::set<std::string> known = {"dimension",
                                                 "type",
                                                 "block size",
@@ -171,7 +175,7 @@ class Header {
                                                 "space origin",
                                                 "space directions",
                                                 "measurement frame"};
-    if (!known.contains(field)) fail("has the unknown field " + io::quoted(field));
+    return known.contains(field);
   }
 
   /// Without its end; false at the end of the file.

@@ -74,19 +74,29 @@ std::from_chars_result parse_whole(std::string_view field, Number& value) {
   return result;
 }
 
-/// What a number that is out of Scalar's range is, if it is too near to zero for it: nearly zero.
+/// Whether a number, of whatever size, is below 1, as its digits and its exponent tell.
+bool is_below_one(std::string_view field) {
+  constexpr std::int64_t kFar = std::int64_t{1} << 40;
+  const std::size_t mark = std::min(field.find_first_of("eE"), field.size());
+  const std::string_view digits = field.substr(0, mark);
+  std::int64_t exponent = 0;
+  if (mark < field.size()) {
+    const std::string_view written = field.substr(mark + 1);
+    const bool fits = parse_whole(written, exponent).ec == std::errc();
+    if (!fits || std::abs(exponent) > kFar) exponent = written.front() == '-' ? -kFar : kFar;
+  }
+  const std::size_t point = std::min(digits.find('.'), digits.size());
+  const std::size_t first = std::min(digits.find_first_of("123456789"), digits.size());
+  // The first digit that counts is worth 10 to the power of this.
+  const auto before = static_cast<std::int64_t>(point) - static_cast<std::int64_t>(first);
+  return exponent + (first < point ? before - 1 : before) < 0;
+}
+
+/// Zero, for a number that is out of range because it is too near to that.
 template <class Scalar>
 const char* parse_tiny(std::string_view field, Scalar& value, const char* otherwise) {
-  long double wide = 0;
-  if (parse_whole(field, wide).ec != std::errc()) {
-    const std::size_t exponent = field.find_first_of("eE");
-    if (exponent == std::string_view::npos || field.substr(exponent + 1, 1) != "-") {
-      return otherwise;
-    }
-    wide = field.front() == '-' ? -0.0L : 0.0L;
-  }
-  if (!(std::abs(wide) < 1)) return otherwise;
-  value = static_cast<Scalar>(wide);
+  if (!is_below_one(field)) return otherwise;
+  value = std::copysign(Scalar(0), field.front() == '-' ? Scalar(-1) : Scalar(1));
   return nullptr;
 }
 

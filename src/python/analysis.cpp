@@ -50,7 +50,13 @@ py::dict run_analyze(const std::vector<py::array>& sets, const py::array_t<doubl
   const Domain domain = domain_of(box, along);
   Listener listener((py::none()));
   std::vector<PointSet> checked;
-  for (const py::array& set : sets) checked.emplace_back(columns_of<double>(set), domain);
+  for (const py::array& set : sets) {
+    Columns<double> points = columns_of<double>(set);
+    if (py::isinstance<py::array_t<float>>(set)) {
+      points = detail::on_faces<float>(std::move(points), domain.box());
+    }
+    checked.emplace_back(std::move(points), domain);
+  }
   SpectrumOptions options;
   options.max_frequency = max_frequency;
   options.seed = seed;

@@ -1,5 +1,7 @@
 #include <pybind11/pybind11.h>
 
+#include <cstring>
+
 #include "arrays.h"
 #include "bindings.h"
 #include "ccvt/io.h"
@@ -20,7 +22,19 @@ Domain domain_of(const std::optional<py::array_t<double>>& box, const std::vecto
 
 }  // namespace ccvt::python
 
-// InvalidInput is a std::invalid_argument, of which pybind11 makes a ValueError by itself.
+namespace {
+
+/// Raises an exception with a message that may have file names of any bytes, as os.fsdecode() has
+/// them.
+void raise_as(PyObject* type, const char* message) {
+  namespace py = pybind11;
+  const auto text = py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(
+      message, static_cast<py::ssize_t>(std::strlen(message)), "surrogateescape"));
+  if (text) PyErr_SetObject(type, text.ptr());
+}
+
+}  // namespace
+
 PYBIND11_MODULE(_ccvt, module) {
   namespace py = pybind11;
   module.attr("__version__") = CCVT_VERSION;
@@ -29,7 +43,9 @@ PYBIND11_MODULE(_ccvt, module) {
     try {
       if (error) std::rethrow_exception(error);
     } catch (const ccvt::IoError& caught) {
-      PyErr_SetString(PyExc_OSError, caught.what());
+      raise_as(PyExc_OSError, caught.what());
+    } catch (const ccvt::InvalidInput& caught) {
+      raise_as(PyExc_ValueError, caught.what());
     } catch (const ccvt::Cancelled& caught) {
       PyErr_SetString(PyExc_RuntimeError, caught.what());
     }

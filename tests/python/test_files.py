@@ -110,6 +110,12 @@ def test_names_of_any_bytes(tmp_path):
     name = os.fsencode(tmp_path) + b"/\xff.npy"
     ccvt.write_points(os.fsdecode(name), [[1.0, 2.0]])
     assert ccvt.read_points(name).tolist() == [[1.0, 2.0]]
+    with open(name, "wb") as file:
+        file.write(b"no array")
+    with pytest.raises(ValueError, match="\udcff.npy: "):
+        ccvt.read_points(name)
+    with pytest.raises(OSError, match="\udcff/x.npy: "):
+        ccvt.write_points(os.fsencode(tmp_path) + b"/\xff/x.npy", [[1.0, 2.0]])
 
 
 @pytest.mark.parametrize("call, text", [

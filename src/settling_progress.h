@@ -6,10 +6,11 @@
 
 namespace ccvt {
 
-/// How far a training has come, from 0 to 1, without ever falling. It goes through parts: levels,
-/// and what comes before them. Within one, the number of vectors that still change their codeword
-/// falls about geometrically from iteration to iteration: its logarithm tells how many are left.
-class TrainingProgress {
+/// How far a run has come in which points settle, such as the training of a codebook, from 0 to 1,
+/// without ever falling. It goes through parts: levels, and what comes before them. Within one, the
+/// number of points that still change their owner falls about geometrically from iteration to
+/// iteration: its logarithm tells how many are left.
+class SettlingProgress {
  public:
   /// The next part, and its share of all the work.
   void begin(double share) {
@@ -18,9 +19,9 @@ class TrainingProgress {
     most_ = 0;
   }
 
-  /// An iteration moved so many vectors.
-  double moved(std::int64_t vectors) {
-    const double size = std::log1p(static_cast<double>(vectors));
+  /// An iteration moved so many points.
+  double moved(std::int64_t points) {
+    const double size = std::log1p(static_cast<double>(points));
     most_ = std::max(most_, size);
     return reach(most_ > 0 ? 1 - size / most_ : 1);
   }
