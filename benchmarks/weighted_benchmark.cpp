@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <exception>
 #include <functional>
 #include <numeric>
 #include <string>
@@ -304,9 +305,7 @@ void draw(const std::string& file) {
   ccvt::write_png(file, image);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "all";
   const std::string file = argc > 2 ? argv[2] : "tests/data/camera.png";
   const std::vector<std::string> known{"all", "picture", "particles", "draw"};
@@ -331,4 +330,15 @@ int main(int argc, char** argv) {
     for (const double exponent : {4.0, 2.5, 1.5}) compare(particles(500'000, exponent, 1), 2000);
   }
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "weighted_benchmark: %s\n", error.what());
+    return 1;
+  }
 }
