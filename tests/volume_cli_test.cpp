@@ -153,6 +153,23 @@ TEST_CASE("volume: a mask may store its axes in another order, or say less of it
   }
 }
 
+TEST_CASE("volume: a raw mask of another type, beside a raw volume and another") {
+  const TemporaryDirectory directory;
+  std::vector<float> values(6 * 6 * 6, 1.0F);
+  std::vector<std::uint16_t> mask(values.size(), 0);
+  for (std::size_t i = 0; i < 36; ++i) mask[i] = 1;  // the lowest layer
+  put(directory / "v.raw", bytes_of_values(values));
+  put(directory / "v.npy", npy_file("<f4", "(6, 6, 6)", bytes_of_values(values), true));
+  put(directory / "m.raw", bytes_of_values(mask, true));
+  for (const std::string volume : {"v.raw --type float32", "v.npy"}) {
+    const Ran ran = run(directory, "volume " + volume + " --shape 6,6,6 --mask m.raw --mask-type " +
+                                       "uint16be --sites 20 -q -o s.npy");
+    CHECK(ran.errors == "");
+    REQUIRE(ran.status == 0);
+    CHECK(read_points<float>(directory / "s.npy").row(2).maxCoeff() < 0.5F);
+  }
+}
+
 TEST_CASE("volume: labels of a mask, a mask with NaN, constant cells") {
   const TemporaryDirectory directory;
   put(directory / "v.nii", half_bright());
@@ -262,6 +279,8 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
   check("v.nii --mask l.nii --label 5,", "'5,' has an empty entry");
   check("v.nii --mask zero.nii", "zero.nii: no cell is anything but 0");
   check("v.nii --label 5", "--label: needs --mask");
+  check("v.nii --mask-type uint8", "--mask-type: needs a .raw file for --mask");
+  check("v.nii --mask l.nii --mask-type uint8", "--mask-type: needs a .raw file for --mask");
   check("v.nii --interpolation cubic", "'cubic' is not one of constant, linear");
   check("none.nii", "there is no such file");
   check("v.nii --map window:5,5", "LO less than HI");

@@ -100,6 +100,7 @@ struct VolumeArguments : CommonArguments {
   std::vector<std::int64_t> labels;  ///< of the mask; empty: all but 0
   std::filesystem::path preview;     ///< empty: none
   VolumeLayout layout;
+  VolumeLayout mask_layout;  ///< type and byte order of a mask, where they are not the layout's
 };
 
 struct QuantizeArguments : CommonArguments {

@@ -31,6 +31,7 @@ std::string_view title_of(const CLI::App& command, const std::string& name) {
       {"--origin", "Input"},
       {"--shape", "Input"},
       {"--type", "Input"},
+      {"--mask-type", "Input"},
       {"--image-blocks", "Input"},
       {"--compare", "Input"},
       {"--codebook", "Input"},

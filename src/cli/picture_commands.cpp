@@ -68,6 +68,8 @@ CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
       "Of .raw: cells along each axis, the first one fastest", "X,Y,Z");
   add_parsed(*command, "--type", arguments.layout, parse_voxel_type,
              "Of .raw: uint8, int16, float32 and so on; int16be: big endian", "TYPE");
+  add_parsed(*command, "--mask-type", arguments.mask_layout, parse_voxel_type,
+             "Of a .raw --mask, if it is not --type", "TYPE");
   add_common(*command, arguments, io::kSampleFiles, "float32");
   add_checkpoint(*command, arguments);
   add_output(*command, "--preview", arguments.preview,

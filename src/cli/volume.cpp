@@ -53,7 +53,7 @@ int sample(const VolumeArguments& arguments, const VolumeHeader& header,
 }  // namespace
 
 int run_volume(const VolumeArguments& arguments) {
-  check_labels(arguments);
+  check_mask_options(arguments);
   Outputs outputs;
   outputs.add("--output", arguments.output, io::kSampleFiles)
       .add("--preview", arguments.preview, io::kPictureFiles)

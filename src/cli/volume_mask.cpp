@@ -100,9 +100,14 @@ std::vector<std::uint8_t> reordered(const std::vector<std::uint8_t>& mask, const
 
 }  // namespace
 
-void check_labels(const VolumeArguments& arguments) {
-  if (arguments.labels.empty() || !arguments.mask.empty()) return;
-  throw InvalidInput("--label: needs --mask, the volume of labels; see ccvt volume --help");
+void check_mask_options(const VolumeArguments& arguments) {
+  if (!arguments.labels.empty() && arguments.mask.empty()) {
+    throw InvalidInput("--label: needs --mask, the volume of labels; see ccvt volume --help");
+  }
+  if (arguments.mask_layout.type && !is_raw(arguments.mask)) {
+    throw InvalidInput(
+        "--mask-type: needs a .raw file for --mask; others say their type themselves");
+  }
 }
 
 VolumeLayout layout_of_volume(const VolumeArguments& arguments) {
@@ -110,7 +115,12 @@ VolumeLayout layout_of_volume(const VolumeArguments& arguments) {
 }
 
 VolumeLayout layout_of_mask(const VolumeArguments& arguments) {
-  return layout_of(arguments.mask, arguments.volume, arguments.layout);
+  VolumeLayout layout = layout_of(arguments.mask, arguments.volume, arguments.layout);
+  if (arguments.mask_layout.type) {
+    layout.type = arguments.mask_layout.type;
+    layout.big_endian = arguments.mask_layout.big_endian;
+  }
+  return layout;
 }
 
 VolumeHeader inspect_mask(const VolumeArguments& arguments, const VolumeHeader& volume) {

@@ -7,11 +7,12 @@
 
 #include "cli/arguments.h"
 
-/// --mask and --label.
+/// --mask, --mask-type and --label.
 namespace ccvt::cli {
 
-/// Throws InvalidInput where there are labels, but no --mask.
-void check_labels(const VolumeArguments& arguments);
+/// Throws InvalidInput where there are labels, but no --mask, or its type where it says that
+/// itself.
+void check_mask_options(const VolumeArguments& arguments);
 
 /// What --spacing, --origin, --shape and --type say of FILE, or of --mask: what only the other of
 /// the two takes is not for this one.

@@ -40,7 +40,7 @@ struct Part {
 Headers check(const Session& session, const VolumeArguments& arguments) {
   Headers headers;
   session.together([&] {
-    cli::check_labels(arguments);
+    cli::check_mask_options(arguments);
     cli::Outputs outputs;
     outputs.add("--output", arguments.output, io::kSampleFiles)
         .add("--summary", arguments.summary)
