@@ -338,6 +338,8 @@ TEST_CASE("indices") {
   }
   put(directory / "wide.npy", npy(header("<i8", "(2,)"), bytes_of<std::int64_t>({3, 1000000})));
   CHECK(read_indices(directory / "wide.npy") == std::vector<Index>{3, 1000000});
+  CHECK(contains(message_of([&] { read_indices(put(directory / "p.ply", "3\n")); }),
+                 "p.ply: unknown extension '.ply'; whole numbers come from .npy, .csv or .txt"));
 
   struct Case {
     std::string name;

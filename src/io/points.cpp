@@ -41,11 +41,13 @@ constexpr std::uint64_t kMostDimensions = std::uint64_t{1} << 24;
                      "; " + what + " " + io::list_of(allowed, " or "));
 }
 
-/// Of a file of points or whole numbers that is written, or of whole numbers that is read.
-std::string table_extension(const std::filesystem::path& path) {
+/// Of a file of points or whole numbers that is written, or of whole numbers that is read, as
+/// `what` tells.
+std::string table_extension(const std::filesystem::path& path,
+                            const char* what = "points and owners go into") {
   std::string extension = io::extension_of(path);
   if (io::is_among(io::kTableFiles, extension)) return extension;
-  fail_extension(path, "points and owners go into", io::kTableFiles);
+  fail_extension(path, what, io::kTableFiles);
 }
 
 void refuse_part(const std::filesystem::path& path, const ReadOptions& options,
@@ -233,7 +235,7 @@ void write_points(const std::filesystem::path& path, PointsView<Scalar> points) 
 
 std::vector<Index> read_indices(const std::filesystem::path& path) {
   std::vector<Index> values;
-  if (table_extension(path) != ".npy") {
+  if (table_extension(path, "whole numbers come from") != ".npy") {
     TextRows rows(path);
     while (rows.next()) {
       const std::string_view field = rows.fields().front();
