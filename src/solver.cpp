@@ -13,15 +13,6 @@ struct Solver<Scalar>::Implementation : Run<Scalar> {
   using Run<Scalar>::Run;
 };
 
-namespace {
-
-template <class Implementation>
-Implementation& whole(const std::unique_ptr<Implementation>& implementation) {
-  return whole("solver", implementation);
-}
-
-}  // namespace
-
 template <class Scalar>
 Solver<Scalar>::Solver(Problem<Scalar> problem, Options options)
     : implementation_(std::make_unique<Implementation>(std::move(problem), std::move(options))) {}
@@ -39,18 +30,18 @@ Solver<Scalar>::~Solver() {}  // NOLINT: where Implementation is complete
 
 template <class Scalar>
 bool Solver<Scalar>::step() {
-  return whole(implementation_).step();
+  return whole("solver", implementation_).step();
 }
 
 template <class Scalar>
 void Solver<Scalar>::run() {
-  while (whole(implementation_).step()) {
+  while (whole("solver", implementation_).step()) {
   }
 }
 
 template <class Scalar>
 void Solver<Scalar>::cancel() {
-  Implementation& run = whole(implementation_);
+  Implementation& run = whole("solver", implementation_);
   if (!run.record.ended()) {
     run.stop.enter();
     run.end_for_now(Termination::cancelled);
@@ -59,27 +50,27 @@ void Solver<Scalar>::cancel() {
 
 template <class Scalar>
 void Solver<Scalar>::save(const std::filesystem::path& file) const {
-  whole(implementation_).save(file);
+  whole("solver", implementation_).save(file);
 }
 
 template <class Scalar>
 void Solver<Scalar>::load(const std::filesystem::path& file) {
-  whole(implementation_).load(file);
+  whole("solver", implementation_).load(file);
 }
 
 template <class Scalar>
 Columns<Scalar> Solver<Scalar>::site_columns() const {
-  return whole(implementation_).site_columns();
+  return whole("solver", implementation_).site_columns();
 }
 
 template <class Scalar>
 std::vector<Index> Solver<Scalar>::owners() const {
-  return whole(implementation_).owners();
+  return whole("solver", implementation_).owners();
 }
 
 template <class Scalar>
 const Summary& Solver<Scalar>::summary() const {
-  return whole(implementation_).record.summary();
+  return whole("solver", implementation_).record.summary();
 }
 
 // Each member that is compiled here; a whole class would bring along what is inline.

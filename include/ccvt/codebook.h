@@ -67,8 +67,8 @@ struct CCVT_EXPORT CodebookOptions {
   int threads = 0;
   std::uint64_t seed = 0;
   /// Vectors of each codeword, summing to their number. Empty: equal, and where these cannot all
-  /// be, the method decides which have one more. To allow a codeword at most c
-  /// vectors, give it c, or less.
+  /// be, the method decides which have one more. To allow a codeword at most c vectors, give it c,
+  /// or less.
   std::vector<Index> capacities = {};
   /// `exact` ends when an assignment is proved to cost, for the centroids of its cells, at most
   /// this share more than the cheapest one that keeps the capacities. In [0, 1); 0: no more than
@@ -250,7 +250,7 @@ Training train_codebook(const Eigen::DenseBase<Derived>& vectors, Index codeword
 template <class Scalar>
 CCVT_EXPORT Training train_codebook_from(PointsView<Scalar> vectors,
                                          const Columns<double>& codewords,
-                                         const CodebookOptions& options = {});
+                                         const CodebookOptions& options);
 template <class Derived>
 Training train_codebook_from(const Eigen::DenseBase<Derived>& vectors,
                              const Columns<double>& codewords,
@@ -280,6 +280,6 @@ CCVT_EXPORT Training train_codebook(Ranks& ranks, PointsView<Scalar> own, Index 
 template <class Scalar>
 CCVT_EXPORT Training train_codebook_from(Ranks& ranks, PointsView<Scalar> own,
                                          const Columns<double>& codewords,
-                                         const CodebookOptions& options);
+                                         const CodebookOptions& options = {});
 
 }  // namespace ccvt

@@ -26,7 +26,8 @@ int sample(const VolumeArguments& arguments, const VolumeHeader& header,
   if (!arguments.quiet) print("needs about " + needed + " of memory\n");
 
   const Volume volume = read_volume(arguments.volume, layout_of_volume(arguments));
-  const std::vector<std::uint8_t> mask = read_mask(arguments, volume);
+  std::vector<std::uint8_t> mask;
+  if (mask_header) mask = read_mask(arguments, volume, *mask_header);
   check_values(arguments, volume, mask);
   DensityGrid density =
       blame(arguments.volume, [&] { return volume.density(arguments.map, mask); });

@@ -151,14 +151,13 @@ AxisOrder order_of_mask(const VolumeArguments& arguments, const VolumeHeader& vo
   return order;
 }
 
-std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const VolumeHeader& volume) {
-  if (arguments.mask.empty()) return {};
-  const VolumeHeader header = inspect_mask(arguments, volume);
-  const AxisOrder order = order_of_mask(arguments, volume, header);
-  std::vector<std::uint8_t> mask =
+std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
+                                    const VolumeHeader& mask) {
+  const AxisOrder order = order_of_mask(arguments, volume, mask);
+  std::vector<std::uint8_t> cells =
       mask_of(arguments, read_volume(arguments.mask, layout_of_mask(arguments)));
-  if (!counts(mask)) refuse_mask(arguments);
-  return order == kSameOrder ? mask : reordered(mask, header.grid, order);
+  if (!counts(cells)) refuse_mask(arguments);
+  return order == kSameOrder ? cells : reordered(cells, mask.grid, order);
 }
 
 void check_mask_of_parts(const VolumeArguments& arguments, const VolumeHeader& volume,

@@ -29,9 +29,10 @@ using AxisOrder = std::array<int, 3>;
 AxisOrder order_of_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
                         const VolumeHeader& mask);
 
-/// One byte for each cell of `volume`: not 0 where --mask, and --label, let samples be; empty
-/// without --mask. Throws InvalidInput as order_of_mask() does, and unless some cells count.
-std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const VolumeHeader& volume);
+/// One byte for each cell of `volume`: not 0 where --mask, whose header is `mask`, and --label let
+/// samples be. Throws InvalidInput as order_of_mask() does, and unless some cells count.
+std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
+                                    const VolumeHeader& mask);
 
 /// Of a mask of which processes have parts: throws unless it is of that volume, and stored in the
 /// same order; what is in a part, and whether any of that counts; and throws, where none does on

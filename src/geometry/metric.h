@@ -109,8 +109,9 @@ class Metric {
       const double to = a[d];
       double difference = to - b[d];
       if (periodic()) {
-        if (std::abs(difference) > extent()[d])
+        if (std::abs(difference) > extent()[d]) {
           difference = std::remainder(difference, extent()[d]);
+        }
         difference = shortest_distance(difference, extent()[d]);
       }
       sum += difference * difference;

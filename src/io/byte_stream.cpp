@@ -60,8 +60,10 @@ std::size_t ByteStream::read_some(void* data, std::size_t count) {
       state.avail_in = static_cast<uInt>(wanted);
     }
     if (inflater_->ended) {
-      for (; state.avail_in > 0 && *state.next_in == 0; --state.avail_in)
-        ++state.next_in;  // padding
+      while (state.avail_in > 0 && *state.next_in == 0) {  // padding
+        ++state.next_in;
+        --state.avail_in;
+      }
       if (state.avail_in == 0 && left_ > 0) continue;
       if (state.avail_in == 0) break;
       if (inflateReset(&state) != Z_OK) throw std::bad_alloc();

@@ -189,7 +189,7 @@ void JpegDecoder::check_header() const {
   check_size(file_, jpeg_.image_width, jpeg_.image_height, kMostPixelsPerByte * file_.size());
 }
 
-/// That of the first segment that has one.
+/// That of the first segment that tells of another than upright.
 Orientation JpegDecoder::read_orientation() const {
   for (auto* marker = jpeg_.marker_list; marker != nullptr; marker = marker->next) {
     const Orientation told(std::span<const unsigned char>(marker->data, marker->data_length));

@@ -54,12 +54,10 @@ class Header {
       const std::size_t colon = line.find(':');
       if (colon == std::string::npos) fail("is not of the form 'field: value'");
       const std::string field = in_lower_case(trimmed(std::string_view(line).substr(0, colon)));
+      const std::size_t sign = line.find(":=");
       // A key and value of the user's, whose key may have colons.
-      if (line[colon + 1] == '=') continue;
-      if (!is_known(field)) {
-        if (line.find(":=") != std::string::npos) continue;
-        fail("has the unknown field " + io::quoted(field));
-      }
+      if (sign == colon || (sign != std::string::npos && !is_known(field))) continue;
+      if (!is_known(field)) fail("has the unknown field " + io::quoted(field));
       if (!fields_.emplace(field, trimmed(std::string_view(line).substr(colon + 1))).second) {
         fail("gives the field " + io::quoted(field) + " a second time");
       }

@@ -51,11 +51,9 @@ py::dict run_analyze(const std::vector<py::array>& sets, const py::array_t<doubl
   Listener listener((py::none()));
   std::vector<PointSet> checked;
   for (const py::array& set : sets) {
-    Columns<double> points = columns_of<double>(set);
-    if (py::isinstance<py::array_t<float>>(set)) {
-      points = detail::on_faces<float>(std::move(points), domain.box());
-    }
-    checked.emplace_back(std::move(points), domain);
+    visit_points(set, [&]<class Scalar>(PointsView<Scalar>) {
+      checked.emplace_back(detail::on_faces<Scalar>(columns_of<double>(set), domain.box()), domain);
+    });
   }
   SpectrumOptions options;
   options.max_frequency = max_frequency;
