@@ -210,12 +210,11 @@ std::vector<std::string> reversed_arguments(int argc, const char* const* argv) {
   std::vector<std::string> result;
   for (int i = 1; i < argc; ++i) {
     result.emplace_back(argv[i]);
-    if (result.back() != "--box") continue;
+    const bool begun = result.back().starts_with("--box=") && is_number(argv[i] + 6);
+    if (result.back() != "--box" && !begun) continue;
     std::string numbers;
-    while (i + 1 < argc && is_number(argv[i + 1])) {
-      numbers += (numbers.empty() ? "" : " ") + std::string(argv[++i]);
-    }
-    if (!numbers.empty()) result.back() += "=" + numbers;
+    while (i + 1 < argc && is_number(argv[i + 1])) numbers += " " + std::string(argv[++i]);
+    if (!numbers.empty()) result.back() += begun ? numbers : "=" + numbers.substr(1);
   }
   std::reverse(result.begin(), result.end());
   return result;
