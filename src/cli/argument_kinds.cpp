@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <sstream>
+#include <string_view>
 
 #include "ccvt/presets.h"
 #include "cli/standard_streams.h"
@@ -209,12 +210,13 @@ std::vector<std::string> reversed_arguments(int argc, const char* const* argv) {
   };
   std::vector<std::string> result;
   for (int i = 1; i < argc; ++i) {
-    result.emplace_back(argv[i]);
-    const bool begun = result.back().starts_with("--box=") && is_number(argv[i] + 6);
-    if (result.back() != "--box" && !begun) continue;
-    std::string numbers;
-    while (i + 1 < argc && is_number(argv[i + 1])) numbers += " " + std::string(argv[++i]);
-    if (!numbers.empty()) result.back() += begun ? numbers : "=" + numbers.substr(1);
+    std::string& word = result.emplace_back(argv[i]);
+    constexpr std::string_view begun = "--box=";
+    const bool has_first = word.starts_with(begun) && is_number(argv[i] + begun.size());
+    if (word != "--box" && !has_first) continue;
+    for (; i + 1 < argc && is_number(argv[i + 1]); ++i) {
+      word += (word == "--box" ? "=" : " ") + std::string(argv[i + 1]);
+    }
   }
   std::reverse(result.begin(), result.end());
   return result;
