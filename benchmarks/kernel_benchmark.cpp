@@ -211,7 +211,7 @@ void nearest_available(benchmark::State& state) {
     Cells<float> cells(dimension, start.problem.capacities());
     Filling<float> filling(cells, start.problem.points());
     join_coherent(start.metric, start.sites, std::span<const PointNumber>(start.all), 1, filling);
-    benchmark::DoNotOptimize(cells.points(SiteNumber(0)).data());
+    benchmark::DoNotOptimize(cells.point(SiteNumber(0), 0));
   }
   count_points(state, start.points.cols(), dimension);
 }

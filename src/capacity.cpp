@@ -1,23 +1,29 @@
 #include "ccvt/capacity.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include "numbers.h"
 
 namespace ccvt {
 
-std::vector<Index> equal_capacities(Index points, Index sites) {
+std::vector<Index> equal_capacities(std::int64_t points, Index sites) {
   if (sites < 1 || sites > points) {
     throw InvalidInput("sites: " + std::to_string(sites) + " for " + std::to_string(points) +
                        " points: there must be at least one site, and no more sites than points");
   }
-  std::vector<Index> capacities(static_cast<std::size_t>(sites), points / sites);
-  std::fill_n(capacities.begin(), points % sites, points / sites + 1);
+  const std::int64_t least = points / sites;
+  if (least >= std::numeric_limits<Index>::max()) {
+    throw InvalidInput("sites: " + std::to_string(sites) + " for " + std::to_string(points) +
+                       " points: a site owns at most 2147483647");
+  }
+  std::vector<Index> capacities(static_cast<std::size_t>(sites), static_cast<Index>(least));
+  std::fill_n(capacities.begin(), points % sites, static_cast<Index>(least + 1));
   return capacities;
 }
 
-void validate_capacities(std::span<const Index> capacities, Index points) {
+void validate_capacities(std::span<const Index> capacities, std::int64_t points) {
   if (capacities.empty()) throw InvalidInput("capacities: there are none");
   std::int64_t sum = 0;
   for (std::size_t s = 0; s < capacities.size(); ++s) {

@@ -154,7 +154,7 @@ void Lloyd<Scalar>::assign_all() {
 /// The points whose nearest site is another than before, beyond the margin and rounding.
 template <class Scalar>
 Buffer<OwnerChange> Lloyd<Scalar>::changes() {
-  const bool pays = OwnerBounds<Scalar>::pays(problem_.point_count(), problem_.site_count(),
+  const bool pays = OwnerBounds<Scalar>::pays(problem_.points().count, problem_.site_count(),
                                               problem_.dimension());
   return pays ? bounds_.changes(sites_, owners_, margin_) : changes_of_all();
 }
@@ -220,7 +220,8 @@ void Lloyd<Scalar>::gather() {
     if (sizes[s] > 0) {
       const std::span<const PointNumber> own = by_owner[s];
       for (std::size_t k = 0; k < own.size(); ++k) {
-        cells.put(s, static_cast<Index>(k), own[k], problem_.points()[own[k].index()]);
+        cells.put(s, static_cast<Index>(k), PointOfAll(own[k].index()),
+                  problem_.points()[own[k].index()]);
       }
       sites_.radius[s] = std::numeric_limits<double>::infinity();
       update_site(metric_, cells, sites_, s);

@@ -3,6 +3,7 @@
 #include <compare>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 
 #include "ccvt/types.h"
@@ -11,17 +12,17 @@ namespace ccvt {
 
 /// The number of one of many things of a kind, from 0. Arrays are indexed by it as it is; numbers
 /// of different kinds, and plain integers, do not become each other unless asked to.
-template <class Kind>
+template <class Kind, std::signed_integral Value = Index>
 class Number {
  public:
   constexpr Number() = default;
   template <std::integral Integer>
-  constexpr explicit Number(Integer value) : value_(static_cast<Index>(value)) {}
+  constexpr explicit Number(Integer value) : value_(static_cast<Value>(value)) {}
 
   /// The number of nothing: no array has it.
   [[nodiscard]] static constexpr Number none() { return Number(-1); }
 
-  [[nodiscard]] constexpr Index index() const { return value_; }
+  [[nodiscard]] constexpr Value index() const { return value_; }
   [[nodiscard]] constexpr Number next() const { return Number(value_ + 1); }
   constexpr operator std::size_t() const { return static_cast<std::size_t>(value_); }
 
@@ -33,11 +34,14 @@ class Number {
   friend constexpr auto operator<=>(Number a, Number b) { return a.value_ <=> b.value_; }
 
  private:
-  Index value_ = 0;
+  Value value_ = 0;
 };
 
 using SiteNumber = Number<struct OfSites>;
+/// Of a point of this process.
 using PointNumber = Number<struct OfPoints>;
+/// Of a point among those of all ranks, which follow each other's: without ranks the same.
+using PointOfAll = Number<struct OfAllPoints, std::int64_t>;
 
 /// The numbers from `begin` to `end` - 1, for range-based loops.
 template <class N>

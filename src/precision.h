@@ -15,17 +15,17 @@ namespace ccvt {
 
 /// How far apart neighbouring points are, from what their tessellation costs; infinite where that
 /// says nothing, as when each point has a site of its own.
-inline double spacing_in_cells(double energy, Index points, Index sites, int dimension) {
+inline double spacing_in_cells(double energy, std::int64_t points, Index sites, int dimension) {
   if (!(energy > 0)) return std::numeric_limits<double>::infinity();
   // A cube of side a has a mean square of a^2 / 12 along each axis.
-  const double side = std::sqrt(12 * energy / points / dimension);
-  const double all = points;
+  const auto all = static_cast<double>(points);
+  const double side = std::sqrt(12 * energy / all / dimension);
   return side / std::pow(all / sites, 1.0 / dimension);
 }
 
 /// The most that they can be apart when they fill a box.
-inline double spacing_in_box(const Box& box, Index points) {
-  return box.extent().maxCoeff() / std::pow(points, 1.0 / box.dimension());
+inline double spacing_in_box(const Box& box, std::int64_t points) {
+  return box.extent().maxCoeff() / std::pow(static_cast<double>(points), 1.0 / box.dimension());
 }
 
 /// The numbers of the points, of `count`, that coarse_coordinates() looks at: enough for a median.

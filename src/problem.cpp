@@ -13,6 +13,7 @@
 #include "number_text.h"
 #include "numbers.h"
 #include "parallel/together.h"
+#include "relax/point_order.h"
 #include "scales.h"
 #include "thread_count.h"
 
@@ -24,8 +25,8 @@ constexpr Index kPointsForThreads = 1 << 18;
 
 /// Points are not looked at one by one unless one of them is outside, as the box around all tells.
 template <class Scalar>
-void require_inside(const char* argument, const PointsView<Scalar>& points, Index first_number,
-                    const Box& box, const Box& around) {
+void require_inside(const char* argument, const PointsView<Scalar>& points,
+                    std::int64_t first_number, const Box& box, const Box& around) {
   bool inside = true;
   for (int d = 0; d < box.dimension(); ++d) {
     inside = inside && around.lower[d] >= box.lower[d] && around.upper[d] <= box.upper[d];
@@ -90,16 +91,6 @@ void require_view(const PointsView<Scalar>& points) {
   require_data("points", points);
 }
 
-/// The same points with other numbers: what is not there must not be read.
-template <class Scalar>
-PointsView<Scalar> numbered(const PointsView<Scalar>& points, Index first, Index count) {
-  const auto before = static_cast<std::uintptr_t>(first) *
-                      static_cast<std::uintptr_t>(points.stride) * sizeof(Scalar);
-  const auto address = reinterpret_cast<std::uintptr_t>(points.data) - before;
-  // NOLINTNEXTLINE(performance-no-int-to-ptr): no array reaches from there to the points
-  return {reinterpret_cast<const Scalar*>(address), points.dimension, count, points.stride};
-}
-
 }  // namespace
 
 template <class Scalar>
@@ -139,18 +130,18 @@ Problem<Scalar>::Problem(Ranks& ranks, PointsView<Scalar> own, Index sites, int 
     count += all[r].points;
   }
   if (count < 1) throw InvalidInput("points: there are none");
-  if (count > INT32_MAX) {
+  if (count > PointOrder::kMostPoints) {
     throw InvalidInput("points: there are " + std::to_string(count) +
-                       " of them on all ranks, but at most 2147483647 are supported");
+                       " of them on all ranks, but at most " +
+                       std::to_string(PointOrder::kMostPoints) + " are supported");
   }
-  capacities_ = equal_capacities(static_cast<Index>(count), sites);
+  capacities_ = equal_capacities(count, sites);
   const Arena arena(threads_);
-  agree(&ranks, [&] { require_moderate("points", own, arena, static_cast<Index>(first)); });
-  points_ = numbered(own, static_cast<Index>(first), static_cast<Index>(count));
+  agree(&ranks, [&] { require_moderate("points", own, arena, first); });
   const Box around = box_of_all(ranks, own, arena);
   require_extent<Scalar>("points", around.extent().maxCoeff());
   if (ranks.count() == 1) return;
-  part_ = std::make_shared<const Part>(Part{&ranks, static_cast<Index>(first), own, around});
+  part_ = std::make_shared<const Part>(Part{&ranks, first, count, around});
 }
 
 template <class Scalar>
@@ -164,7 +155,7 @@ Problem<Scalar>& Problem<Scalar>::set_domain(Domain domain) {
     const Box around = ranks() != nullptr ? box_of_ranks() : box_around(points_, Arena(threads_));
     domain = with_points_on_faces<Scalar>(domain, around);
     agree(ranks(),
-          [&] { require_inside("points", own_points(), first_own_point(), domain.box(), around); });
+          [&] { require_inside("points", points(), first_own_point(), domain.box(), around); });
   }
   domain_ = std::move(domain);
   return *this;
@@ -223,10 +214,9 @@ template <class Scalar>
 Problem<Scalar>& Problem<Scalar>::set_initial_owners(std::vector<Index> owners) {
   std::vector<Index> room = capacities_;
   agree(ranks(), [&] {
-    if (std::cmp_not_equal(owners.size(), own_points().count)) {
+    if (std::cmp_not_equal(owners.size(), points().count)) {
       throw InvalidInput("initial_owners: there are " + std::to_string(owners.size()) + " for " +
-                         std::to_string(own_points().count) +
-                         " points: there must be one per point");
+                         std::to_string(points().count) + " points: there must be one per point");
     }
     for (std::size_t p = 0; p < owners.size(); ++p) {
       const auto owner_is = [&] {

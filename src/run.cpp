@@ -186,7 +186,7 @@ double Run<Scalar>::progress(const PassCount& done) const {
   };
   const double here =
       descent ? descended() : 1 - static_cast<double>(done.active_sites) / problem.site_count();
-  return (before + here * state.cells.point_count()) / all;
+  return (before + here * static_cast<double>(state.cells.point_count())) / all;
 }
 
 /// Whether this level is lowered by Descent, and how far.
@@ -195,11 +195,13 @@ std::optional<Depth> Run<Scalar>::descends() const {
   constexpr double kTimesAsManyOnFinest = 4;
   const double least = static_cast<double>(options.descent_points) * problem.site_count();
   if (options.descent_points == 0 || options.pairs != PairSelection::meeting ||
-      state.cells.point_count() < least) {
+      static_cast<double>(state.cells.point_count()) < least) {
     return {};
   }
   if (options.until == Until::blue_noise && level > 0) return Depth::even;
-  if (problem.point_count() >= kTimesAsManyOnFinest * least) return Depth::full;
+  if (static_cast<double>(problem.point_count()) >= kTimesAsManyOnFinest * least) {
+    return Depth::full;
+  }
   if (on_finest_level() && level > 0) return Depth::brief;
   return {};
 }
@@ -262,28 +264,33 @@ void Run<Scalar>::divide_points() {
   if (ranks() == nullptr) return;
   const auto first = static_cast<std::size_t>(problem.first_own_point());
   for (Level& made : levels) {
-    made.joining.keep_own(first, first + static_cast<std::size_t>(problem.own_points().count));
+    made.joining.keep_own(first, first + static_cast<std::size_t>(problem.points().count));
   }
+}
+
+/// Of this rank's sites, for points of all.
+template <class Scalar>
+Cells<Scalar> Run<Scalar>::empty_cells(const std::vector<Index>& sizes) const {
+  return {problem.dimension(), sizes, state.tiling.own_sites(), problem.point_count()};
 }
 
 template <class Scalar>
 void Run<Scalar>::take_owners() {
   std::vector<SiteNumber> rank(site_of.size());
   for (const SiteNumber k : state.sites.all()) rank[site_of[k]] = k;
-  state.cells = Cells<Scalar>(problem.dimension(), levels[0].capacities, state.tiling.own_sites());
-  Filling<Scalar> filling(state.cells, problem.points(), state.tiling);
+  state.cells = empty_cells(levels[0].capacities);
+  const OwnPoints<Scalar> points = own_points();
+  Filling<Scalar> filling(state.cells, points, state.tiling);
   const auto for_own = [&](const auto& add) {
     for (std::size_t k = 0; k < problem.initial_owners().size(); ++k) {
-      add(rank[SiteNumber(problem.initial_owners()[k])],
-          PointNumber(problem.first_own_point() + static_cast<std::ptrdiff_t>(k)));
+      add(rank[SiteNumber(problem.initial_owners()[k])], PointNumber(k));
     }
   };
   if (ranks() == nullptr) {
     for_own([&](SiteNumber site, PointNumber p) { filling.add(site, p); });
   } else {
     MovedPoints<Scalar> moved(filling);  // the ranks' points follow each other
-    for_own(
-        [&](SiteNumber site, PointNumber p) { moved.send(p, problem.points()[p.index()], site); });
+    for_own([&](SiteNumber site, PointNumber p) { moved.send(points.of_all(p), points[p], site); });
     moved.arrive(arena);
   }
   begin_level();
@@ -311,8 +318,8 @@ template <class Scalar>
 void Run<Scalar>::enter_level(std::size_t next) {
   const auto timed = record.initializing();
   const Buffer<Pair> near = relaxer ? relaxer->listed() : Buffer<Pair>{};
-  Cells<Scalar> larger(problem.dimension(), levels[next].capacities, state.tiling.own_sites());
-  Filling<Scalar> filling(larger, problem.points(), state.tiling);
+  Cells<Scalar> larger = empty_cells(levels[next].capacities);
+  Filling<Scalar> filling(larger, own_points(), state.tiling);
   if (level < next) {
     const auto charge = arena.phase(Phase::join);
     const Stop::Pause pause(stop);
@@ -338,7 +345,7 @@ void Run<Scalar>::enter_level(std::size_t next) {
 template <class Scalar>
 void Run<Scalar>::deal(const Cells<Scalar>& owned, std::span<const Index> filled) {
   stop.off();
-  const auto points = static_cast<std::int64_t>(problem.point_count());
+  const std::int64_t points = problem.point_count();
   const std::int64_t joined = std::accumulate(filled.begin(), filled.end(), std::int64_t{0});
   record.summary().warnings.push_back(
       "the run ended before all points had joined: " + std::to_string(points - joined) + " of " +
@@ -371,8 +378,8 @@ void Run<Scalar>::begin_level() {
     update_all(metric, state, arena);
   }
   if (const std::optional<Depth> depth = descends()) {
-    descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, problem.points(), state,
-                                                *depth, weights);
+    descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, own_points(), state, *depth,
+                                                weights);
   }
   record.begin(energy_of_sites(), on_finest_level());
 }
@@ -392,7 +399,7 @@ std::vector<Index> Run<Scalar>::owners() const {
                  [&](std::size_t p) { owners[p] = given(dealt[p]); });
   if (!dealt.empty()) return owners;
   for_each_site(apart, state.tiling, [&](SiteNumber k) {
-    for (const PointNumber p : state.cells.points(k)) owners[p] = given(k);
+    for (const PointOfAll p : state.cells.points(k)) owners[p] = given(k);
   });
   return owners;
 }

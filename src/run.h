@@ -24,6 +24,7 @@
 #include "relax/cells.h"
 #include "relax/filling.h"
 #include "relax/levels.h"
+#include "relax/own_points.h"
 #include "relax/relaxer.h"
 #include "run_identity.h"
 #include "run_record.h"
@@ -52,6 +53,10 @@ struct Run {
 
   void place_sites();
   void divide_points();
+  [[nodiscard]] OwnPoints<Scalar> own_points() const {
+    return {problem.points(), problem.first_own_point()};
+  }
+  [[nodiscard]] Cells<Scalar> empty_cells(const std::vector<Index>& sizes) const;
   void take_owners();
   void enter_level(std::size_t next);
   void join(const JoiningPoints& joining, std::span<const Pair> near, Filling<Scalar>& filling);

@@ -74,7 +74,7 @@ std::vector<std::size_t> record_sizes(const Tiling& tiling, const Cells<Scalar>&
   for (std::size_t t = 0; t < tiling.count(); ++t) {
     std::size_t size = sizeof(std::uint64_t);
     for (const SiteNumber s : tiling.sites_of(Tile(t))) {
-      size += relaxer.cell_bytes(cells.size(s)) + cells.points(s).size_bytes();
+      size += relaxer.cell_bytes(cells.size(s)) + cells.saved_bytes(s);
     }
     sizes.push_back(size);
   }
@@ -181,8 +181,7 @@ void Run<Scalar>::load_from(const std::filesystem::path& file, std::optional<Che
   const auto loaded_level = reader.get<std::uint64_t>();
   if (loaded_level >= levels.size()) throw Damaged();
   const std::vector<Index>& sizes = levels[static_cast<std::size_t>(loaded_level)].capacities;
-  LevelState<Scalar> loaded{state.tiling, load_sites(state.sites, reader),
-                            Cells<Scalar>(problem.dimension(), sizes, state.tiling.own_sites())};
+  LevelState<Scalar> loaded{state.tiling, load_sites(state.sites, reader), empty_cells(sizes)};
   std::vector<double> loaded_weights = reader.get_all<double>();
   std::unique_ptr<Relaxer<Scalar>> loaded_relaxer = make_relaxer();
   loaded_relaxer->load(reader, state.tiling);
@@ -193,8 +192,8 @@ void Run<Scalar>::load_from(const std::filesystem::path& file, std::optional<Che
       throw Damaged();
     }
     const auto depth = static_cast<Depth>(number);
-    loaded_descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, problem.points(),
-                                                       loaded, depth, weights);
+    loaded_descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, own_points(), loaded,
+                                                       depth, weights);
     loaded_descent->load(reader);
     if (loaded_weights.size() != sizes.size()) throw Damaged();
   }

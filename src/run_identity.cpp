@@ -35,7 +35,7 @@ PointDigests plus(const PointDigests& a, const PointDigests& b) {
 
 template <class Scalar>
 PointDigests digests_of_points(const Problem<Scalar>& problem, const Arena& arena) {
-  const PointsView<Scalar>& points = problem.own_points();
+  const PointsView<Scalar>& points = problem.points();
   const std::vector<Index>& owners = problem.initial_owners();
   const auto dimension = static_cast<std::size_t>(points.dimension);
   PointDigests own;

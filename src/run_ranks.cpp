@@ -1,5 +1,7 @@
 // What a run does where several ranks make it together.
 #include <algorithm>
+#include <cstdint>
+#include <iterator>
 #include <span>
 #include <string>
 #include <utility>
@@ -21,12 +23,17 @@ namespace {
 /// Which ranks have the points.
 class Homes {
  public:
-  Homes(Ranks& ranks, Index first_own_point) : first_(of_all(&ranks, first_own_point)) {}
+  Homes(Ranks& ranks, std::int64_t first_own_point) : first_(of_all(&ranks, first_own_point)) {}
   [[nodiscard]] std::size_t ranks() const { return first_.size(); }
-  [[nodiscard]] std::size_t operator()(PointNumber point) const {
+  struct Home {
+    std::size_t rank;
+    PointNumber point;  ///< of that rank's
+  };
+  [[nodiscard]] Home operator()(PointOfAll point) const {
     // The last rank that begins there or before: others there have no points.
     const auto after = std::upper_bound(first_.begin(), first_.end(), point.index());
-    return static_cast<std::size_t>(after - first_.begin() - 1);
+    return {static_cast<std::size_t>(after - first_.begin() - 1),
+            PointNumber(point.index() - *std::prev(after))};
   }
 
   /// Calls visit(sites) on all ranks for each rank's own sites, a run of them at a time or none,
@@ -45,7 +52,7 @@ class Homes {
   }
 
  private:
-  std::vector<Index> first_;  ///< of each rank
+  std::vector<std::int64_t> first_;  ///< of each rank
 };
 
 }  // namespace
@@ -75,7 +82,7 @@ void Run<Scalar>::require_for_ranks() const {
 template <class Scalar>
 void Run<Scalar>::require_full_cells() const {
   agree(ranks(), [this] {
-    if (std::cmp_equal(problem.initial_owners().size(), problem.own_points().count)) return;
+    if (std::cmp_equal(problem.initial_owners().size(), problem.points().count)) return;
     throw InvalidInput(concat("initial_owners: rank ", ranks()->rank(),
                               " has none for its points, others have: all must be given"));
   });
@@ -106,20 +113,18 @@ std::vector<Index> Run<Scalar>::owners_at_home() const {
     PointNumber point;
     SiteNumber owner;
   };
-  std::vector<Index> owners(static_cast<std::size_t>(problem.own_points().count), -1);
+  std::vector<Index> owners(static_cast<std::size_t>(problem.points().count), -1);
   const Homes home(*ranks(), problem.first_own_point());
   home.for_parts(state.tiling, state.cells, [&](NumberRange<SiteNumber> sites) {
-    const auto note = [&](PointNumber point, SiteNumber owner) {
-      owners[PointNumber(point.index() - problem.first_own_point())] = owner.index();
-    };
+    const auto note = [&](PointNumber point, SiteNumber owner) { owners[point] = owner.index(); };
     std::vector<ByteWriter> owned(home.ranks());
     for (const SiteNumber s : sites) {
-      for (const PointNumber p : state.cells.points(s)) {
-        const std::size_t rank = home(p);
+      for (const PointOfAll p : state.cells.points(s)) {
+        const auto [rank, point] = home(p);
         if (std::cmp_equal(rank, ranks()->rank())) {
-          note(p, site_of[s]);
+          note(point, site_of[s]);
         } else {
-          owned[rank].put(Owned{p, site_of[s]});
+          owned[rank].put(Owned{point, site_of[s]});
         }
       }
     }
@@ -138,14 +143,17 @@ template <class Scalar>
 void Run<Scalar>::fetch_coordinates(const Arena& apart, Cells<Scalar>& cells) const {
   if (ranks() == nullptr) {
     return for_each_site(apart, state.tiling, [&](SiteNumber s) {
-      cells.fill(s, [&](PointNumber p) { return problem.points()[p.index()]; });
+      cells.fill(s, [points = own_points()](PointOfAll p) { return points[p]; });
     });
   }
   const Homes home(*ranks(), problem.first_own_point());
   home.for_parts(state.tiling, cells, [&](NumberRange<SiteNumber> sites) {
     std::vector<ByteWriter> wanted(home.ranks());
     for (const SiteNumber s : sites) {
-      for (const PointNumber p : cells.points(s)) wanted[home(p)].put(p);
+      for (const PointOfAll p : cells.points(s)) {
+        const auto [rank, point] = home(p);
+        wanted[rank].put(point);
+      }
     }
     std::vector<ByteWriter> found;
     for (const Ranks::Bytes& message : exchanged(*ranks(), std::move(wanted))) {
@@ -159,8 +167,8 @@ void Run<Scalar>::fetch_coordinates(const Arena& apart, Cells<Scalar>& cells) co
     std::vector<ByteReader> readers(come.begin(), come.end());
     std::vector<Scalar> x(cells.dimension());
     for (const SiteNumber s : sites) {
-      cells.fill(s, [&](PointNumber p) {  // in the order in which they were asked for
-        readers[home(p)].get(std::span(x));
+      cells.fill(s, [&](PointOfAll p) {  // in the order in which they were asked for
+        readers[home(p).rank].get(std::span(x));
         return x.data();
       });
     }

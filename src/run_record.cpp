@@ -33,8 +33,8 @@ void RunRecord::begin(double energy, bool finest) {
   if (finest) summary_.initial_energy = energy;
 }
 
-bool RunRecord::add(const PassCount& pass, int level, Index points, double energy, double progress,
-                    const Options& options) {
+bool RunRecord::add(const PassCount& pass, int level, std::int64_t points, double energy,
+                    double progress, const Options& options) {
   IterationRecord record;
   record.iteration = ++summary_.iterations;
   record.level = level;
@@ -134,7 +134,7 @@ void RunRecord::end(Termination termination, const Problem<Scalar>& problem, con
   normalize_energy(box, summary_);
   double capacity_error_sum = 0;
   const double n = problem.site_count();
-  const double mean = problem.point_count() / n;
+  const double mean = static_cast<double>(problem.point_count()) / n;
   for (const Index c : problem.capacities()) {
     capacity_error_sum += std::pow(c / mean - 1, 2);
   }
@@ -142,10 +142,9 @@ void RunRecord::end(Termination termination, const Problem<Scalar>& problem, con
   const double spacing = std::min(
       spacing_in_box(box, summary_.points),
       spacing_in_cells(summary_.energy, summary_.points, summary_.sites, summary_.dimension));
-  const std::string warning =
-      problem.own_points().count == 0
-          ? ""
-          : coarse_coordinates<Scalar>("points", problem.own_points(), spacing);
+  const std::string warning = problem.points().count == 0
+                                  ? ""
+                                  : coarse_coordinates<Scalar>("points", problem.points(), spacing);
   if (!warning.empty()) summary_.warnings.push_back(warning);
   clock_.charge();
   clock_.listen({});

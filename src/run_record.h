@@ -54,7 +54,7 @@ class RunRecord {
   /// A level begins with this energy; the finest one with the run's initial energy.
   void begin(double energy, bool finest);
   /// A pass has been made. What Options::on_iteration says of it.
-  bool add(const PassCount& pass, int level, Index points, double energy, double progress,
+  bool add(const PassCount& pass, int level, std::int64_t points, double energy, double progress,
            const Options& options);
   /// Of a run that has not ended, what has been recorded so far; what hangs on the clock comes
   /// last.

@@ -33,7 +33,7 @@ using ccvt::Lbfgs;
 using ccvt::Metric;
 using ccvt::Options;
 using ccvt::Pair;
-using ccvt::PointNumber;
+using ccvt::PointOfAll;
 using ccvt::PowerDiagram;
 using ccvt::Problem;
 using ccvt::Random;
@@ -118,7 +118,7 @@ struct Diagram {
     radius.resize(weight.size());
     for (Index p = 0; p < point_count; ++p) {
       const auto s = static_cast<std::size_t>(owner[static_cast<std::size_t>(p)]);
-      cells.put(SiteNumber(s), next[s]++, PointNumber(p), points.col(p).data());
+      cells.put(SiteNumber(s), next[s]++, PointOfAll(p), points.col(p).data());
       radius[s] =
           std::max(radius[s],
                    std::sqrt(metric.squared_distance(points.col(p).data(), &position[s * size()])));

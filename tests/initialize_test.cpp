@@ -21,6 +21,7 @@ using ccvt::Initialization;
 using ccvt::JoiningPoints;
 using ccvt::Metric;
 using ccvt::PointNumber;
+using ccvt::PointOfAll;
 using ccvt::Points;
 using ccvt::SiteNumber;
 using ccvt::SiteState;
@@ -81,7 +82,7 @@ class Start {
       CHECK(filling.surplus(s) == 0);
       CHECK(filling.waiting(s) == 0);
       Index k = 0;
-      for (const PointNumber p : cells.points(s)) {
+      for (const PointOfAll p : cells.points(s)) {
         CHECK(result[p] == -1);
         result[p] = s.index();
         std::vector<Scalar> x(sites.dimension);
@@ -204,7 +205,7 @@ TEST_CASE("coherent: the look-ahead changes nothing, with any number of threads"
         Filling<double> filling(cells, view);
         ccvt::join_coherent(start.metric, start.sites, joining, 1, filling, Arena(threads));
         for (const SiteNumber s : cells.sites()) {
-          for (const PointNumber p : cells.points(s)) REQUIRE(owners[p] == s.index());
+          for (const PointOfAll p : cells.points(s)) REQUIRE(owners[p] == s.index());
         }
       }
     }

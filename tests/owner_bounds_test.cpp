@@ -28,6 +28,7 @@ using ccvt::MovingCells;
 using ccvt::OwnerBounds;
 using ccvt::OwnerChange;
 using ccvt::PointNumber;
+using ccvt::PointOfAll;
 using ccvt::Points;
 using ccvt::points_below;
 using ccvt::PointsView;
@@ -196,7 +197,7 @@ TEST_CASE_TEMPLATE("cells that follow their points are as those gathered", Scala
         std::vector<Index> filled(sizes.size(), 0);
         for (const PointNumber p : points_below(owned.owners.size())) {
           const SiteNumber s(owned.owners[p]);
-          gathered.put(s, filled[s]++, p, points.col(p.index()).data());
+          gathered.put(s, filled[s]++, PointOfAll(p.index()), points.col(p.index()).data());
         }
         SiteState expected = owned.sites;
         for (const SiteNumber s : expected.all()) {

@@ -20,7 +20,7 @@ using ccvt::Domain;
 using ccvt::Index;
 using ccvt::Metric;
 using ccvt::PairCut;
-using ccvt::PointNumber;
+using ccvt::PointOfAll;
 using ccvt::Points;
 using ccvt::Random;
 using ccvt::SiteNumber;
@@ -50,7 +50,7 @@ struct Pair {
           const double offset = radius * (2 * random.uniform() - 1) * box.extent()[d];
           x[e] = metric.as<Scalar>(metric.into_box(centre[e] + offset, d), d);
         }
-        cells.put(cell, k, PointNumber(cell.index() * kPoints + k), x.data());
+        cells.put(cell, k, PointOfAll(cell.index() * kPoints + k), x.data());
       }
       for (int d = 0; d < dimension; ++d) {
         sites.at(cell)[d] = metric.into_box(centre[static_cast<std::size_t>(d)], d);

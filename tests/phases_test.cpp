@@ -29,6 +29,7 @@ using ccvt::Index;
 using ccvt::Metric;
 using ccvt::Pair;
 using ccvt::PointNumber;
+using ccvt::PointOfAll;
 using ccvt::Random;
 using ccvt::SiteGraph;
 using ccvt::SiteNumber;
@@ -63,6 +64,7 @@ TEST_SUITE_BEGIN("phases");
 // themselves.
 static_assert(sizeof(SiteNumber) == 4 && std::is_trivially_copyable_v<SiteNumber>);
 static_assert(!std::is_constructible_v<PointNumber, SiteNumber>);
+static_assert(!std::is_constructible_v<PointOfAll, PointNumber>);
 static_assert(!std::is_constructible_v<Tile, SiteNumber>);
 static_assert(!std::is_convertible_v<Index, SiteNumber>);
 static_assert(std::is_convertible_v<SiteNumber, std::size_t>);
@@ -348,7 +350,7 @@ TEST_CASE("balance fills every cell, whatever flows, with the same bits for any 
         const auto view = ccvt::view_points(points);
         std::vector<Pair> near;
         for (Index s = 0; s + 1 < count; ++s) near.emplace_back(s, s + 1);
-        std::vector<PointNumber> expected;
+        std::vector<PointOfAll> expected;
         for (const int threads : {1, 2, 3, 8}) {
           ccvt::Cells<float> cells(2, capacities);
           ccvt::Filling<float> filling(cells, view, Tiling(count, 16));
@@ -358,7 +360,7 @@ TEST_CASE("balance fills every cell, whatever flows, with the same bits for any 
             filling.add(far ? SiteNumber(0) : site, p);
           }
           ccvt::balance(metric, sites, near, Arena(threads), filling);
-          std::vector<PointNumber> order;
+          std::vector<PointOfAll> order;
           for (const SiteNumber s : cells.sites()) {
             REQUIRE(filling.surplus(s) == 0);
             REQUIRE(filling.waiting(s) == 0);
@@ -366,9 +368,11 @@ TEST_CASE("balance fills every cell, whatever flows, with the same bits for any 
             order.insert(order.end(), held.begin(), held.end());
           }
           if (threads == 1) {
-            std::vector<PointNumber> sorted(order);
+            std::vector<PointOfAll> sorted(order);
             std::sort(sorted.begin(), sorted.end());
-            for (const PointNumber p : ccvt::points_below(points.cols())) REQUIRE(sorted[p] == p);
+            for (const PointNumber p : ccvt::points_below(points.cols())) {
+              REQUIRE(sorted[p] == PointOfAll(p.index()));
+            }
             expected = order;
           }
           CHECK(order == expected);

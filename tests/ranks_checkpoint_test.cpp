@@ -316,7 +316,7 @@ TEST_CASE("From initial owners on, which a digest of all ranks tells from others
     problem.set_domain(Domain::periodic(uneven_box(2)));
     problem.set_fixed_sites(given.points.leftCols(3));
     const auto first = owners.begin() + problem.first_own_point();
-    problem.set_initial_owners({first, first + problem.own_points().count});
+    problem.set_initial_owners({first, first + problem.points().count});
   };
   given.set_up = set_up;
   check_all_ways(given, {1, 4}, {0, 1, 2, 4});

@@ -118,15 +118,16 @@ TEST_CASE("strata: every cell once, of equal volume, without overlap, in any par
       Eigen::MatrixXd upper(dimension, count);
       std::vector<int> seen(static_cast<std::size_t>(count));
       for (Index first = 0; first < count; first += 10) {
-        strata.visit(box.lower, first, std::min(first + 10, count),
-                     [&](Index cell, std::span<const double> corner, std::span<const double> size) {
-                       ++seen[static_cast<std::size_t>(cell)];
-                       for (int d = 0; d < dimension; ++d) {
-                         const auto e = static_cast<std::size_t>(d);
-                         lower(d, cell) = corner[e];
-                         upper(d, cell) = corner[e] + size[e];
-                       }
-                     });
+        strata.visit(
+            box.lower, first, std::min(first + 10, count),
+            [&](std::int64_t cell, std::span<const double> corner, std::span<const double> size) {
+              ++seen[static_cast<std::size_t>(cell)];
+              for (int d = 0; d < dimension; ++d) {
+                const auto e = static_cast<std::size_t>(d);
+                lower(d, cell) = corner[e];
+                upper(d, cell) = corner[e] + size[e];
+              }
+            });
       }
       CAPTURE(dimension);
       CAPTURE(count);
@@ -156,7 +157,7 @@ TEST_CASE("strata are nearly cubic") {
     double worst = 1;
     const ccvt::Strata strata(extent, count);
     strata.visit(Eigen::VectorXd::Zero(extent.size()), 0, count,
-                 [&](Index, std::span<const double>, std::span<const double> size) {
+                 [&](std::int64_t, std::span<const double>, std::span<const double> size) {
                    const auto [least, most] = std::minmax_element(size.begin(), size.end());
                    worst = std::max(worst, *most / *least);
                  });
@@ -183,14 +184,15 @@ TEST_CASE("jittered: exactly one point in each stratum") {
       const auto points = sample_uniform<double>(box, count, 5);
       const ccvt::Strata strata(box.extent(), count);
       int outside = 0;
-      strata.visit(box.lower, 0, count,
-                   [&](Index p, std::span<const double> corner, std::span<const double> size) {
-                     for (int d = 0; d < dimension; ++d) {
-                       const auto e = static_cast<std::size_t>(d);
-                       const double x = points(d, p) - corner[e];
-                       outside += x < -1e-12 || x > size[e] + 1e-12 ? 1 : 0;
-                     }
-                   });
+      strata.visit(
+          box.lower, 0, count,
+          [&](std::int64_t p, std::span<const double> corner, std::span<const double> size) {
+            for (int d = 0; d < dimension; ++d) {
+              const auto e = static_cast<std::size_t>(d);
+              const double x = points(d, p) - corner[e];
+              outside += x < -1e-12 || x > size[e] + 1e-12 ? 1 : 0;
+            }
+          });
       CHECK(outside == 0);
     }
   }

@@ -19,7 +19,7 @@ using ccvt::Domain;
 using ccvt::Index;
 using ccvt::Metric;
 using ccvt::Pair;
-using ccvt::PointNumber;
+using ccvt::PointOfAll;
 using ccvt::Random;
 using ccvt::Screen;
 using ccvt::SiteNumber;
@@ -45,7 +45,7 @@ struct Changing {
       const double cloud = 30 * static_cast<double>(s.index() % 5);
       for (Index k = 0; k < cells.size(s); ++k) {
         for (Scalar& x : point) x = static_cast<Scalar>(scale * (cloud + random.uniform()));
-        cells.put(s, k, PointNumber(number++), point.data());
+        cells.put(s, k, PointOfAll(number++), point.data());
       }
     }
     move(sites_below(count));
@@ -67,8 +67,8 @@ struct Changing {
     std::vector<Scalar> b(cells.dimension());
     cells.get(i, k, a.data());
     cells.get(j, l, b.data());
-    const PointNumber p = cells.points(i)[static_cast<std::size_t>(k)];
-    cells.put(i, k, cells.points(j)[static_cast<std::size_t>(l)], b.data());
+    const PointOfAll p = cells.point(i, k);
+    cells.put(i, k, cells.point(j, l), b.data());
     cells.put(j, l, p, a.data());
     touched[i] = touched[j] = 1;
     move(std::vector<SiteNumber>{i, j});

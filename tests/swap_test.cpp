@@ -26,6 +26,7 @@ using ccvt::Options;
 using ccvt::PairSwapper;
 using ccvt::Patches;
 using ccvt::PointNumber;
+using ccvt::PointOfAll;
 using ccvt::PointPruning;
 using ccvt::Random;
 using ccvt::SiteNumber;
@@ -91,7 +92,7 @@ struct PairOfCells {
       : points(all_points), cells(metric.dimension(), sizes(size_i)), sites(metric.dimension(), 2) {
     for (Index p = 0; p < points.cols(); ++p) {
       const SiteNumber s = p < size_i ? site_i : site_j;
-      cells.put(s, p < size_i ? p : p - size_i, PointNumber(p), points.col(p).data());
+      cells.put(s, p < size_i ? p : p - size_i, PointOfAll(p), points.col(p).data());
       for (int d = 0; d < metric.dimension(); ++d) {
         sites.at(s)[d] = static_cast<double>(points(d, p));
       }
@@ -121,7 +122,7 @@ std::string pair_faults(const Domain& domain, const PairOfCells<Scalar>& pair) {
     std::vector<Scalar> x(static_cast<std::size_t>(dimension));
     for (Index k = 0; k < pair.cells.size(s); ++k) {
       pair.cells.get(s, k, x.data());
-      const PointNumber p = pair.cells.points(s).data()[k];
+      const PointNumber p(pair.cells.point(s, k).index());
       seen.insert(p);
       if (!std::equal(x.begin(), x.end(), pair.points.col(p.index()).data()))
         wrong += "coordinates ";
@@ -243,8 +244,8 @@ TEST_CASE_TEMPLATE("a swap leaves the pair optimal and its radii bounds", Scalar
 
 /// The points of a cell, whatever their order.
 template <class Scalar>
-std::vector<PointNumber> sorted_points(const Cells<Scalar>& cells, SiteNumber site) {
-  std::vector<PointNumber> points(cells.points(site).begin(), cells.points(site).end());
+std::vector<PointOfAll> sorted_points(const Cells<Scalar>& cells, SiteNumber site) {
+  std::vector<PointOfAll> points(cells.points(site).begin(), cells.points(site).end());
   std::sort(points.begin(), points.end());
   return points;
 }

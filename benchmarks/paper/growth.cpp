@@ -152,7 +152,7 @@ Json run_once(const Group& group, const Run& run, const Input& input, std::uint6
   Problem<float> problem(input.points, run.sites);
   if (group.kind == Kind::torus) problem.set_domain(Domain::periodic(Box::unit(group.dimension)));
   if (run.largest > 0) {
-    problem.set_capacities(falling_capacities(run.sites, problem.point_count(), run.largest));
+    problem.set_capacities(falling_capacities(run.sites, problem.points().count, run.largest));
   }
   const bool plain = std::string(group.table) == "lloyd";
   const Summary summary = (plain ? lloyd(problem, options) : tessellate(problem, options)).summary;

@@ -38,7 +38,8 @@ double energy(const Eigen::DenseBase<A>& points, const Eigen::DenseBase<B>& site
 /// energy * n^(2/D) / (m * |box|^(2/D)) for n sites and m points: does not depend on the size of
 /// the box, and hardly on n and m. Throws InvalidInput unless n, m and all extents are positive,
 /// and `energy` is at least 0.
-CCVT_EXPORT double normalized_energy(double energy, Index points, Index sites, const Box& box);
+CCVT_EXPORT double normalized_energy(double energy, std::int64_t points, Index sites,
+                                     const Box& box);
 
 /// n * sum of c_i^2 / m^2 for cells of c_i points: 1 when all are equal; how much longer than that
 /// the search in an inverted file takes [Jégou, Douze, Schmid 2011]. It is 1 + capacity_error().

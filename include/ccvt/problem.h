@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <type_traits>
 #include <vector>
@@ -38,9 +39,9 @@ class CCVT_EXPORT Problem {
   /// rank, perhaps none; their numbers follow those of the lower ranks. What else there is of the
   /// problem, its setters and the options of its solvers must be the same on all ranks; so are then
   /// the sites, to the bit those of one process with all points, and owners are those of a rank's
-  /// own points. Each rank has in memory its points, about as many points of whole cells, and what
-  /// there is of all sites. Not: other starts than from initial owners or the balanced one, which
-  /// at most 8 dimensions have.
+  /// own points. A rank has at most 2^31 - 1 points, all together 2^40. Each rank has in memory its
+  /// points, about as many points of whole cells, and what there is of all sites. Not: other starts
+  /// than from initial owners or the balanced one, which at most 8 dimensions have.
   Problem(Ranks& ranks, PointsView<Scalar> own, Index sites, int threads = 1);
 
   /// Default: Euclidean space. A box must have the points' dimension and contain all points (a
@@ -81,10 +82,10 @@ class CCVT_EXPORT Problem {
   /// capacities together.
   Problem& set_initial_owners(std::vector<Index> owners);
 
-  /// Of a problem of ranks, only those of this rank may be read.
+  /// Of a problem of ranks, those of this rank; and how many all have.
   [[nodiscard]] const PointsView<Scalar>& points() const { return points_; }
+  [[nodiscard]] std::int64_t point_count() const { return part_ ? part_->all : points_.count; }
   [[nodiscard]] int dimension() const { return points_.dimension; }
-  [[nodiscard]] Index point_count() const { return points_.count; }
   [[nodiscard]] Index site_count() const { return static_cast<Index>(capacities_.size()); }
   [[nodiscard]] const Domain& domain() const { return domain_; }
   [[nodiscard]] const std::vector<Index>& capacities() const { return capacities_; }
@@ -98,11 +99,8 @@ class CCVT_EXPORT Problem {
   [[nodiscard]] Box bounding_box() const;
   /// Null where there is one process.
   [[nodiscard]] Ranks* ranks() const { return part_ ? part_->ranks : nullptr; }
-  /// The number of this rank's first point, and these points: without ranks, all.
-  [[nodiscard]] Index first_own_point() const { return part_ ? part_->first : 0; }
-  [[nodiscard]] const PointsView<Scalar>& own_points() const {
-    return part_ ? part_->points : points_;
-  }
+  /// The number of this rank's first point among those of all: without ranks, 0.
+  [[nodiscard]] std::int64_t first_own_point() const { return part_ ? part_->first : 0; }
   /// Of a problem of ranks: the bounding box of the points of all.
   [[nodiscard]] const Box& box_of_ranks() const { return part_->around; }
 
@@ -110,8 +108,8 @@ class CCVT_EXPORT Problem {
   /// @cond of the points of a rank
   struct Part {
     Ranks* ranks;
-    Index first;
-    PointsView<Scalar> points;
+    std::int64_t first;
+    std::int64_t all;
     Box around;  ///< the points of all ranks
   };
   /// @endcond

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 
@@ -31,7 +32,7 @@ enum class Distribution {
 
 namespace detail {
 /// Throws InvalidInput unless `sample_uniform` can do as asked. `fixed_dimension`: -1 for Dynamic.
-CCVT_EXPORT void check_sampling(const Box& box, Index count, int fixed_dimension,
+CCVT_EXPORT void check_sampling(const Box& box, std::int64_t count, int fixed_dimension,
                                 std::size_t scalar_bytes);
 /// Fills #dimensions * count coordinates. The arguments have passed check_sampling().
 CCVT_EXPORT void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution,
@@ -39,11 +40,11 @@ CCVT_EXPORT void fill_uniform(const Box& box, std::uint64_t seed, Distribution d
 CCVT_EXPORT void fill_uniform(const Box& box, std::uint64_t seed, Distribution distribution,
                               int threads, std::span<double> coordinates);
 /// Of `count` points those from `first` on, as many as there is room for.
-CCVT_EXPORT void fill_uniform_part(const Box& box, Index count, Index first, std::uint64_t seed,
-                                   Distribution distribution, int threads,
+CCVT_EXPORT void fill_uniform_part(const Box& box, std::int64_t count, std::int64_t first,
+                                   std::uint64_t seed, Distribution distribution, int threads,
                                    std::span<float> coordinates);
-CCVT_EXPORT void fill_uniform_part(const Box& box, Index count, Index first, std::uint64_t seed,
-                                   Distribution distribution, int threads,
+CCVT_EXPORT void fill_uniform_part(const Box& box, std::int64_t count, std::int64_t first,
+                                   std::uint64_t seed, Distribution distribution, int threads,
                                    std::span<double> coordinates);
 }  // namespace detail
 
@@ -82,11 +83,12 @@ Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sample_uniform(
 
 /// Of the points that sample_uniform() gives, those from `first` up to `end` - 1, perhaps none:
 /// what one of several processes draws of them. Throws InvalidInput as sample_uniform() does, and
-/// unless 0 <= first <= end <= count. O(#dimensions * (end - first)) time, and a few microseconds
+/// unless 0 <= first <= end <= count, which may be more than Index counts, and end - first may not.
+/// O(#dimensions * (end - first)) time, and a few microseconds
 /// more; for hexagonal points O(#dimensions * count).
 template <class Scalar = double>
-Points<Scalar> sample_uniform_part(const Box& box, Index count, Index first, Index end,
-                                   std::uint64_t seed = 0,
+Points<Scalar> sample_uniform_part(const Box& box, std::int64_t count, std::int64_t first,
+                                   std::int64_t end, std::uint64_t seed = 0,
                                    Distribution distribution = Distribution::jittered,
                                    int threads = 1) {
   detail::check_sampling(box, count, Eigen::Dynamic, sizeof(Scalar));
@@ -94,6 +96,10 @@ Points<Scalar> sample_uniform_part(const Box& box, Index count, Index first, Ind
     throw InvalidInput("first: the points " + std::to_string(first) + " to " + std::to_string(end) +
                        " are asked for, of " + std::to_string(count) +
                        ": it must hold that 0 <= first <= end <= count");
+  }
+  if (end - first > std::numeric_limits<Index>::max()) {
+    throw InvalidInput("end: " + std::to_string(end - first) +
+                       " points are asked for: at most 2147483647 are drawn at once");
   }
   Points<Scalar> points(box.dimension(), end - first);
   detail::fill_uniform_part(

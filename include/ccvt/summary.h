@@ -37,7 +37,7 @@ struct IterationRecord {
   int iteration = 0;           ///< from 1
   int level = 0;               ///< 0 is the coarsest
   int levels = 1;              ///< how many there are
-  Index points = 0;            ///< points that take part on this level
+  std::int64_t points = 0;     ///< points that take part on this level
   bool full = true;            ///< a full pass, not one over cached pairs
   std::int64_t pairs = 0;      ///< pairs examined
   std::int64_t swaps = 0;      ///< pairs that exchanged points
@@ -89,7 +89,7 @@ struct CheckpointRecord {
 struct CCVT_EXPORT Summary {
   Termination termination = Termination::running;
   int dimension = 0;
-  Index points = 0;
+  std::int64_t points = 0;
   Index sites = 0;
   int threads_given = 0;
   int threads_used = 0;

@@ -11,7 +11,8 @@
 
 namespace ccvt {
 
-/// Number of a point or a site, and the unit of capacities. A problem has fewer than 2^31 points.
+/// Number of a point or a site, and the unit of capacities. One process has fewer than 2^31 points;
+/// several may have more together: see Problem.
 using Index = std::int32_t;
 
 /// A point set with dimension known at run time: #dimensions by #points, one point a column.

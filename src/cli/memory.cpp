@@ -35,13 +35,15 @@ constexpr double kEncodingVector = 64;
 
 }  // namespace
 
-std::string check_bytes(const std::string& what, std::uint64_t points, int dimension,
-                        double needed) {
+std::string check_bytes(const std::string& what, std::uint64_t points, int dimension, double needed,
+                        std::uint64_t processes) {
   const std::string would_need = what + ": " + std::to_string(points) + " points in " +
                                  std::to_string(dimension) + " dimensions would need about " +
                                  bytes_text(needed) + " of memory";
-  if (points > std::numeric_limits<Index>::max()) {
-    throw InvalidInput(would_need + ", and are more than the 2147483647 points supported");
+  const std::uint64_t most = processes * std::uint64_t{std::numeric_limits<Index>::max()};
+  if (points > most) {
+    throw InvalidInput(would_need + ", and are more than the " + std::to_string(most) +
+                       " points supported");
   }
   const auto pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES));
   const auto page = static_cast<double>(::sysconf(_SC_PAGESIZE));
@@ -59,12 +61,13 @@ std::string check_memory(Index sites, Index points_per_site, int dimension,
 }
 
 std::string check_memory(const std::string& what, std::uint64_t points, int dimension,
-                         std::size_t scalar_bytes, std::uint64_t other_bytes) {
+                         std::size_t scalar_bytes, std::uint64_t other_bytes,
+                         std::uint64_t processes) {
   // In double, which no product of three such numbers overflows.
   const double needed =
       4.0 * static_cast<double>(points) * dimension * static_cast<double>(scalar_bytes) + 100e6 +
       static_cast<double>(other_bytes);
-  return check_bytes(what, points, dimension, needed);
+  return check_bytes(what, points, dimension, needed, processes);
 }
 
 double training_bytes(const VectorsHeld& vectors, Index codewords, bool exact) {

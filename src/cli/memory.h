@@ -10,17 +10,18 @@ namespace ccvt::cli {
 
 /// How much memory tessellating `points` points takes, such as "1.2 GiB": four times their
 /// coordinates, 100 MB, and `other_bytes`. Throws InvalidInput when that is more than the machine
-/// has, or the points are too many to be numbered. Either message starts with `what` and says how
-/// much memory it is.
+/// has, or there are more points than `processes` of it can number. Either message starts with
+/// `what` and says how much memory it is.
 std::string check_memory(const std::string& what, std::uint64_t points, int dimension,
-                         std::size_t scalar_bytes, std::uint64_t other_bytes = 0);
+                         std::size_t scalar_bytes, std::uint64_t other_bytes = 0,
+                         std::uint64_t processes = 1);
 /// The same for points that are drawn; the message starts with --sites.
 std::string check_memory(Index sites, Index points_per_site, int dimension,
                          std::size_t scalar_bytes, std::uint64_t other_bytes = 0);
 
 /// The same for any need.
-std::string check_bytes(const std::string& what, std::uint64_t points, int dimension,
-                        double needed);
+std::string check_bytes(const std::string& what, std::uint64_t points, int dimension, double needed,
+                        std::uint64_t processes = 1);
 
 /// Vectors of a file. Mapped ones take no memory.
 struct VectorsHeld {

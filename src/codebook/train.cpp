@@ -144,7 +144,7 @@ void Trainer<Scalar>::lloyd() {
     const Prices prices = pricer.price({sites_, weights_}, owners_, kept ? &*kept : nullptr);
     changed = changed_cells(given, owners_, n, ranks);
     const double energy = prices.cheapest_energy;
-    const bool running = go_on(problem_.point_count(), energy, prices.moved);
+    const bool running = go_on(source_.count(), energy, prices.moved);
     if (prices.moved == 0 || energy >= before * (1 - kTrainingRounding)) {
       summary_.termination = Termination::stable;
     } else if (running && before - energy < options_.tolerance * before) {
@@ -295,7 +295,7 @@ Training Trainer<Scalar>::run(const Columns<double>* codewords) {
 template <class Scalar>
 void Trainer<Scalar>::sum_up(const Codebook& codebook) {
   const Index n = problem_.site_count();
-  const Index m = problem_.point_count();
+  const Index m = source_.count();
   if (Ranks* const ranks = problem_.ranks(); ranks != nullptr) {
     summary_.usage = code_usage(*ranks, owners_, n);
     summary_.distortion = codebook.distortion(*ranks, vectors_, owners_);

@@ -44,7 +44,7 @@ class Trainer {
     }
     summary_.method = options.method;
     summary_.dimension = vectors_.dimension;
-    summary_.vectors = problem_.point_count();
+    summary_.vectors = source_.count();
     summary_.codewords = problem_.site_count();
     summary_.seed = options.seed;
     summary_.threads_used = arena_.threads();

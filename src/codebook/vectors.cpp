@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numeric>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -28,10 +30,18 @@ Points<Scalar> gathered(Ranks& ranks, const Points<Scalar>& own, Index count) {
 
 }  // namespace
 
+Index checked_vector_count(std::int64_t count) {
+  if (count > std::numeric_limits<Index>::max()) {
+    throw InvalidInput("vectors: there are " + std::to_string(count) +
+                       " of them on all ranks, but at most 2147483647 are supported");
+  }
+  return static_cast<Index>(count);
+}
+
 template <class Scalar>
 Vectors<Scalar>::Vectors(PointsView<Scalar> own, Ranks* ranks) : own_(own) {
   const PartOfAll part = part_of_all(ranks, own.count);
-  count_ = static_cast<Index>(part.count);
+  count_ = checked_vector_count(part.count);
   part_ = {ranks, part.first};
 }
 

@@ -10,6 +10,9 @@
 
 namespace ccvt {
 
+/// Throws InvalidInput, on all ranks alike, for more than Index counts.
+Index checked_vector_count(std::int64_t count);
+
 /// The vectors that samples are drawn from: all, or those of all ranks, each of which has its own.
 template <class Scalar>
 class Vectors {
@@ -17,8 +20,8 @@ class Vectors {
   /// All of them. Not explicit: where they are all there, they are their own source.
   Vectors(PointsView<Scalar> all) : own_(all), count_(all.count) {}  // NOLINT
   explicit Vectors(const Problem<Scalar>& problem)
-      : own_(problem.own_points()),
-        count_(problem.point_count()),
+      : own_(problem.points()),
+        count_(checked_vector_count(problem.point_count())),
         part_{problem.ranks(), problem.first_own_point()} {}
   /// Of several ranks, those of this one. All make the same call.
   Vectors(PointsView<Scalar> own, Ranks* ranks);

@@ -350,7 +350,7 @@ Index Borders<Scalar>::change_owners_in(Filling<Scalar>& filling) const {
                                    if constexpr (Dimension > 0) {
                                      filling.cells.get(s, place, own.x.data());
                                    }
-                                   own.point = filling.take(s, place);
+                                   own.point = filling.points.own(filling.take(s, place));
                                  });
                                });
   const auto count = static_cast<Index>(leaving.size());
@@ -359,7 +359,7 @@ Index Borders<Scalar>::change_owners_in(Filling<Scalar>& filling) const {
   for_each_site(arena_, filling.tiles, [&](SiteNumber s) {
     for (const Leaving& l : by_site[s]) {
       if constexpr (Dimension > 0) {
-        filling.add(s, l.point, l.x.data());
+        filling.add(s, filling.points.of_all(l.point), l.x.data());
       } else {
         filling.add(s, l.point);
       }

@@ -65,7 +65,7 @@ double squared(const double* x, std::size_t dimension) {
 
 template <class Scalar>
 Descent<Scalar>::Descent(const Metric& metric, const Arena& arena, Stop& stop,
-                         const PointsView<Scalar>& points, const LevelState<Scalar>& state,
+                         const OwnPoints<Scalar>& points, const LevelState<Scalar>& state,
                          Depth depth, std::vector<double>& weights)
     : metric_(metric),
       arena_(arena),

@@ -34,7 +34,7 @@ template <class Scalar>
 class Descent {
  public:
   /// `weights`: of the sites on the level before, or none; those of this level, when it ends.
-  Descent(const Metric& metric, const Arena& arena, Stop& stop, const PointsView<Scalar>& points,
+  Descent(const Metric& metric, const Arena& arena, Stop& stop, const OwnPoints<Scalar>& points,
           const LevelState<Scalar>& state, Depth depth, std::vector<double>& weights);
 
   /// Descends for as long as the points near borders allow, and updates cells and sites; the energy
@@ -67,7 +67,7 @@ class Descent {
   const Metric& metric_;
   const Arena& arena_;
   Stop& stop_;
-  const PointsView<Scalar>& points_;
+  const OwnPoints<Scalar> points_;
   std::vector<double>& weights_;
   Depth depth_;
   bool ended_ = false;

@@ -61,7 +61,7 @@ double energy(PointsView<Scalar> points, PointsView<Scalar> sites, std::span<con
   return sum;
 }
 
-double normalized_energy(double energy, Index points, Index sites, const Box& box) {
+double normalized_energy(double energy, std::int64_t points, Index sites, const Box& box) {
   if (!(energy >= 0)) {
     throw InvalidInput("energy: is " + text(energy) + "; must be at least 0");
   }
@@ -77,8 +77,9 @@ double normalized_energy(double energy, Index points, Index sites, const Box& bo
   const double spacing = spacing_in(box, sites);
   const double squared = spacing * spacing;
   // In a box so thin that the square underflows.
-  if (!std::isnormal(squared)) return energy / points / spacing / spacing;
-  return energy / points / squared;
+  const auto m = static_cast<double>(points);
+  if (!std::isnormal(squared)) return energy / m / spacing / spacing;
+  return energy / m / squared;
 }
 
 double imbalance_factor(std::span<const Index> owners, Index sites) {

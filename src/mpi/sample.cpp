@@ -5,7 +5,6 @@
 #include "ccvt/problem.h"
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
-#include "cli/memory.h"
 #include "cli/outputs.h"
 #include "commands.h"
 #include "results.h"
@@ -27,15 +26,10 @@ int sample(const Session& session, const SampleArguments& arguments) {
   Points<Scalar> fixed;
   session.together([&] {
     if (particles) check_particles(arguments.output, arguments.sites, sizeof(Scalar), load);
-    if (all > INT32_MAX) {
-      cli::check_memory(arguments.sites, arguments.points_per_site, arguments.dimension,
-                        sizeof(Scalar));
-    }
-    cli::check_memory("--sites", session.on_machine(share.size()), arguments.dimension,
-                      sizeof(Scalar));
-    points = sample_uniform_part<Scalar>(
-        box, static_cast<Index>(all), static_cast<Index>(share.begin),
-        static_cast<Index>(share.end), arguments.seed, arguments.distribution, arguments.threads);
+    session.check_memory("--sites " + std::to_string(arguments.sites), share.size(),
+                         arguments.dimension, sizeof(Scalar));
+    points = sample_uniform_part<Scalar>(box, all, share.begin, share.end, arguments.seed,
+                                         arguments.distribution, arguments.threads);
     if (arguments.fixed_sites.empty()) return;
     fixed = cli::read_sites<Scalar>(arguments.fixed_sites, "fixed sites", arguments.dimension);
     cli::blame(arguments.fixed_sites, [&] { cli::check_inside<Scalar>(fixed); });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <new>
@@ -11,6 +12,7 @@
 #include "ccvt/options.h"
 #include "ccvt/types.h"
 #include "cli/arguments.h"
+#include "cli/memory.h"
 #include "cli/run.h"
 #include "cli/signals.h"
 #include "parallel/together.h"
@@ -61,6 +63,13 @@ class Session {
   /// for what is said of memory.
   [[nodiscard]] std::uint64_t on_machine(std::int64_t own) const {
     return static_cast<std::uint64_t>(own) * static_cast<std::uint64_t>(ranks_here_);
+  }
+
+  /// As cli::check_memory(), where all ranks on this machine tessellate as many points as this one.
+  void check_memory(const std::string& what, std::int64_t own, int dimension,
+                    std::size_t scalar_bytes) const {
+    cli::check_memory(what, on_machine(own), dimension, scalar_bytes, 0,
+                      static_cast<std::uint64_t>(ranks_here_));
   }
 
   /// Calls `work` on each rank for itself. What it throws on one of them ends all, as a Failure.

@@ -9,7 +9,6 @@
 #include "ccvt/linear_map.h"
 #include "ccvt/problem.h"
 #include "ccvt/solver.h"
-#include "cli/memory.h"
 #include "cli/outputs.h"
 #include "commands.h"
 #include "results.h"
@@ -39,8 +38,7 @@ struct Inputs {
 template <class Scalar>
 Inputs<Scalar> read_inputs(const Session& session, const Session::Share& share,
                            const TessellateArguments& arguments, const PointsHeader& header) {
-  cli::check_memory(arguments.points.string(), session.on_machine(share.size()), header.dimension,
-                    sizeof(Scalar));
+  session.check_memory(arguments.points.string(), share.size(), header.dimension, sizeof(Scalar));
   Inputs<Scalar> read;
   read.domain = cli::make_domain(arguments, header.dimension);
   read.points = read_points<Scalar>(arguments.points, share.of(arguments.reading));

@@ -26,7 +26,8 @@ class Buffer {
   /// Of which only `used` elements from `first` on, and few others, are ever touched.
   Buffer(std::size_t size, std::size_t first, std::size_t used) : size_(size), room_(size) {
     check(size);
-    data_.reset(static_cast<T*>(allocate_small_pages(size * sizeof(T))));
+    const Pages pages = reserve_pages(size * sizeof(T));
+    data_ = {static_cast<T*>(pages.memory), Free{pages.mapped}};
     prefer_large_pages(data() + first, used * sizeof(T));
   }
   Buffer(Buffer&& other) noexcept { swap(other); }
@@ -79,7 +80,8 @@ class Buffer {
   }
 
   struct Free {
-    void operator()(T* memory) const { free_pages(memory); }
+    std::size_t mapped = 0;
+    void operator()(T* memory) const { free_reserved({memory, mapped}); }
   };
   static void check(std::size_t size) {
     if (size > SIZE_MAX / sizeof(T)) throw std::bad_alloc();

@@ -15,21 +15,41 @@ namespace {
 constexpr std::size_t kCacheLine = 64;
 constexpr std::size_t kLargePage = std::size_t{1} << 21;
 
+/// Null where the system refuses.
+void* allocate(std::size_t bytes) {
+  const std::size_t alignment = bytes < 2 * kLargePage ? kCacheLine : kLargePage;
+  if (bytes > SIZE_MAX - alignment) return nullptr;
+  const std::size_t rounded = (std::max(bytes, std::size_t{1}) + alignment - 1) / alignment;
+  return std::aligned_alloc(alignment, rounded * alignment);
+}
+
 }  // namespace
 
-void* allocate_small_pages(std::size_t bytes) {
-  const std::size_t alignment = bytes < 2 * kLargePage ? kCacheLine : kLargePage;
-  if (bytes > SIZE_MAX - alignment) throw std::bad_alloc();
-  const std::size_t rounded = (std::max(bytes, std::size_t{1}) + alignment - 1) / alignment;
-  void* const memory = std::aligned_alloc(alignment, rounded * alignment);
+void* allocate_pages(std::size_t bytes) {
+  void* const memory = allocate(bytes);
   if (memory == nullptr) throw std::bad_alloc();
+  prefer_large_pages(memory, bytes);
   return memory;
 }
 
-void* allocate_pages(std::size_t bytes) {
-  void* const memory = allocate_small_pages(bytes);
-  prefer_large_pages(memory, bytes);
-  return memory;
+void free_pages(void* memory) noexcept { std::free(memory); }
+
+/// Linux refuses what is more than all of its memory, unless it is told that not all is meant.
+Pages reserve_pages(std::size_t bytes) {
+  if (void* const memory = allocate(bytes)) return {memory, 0};
+#ifdef __linux__
+  void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
+                            MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (memory != MAP_FAILED) return {memory, bytes};
+#endif
+  throw std::bad_alloc();
+}
+
+void free_reserved(Pages pages) noexcept {
+  if (pages.mapped == 0) return free_pages(pages.memory);
+#ifdef __linux__
+  munmap(pages.memory, pages.mapped);
+#endif
 }
 
 void prefer_large_pages([[maybe_unused]] void* memory,
@@ -43,7 +63,5 @@ void prefer_large_pages([[maybe_unused]] void* memory,
   madvise(static_cast<std::byte*>(memory) + skipped, whole, MADV_HUGEPAGE);
 #endif
 }
-
-void free_pages(void* memory) noexcept { std::free(memory); }
 
 }  // namespace ccvt

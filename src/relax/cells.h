@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "numbers.h"
 #include "parallel/buffer.h"
 #include "parallel/bytes.h"
+#include "relax/point_order.h"
 
 namespace ccvt {
 
@@ -27,23 +29,25 @@ class Cells {
   Cells(int dimension, std::span<const Index> sizes)
       : Cells(dimension, sizes, sites_below(sizes.size())) {}
   /// Of which only those of some sites, and a few others that these sites meet, are ever filled.
-  Cells(int dimension, std::span<const Index> sizes, NumberRange<SiteNumber> own)
+  /// `points`: how many are numbered, in cells or not.
+  Cells(int dimension, std::span<const Index> sizes, NumberRange<SiteNumber> own,
+        std::int64_t points = 0)
       : dimension_(static_cast<std::size_t>(dimension)) {
     first_.reserve(sizes.size() + 1);
     for (const Index size : sizes) first_.emplace_back(first_.back().index() + size);
     const std::size_t begin = first_[*own.begin()];
     const std::size_t used = first_[*own.end()] - begin;
-    order_ = Buffer<PointNumber>(first_.back(), begin, used);
+    order_ = PointOrder(first_.back(), begin, used, points);
     coordinates_ =
-        Buffer<Scalar>(order_.size() * dimension_, begin * dimension_, used * dimension_);
+        Buffer<Scalar>(first_.back() * dimension_, begin * dimension_, used * dimension_);
   }
 
   [[nodiscard]] std::size_t dimension() const { return dimension_; }
   [[nodiscard]] std::size_t site_count() const { return first_.size() - 1; }
   [[nodiscard]] NumberRange<SiteNumber> sites() const { return sites_below(site_count()); }
-  [[nodiscard]] Index point_count() const { return first_.back().index(); }
+  [[nodiscard]] std::int64_t point_count() const { return first_.back().index(); }
   [[nodiscard]] Index size(SiteNumber site) const {
-    return first_[site + 1].index() - first_[site].index();
+    return static_cast<Index>(first_[site + 1].index() - first_[site].index());
   }
 
   [[nodiscard]] std::vector<Index> sizes() const {
@@ -54,9 +58,12 @@ class Cells {
   }
 
   /// The points of a cell.
-  [[nodiscard]] std::span<const PointNumber> points(SiteNumber site) const {
-    return order_.span().subspan(first_[site], first_[site + 1] - first_[site]);
+  [[nodiscard]] PointOrder::View points(SiteNumber site) const {
+    return order_.view(first_[site], first_[site + 1] - first_[site]);
   }
+  [[nodiscard]] PointOfAll point(SiteNumber site, Index k) const { return order_[place(site, k)]; }
+  /// Has the number at place k of a cell fetched from memory, to be changed.
+  void prefetch_point(SiteNumber site, Index k) const { order_.prefetch(place(site, k)); }
 
   /// The block of a cell: coordinate d of its k-th point is at [d * size(site) + k].
   [[nodiscard]] Scalar* block(SiteNumber site) {
@@ -67,8 +74,8 @@ class Cells {
   }
 
   /// Puts a point at place k of a cell. `coordinates` are contiguous.
-  void put(SiteNumber site, Index k, PointNumber point, const Scalar* coordinates) {
-    order(site)[k] = point;
+  void put(SiteNumber site, Index k, PointOfAll point, const Scalar* coordinates) {
+    order_.set(place(site, k), point);
     Scalar* to = block(site) + k;
     for (std::size_t d = 0; d < dimension_; ++d, to += size(site)) *to = coordinates[d];
   }
@@ -82,7 +89,7 @@ class Cells {
   /// Copies a cell of others, no larger, to the first places of this cell.
   void copy_points(const Cells& from, SiteNumber site) {
     const auto points = from.points(site);
-    std::copy(points.begin(), points.end(), order(site));
+    order_.copy(points, first_[site]);
     const Scalar* stream = from.block(site);
     Scalar* to = block(site);
     for (std::size_t d = 0; d < dimension_; ++d, stream += points.size(), to += size(site)) {
@@ -93,7 +100,7 @@ class Cells {
   /// Writes the first points of a cell, and reads them again.
   void write(ByteWriter& out, SiteNumber site, Index count) const {
     const auto first = static_cast<std::size_t>(count);
-    out.put(points(site).first(first));
+    order_.write(out, first_[site], first);
     const Scalar* stream = block(site);
     for (std::size_t d = 0; d < dimension_; ++d, stream += size(site)) {
       out.put(std::span(stream, first));
@@ -101,7 +108,7 @@ class Cells {
   }
   void read(ByteReader& in, SiteNumber site, Index count) {
     const auto first = static_cast<std::size_t>(count);
-    in.get(std::span(order(site), first));
+    order_.read(in, first_[site], first);
     Scalar* stream = block(site);
     for (std::size_t d = 0; d < dimension_; ++d, stream += size(site)) {
       in.get(std::span(stream, first));
@@ -110,40 +117,47 @@ class Cells {
 
   /// The points of a cell in their order, without their coordinates, which fill() takes from all
   /// points. `end`: how many points there are.
-  void save(ByteWriter& out, SiteNumber site) const { out.put(points(site)); }
-  void load(ByteReader& in, SiteNumber site, Index end) {
-    const std::span<PointNumber> own(order(site), points(site).size());
-    in.get(own);
-    const auto is_one = [end](PointNumber p) { return p.index() >= 0 && p.index() < end; };
-    if (!std::all_of(own.begin(), own.end(), is_one)) throw Damaged();
+  void save(ByteWriter& out, SiteNumber site) const {
+    order_.write(out, first_[site], points(site).size());
+  }
+  void load(ByteReader& in, SiteNumber site, std::int64_t end) {
+    order_.read(in, first_[site], points(site).size());
+    for (const PointOfAll p : points(site)) {
+      if (p.index() >= end) throw Damaged();
+    }
+  }
+  /// How many bytes that takes.
+  [[nodiscard]] std::size_t saved_bytes(SiteNumber site) const {
+    return points(site).size() * order_.bytes();
   }
   /// `coordinates(point)`: those of a point, contiguous.
   template <class Coordinates>
   void fill(SiteNumber site, const Coordinates& coordinates) {
     for (Index k = 0; k < size(site); ++k) {
-      const PointNumber point = points(site)[static_cast<std::size_t>(k)];
-      put(site, k, point, coordinates(point));
+      const PointOfAll p = point(site, k);
+      put(site, k, p, coordinates(p));
     }
   }
 
   /// Copies what is at place `from` of a cell to place `to` of it.
   void copy_within(SiteNumber site, Index from, Index to) {
-    order(site)[to] = order(site)[from];
+    order_.set(place(site, to), point(site, from));
     Scalar* stream = block(site);
     for (std::size_t d = 0; d < dimension_; ++d, stream += size(site)) stream[to] = stream[from];
   }
 
   /// Puts what is at place places[k] of a cell to place k. Both vectors are scratch memory.
-  void reorder(SiteNumber site, std::span<const Index> places, std::vector<PointNumber>& points,
+  void reorder(SiteNumber site, std::span<const Index> places, std::vector<PointOfAll>& points,
                std::vector<Scalar>& stream) {
-    const std::span<const PointNumber> own = this->points(site);
-    points.assign(own.begin(), own.end());
-    stream.resize(own.size());
+    const std::size_t count = this->points(site).size();
+    points.clear();
+    for (const PointOfAll p : this->points(site)) points.push_back(p);
+    stream.resize(count);
     for (std::size_t k = 0; k < places.size(); ++k)
-      order(site)[k] = points[static_cast<std::size_t>(places[k])];
+      order_.set(first_[site] + k, points[static_cast<std::size_t>(places[k])]);
     Scalar* to = block(site);
-    for (std::size_t d = 0; d < dimension_; ++d, to += own.size()) {
-      std::copy_n(to, own.size(), stream.begin());
+    for (std::size_t d = 0; d < dimension_; ++d, to += count) {
+      std::copy_n(to, count, stream.begin());
       for (std::size_t k = 0; k < places.size(); ++k)
         to[k] = stream[static_cast<std::size_t>(places[k])];
     }
@@ -151,21 +165,22 @@ class Cells {
 
   /// Exchanges place k of cell i with place l of cell j.
   void exchange(SiteNumber i, Index k, SiteNumber j, Index l) {
-    std::swap(order(i)[k], order(j)[l]);
+    order_.exchange(place(i, k), place(j, l));
     Scalar* a = block(i) + k;
     Scalar* b = block(j) + l;
     for (std::size_t d = 0; d < dimension_; ++d, a += size(i), b += size(j)) std::swap(*a, *b);
   }
 
  private:
-  [[nodiscard]] PointNumber* order(SiteNumber site) { return order_.data() + first_[site]; }
-
   /// In the order of the cells.
-  using Place = Number<struct OfPlaces>;
+  using Place = Number<struct OfPlaces, std::int64_t>;
+  [[nodiscard]] std::size_t place(SiteNumber site, Index k) const {
+    return first_[site] + static_cast<std::size_t>(k);
+  }
 
   std::size_t dimension_ = 0;
   std::vector<Place> first_{Place(0)};  ///< of each cell, and one more
-  Buffer<PointNumber> order_;
+  PointOrder order_;
   Buffer<Scalar> coordinates_;
 };
 

@@ -63,8 +63,7 @@ std::vector<SiteNumber> deal_rest(const Metric& metric, const SiteState& sites, 
   std::vector<SiteNumber> owners(static_cast<std::size_t>(points.count), SiteNumber::none());
   std::vector<Index> room(capacities.begin(), capacities.end());
   for (const SiteNumber site : sites_below(filled.size())) {
-    const PointNumber* const own = cells.points(site).data();
-    for (Index k = 0; k < filled[site]; ++k) owners[own[k]] = site;
+    for (Index k = 0; k < filled[site]; ++k) owners[cells.point(site, k)] = site;
     room[site] -= filled[site];
   }
   const Places<Scalar> places(metric, sites, box);

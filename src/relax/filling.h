@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "ccvt/types.h"
 #include "relax/cells.h"
+#include "relax/own_points.h"
 #include "schedule/tiling.h"
 
 namespace ccvt {
@@ -20,11 +23,12 @@ class WaitingPoints {
   explicit WaitingPoints(std::size_t dimension) : dimension_(dimension) {}
 
   /// Puts a point at the head of a list, whose new head is returned.
-  Node push(Node head, PointNumber point, const Scalar* x) {
+  Node push(Node head, PointOfAll point, const Scalar* x) {
     Node node = free_;
     if (free_ != Node::none()) {
       free_ = links_[free_].next;
     } else {
+      if (links_.size() == kMost) throw std::length_error("more points wait than can be numbered");
       node = Node(links_.size());
       links_.emplace_back();
       coordinates_.resize(coordinates_.size() + dimension_);
@@ -34,12 +38,12 @@ class WaitingPoints {
     return node;
   }
   [[nodiscard]] Node next(Node node) const { return links_[node].next; }
-  [[nodiscard]] PointNumber point(Node node) const { return links_[node].point; }
+  [[nodiscard]] PointOfAll point(Node node) const { return links_[node].point; }
   [[nodiscard]] const Scalar* coordinates(Node node) const {
     return coordinates_.data() + node * dimension_;
   }
   /// Takes the head off a list; returns the new one. Both pointers hold until the next push().
-  Node pop(Node head, PointNumber& point, const Scalar*& x) {
+  Node pop(Node head, PointOfAll& point, const Scalar*& x) {
     Link& link = links_[head];
     point = link.point;
     x = coordinates_.data() + head * dimension_;
@@ -50,8 +54,9 @@ class WaitingPoints {
   }
 
  private:
+  static constexpr auto kMost = static_cast<std::size_t>(std::numeric_limits<Index>::max());
   struct Link {
-    PointNumber point;
+    PointOfAll point;
     Node next;
   };
 
@@ -67,15 +72,15 @@ class WaitingPoints {
 template <class Scalar>
 class Filling {
  public:
-  Filling(Cells<Scalar>& target, const PointsView<Scalar>& all_points, const Tiling& tiling)
+  Filling(Cells<Scalar>& target, const OwnPoints<Scalar>& own_points, const Tiling& tiling)
       : cells(target),
-        points(all_points),
+        points(own_points),
         tiles(tiling),
         filled(target.site_count(), 0),
         waiting_(filled.size()),
         lists_(tiling.count(), WaitingPoints<Scalar>(target.dimension())) {}
-  Filling(Cells<Scalar>& target, const PointsView<Scalar>& all_points)
-      : Filling(target, all_points, Tiling(target.site_count(), 1)) {}
+  Filling(Cells<Scalar>& target, const OwnPoints<Scalar>& own_points)
+      : Filling(target, own_points, Tiling(target.site_count(), 1)) {}
 
   /// Takes over the points of a cell; the site must have none yet, and room for all of them.
   void add_cell(const Cells<Scalar>& from, SiteNumber site) {
@@ -83,7 +88,7 @@ class Filling {
     filled[site] = from.size(site);
   }
 
-  void add(SiteNumber site, PointNumber point, const Scalar* x) {
+  void add(SiteNumber site, PointOfAll point, const Scalar* x) {
     note(site, point, 1);
     Index& count = filled[site];
     if (count < cells.size(site)) {
@@ -94,12 +99,12 @@ class Filling {
       ++waiting.count;
     }
   }
-  void add(SiteNumber site, PointNumber point) { add(site, point, points[point.index()]); }
+  void add(SiteNumber site, PointNumber own) { add(site, points.of_all(own), points[own]); }
 
   /// Takes the point at place k out of a cell; the last point takes its place.
-  PointNumber take(SiteNumber site, Index k) {
+  PointOfAll take(SiteNumber site, Index k) {
     Index& count = filled[site];
-    const PointNumber point = cells.points(site).data()[k];
+    const PointOfAll point = cells.point(site, k);
     note(site, point, -1);
     --count;
     if (k != count) cells.copy_within(site, count, k);
@@ -110,10 +115,10 @@ class Filling {
   /// they had been added in that order. No key is twice.
   template <class Key>
   void sort_added(SiteNumber site, Index before, const Key& key) {
-    using Value = decltype(key(PointNumber(), static_cast<const Scalar*>(nullptr)));
+    using Value = decltype(key(PointOfAll(), static_cast<const Scalar*>(nullptr)));
     struct Added {
       Value key;
-      PointNumber point;
+      PointOfAll point;
       std::size_t x;  ///< where its coordinates are
       bool operator<(const Added& other) const { return key < other.key; }
     };
@@ -123,14 +128,14 @@ class Filling {
     std::vector<Scalar> all;
     added.reserve(added_count);
     all.reserve(added_count * cells.dimension());
-    const auto append = [&](PointNumber point, const Scalar* x) {
+    const auto append = [&](PointOfAll point, const Scalar* x) {
       all.insert(all.end(), x, x + cells.dimension());
       added.push_back({key(point, x), point, all.size() - cells.dimension()});
     };
     std::vector<Scalar> x(cells.dimension());
     for (Index k = before; k < filled[site]; ++k) {
       cells.get(site, k, x.data());
-      append(cells.points(site)[static_cast<std::size_t>(k)], x.data());
+      append(cells.point(site, k), x.data());
     }
     const std::size_t placed = added.size();
     const WaitingPoints<Scalar>& list = lists_[tiles.tile_of(site)];
@@ -152,8 +157,8 @@ class Filling {
 
   /// How many points of a site wait; and takes one of these.
   [[nodiscard]] Index waiting(SiteNumber site) const { return waiting_[site].count; }
-  PointNumber take_waiting(SiteNumber site, const Scalar*& x) {
-    const PointNumber point = pop_waiting(site, x);
+  PointOfAll take_waiting(SiteNumber site, const Scalar*& x) {
+    const PointOfAll point = pop_waiting(site, x);
     note(site, point, -1);
     return point;
   }
@@ -173,10 +178,10 @@ class Filling {
   void read(ByteReader& in, SiteNumber site) {
     filled[site] = in.get<Index>();
     cells.read(in, site, filled[site]);
-    std::vector<PointNumber> last(static_cast<std::size_t>(in.get<Index>()));
+    std::vector<PointOfAll> last(static_cast<std::size_t>(in.get<Index>()));
     std::vector<Scalar> x(last.size() * cells.dimension());
     for (std::size_t w = 0; w < last.size(); ++w) {
-      last[w] = in.get<PointNumber>();
+      last[w] = in.get<PointOfAll>();
       in.get(std::span(x).subspan(w * cells.dimension(), cells.dimension()));
     }
     // The first to be taken is the one that came last.
@@ -189,7 +194,7 @@ class Filling {
 
   /// A point that came to a site, or left it.
   struct Entry {
-    PointNumber point;
+    PointOfAll point;
     SiteNumber site;
     int change;
   };
@@ -209,7 +214,7 @@ class Filling {
   }
 
   Cells<Scalar>& cells;
-  const PointsView<Scalar>& points;
+  const OwnPoints<Scalar> points;
   const Tiling tiles;
   std::vector<Index> filled;  ///< points in each cell
 
@@ -219,14 +224,14 @@ class Filling {
     Index count = 0;
   };
   WaitingPoints<Scalar>& list(SiteNumber site) { return lists_[tiles.tile_of(site)]; }
-  PointNumber pop_waiting(SiteNumber site, const Scalar*& x) {
-    PointNumber point;
+  PointOfAll pop_waiting(SiteNumber site, const Scalar*& x) {
+    PointOfAll point;
     Waiting& waiting = waiting_[site];
     waiting.head = list(site).pop(waiting.head, point, x);
     --waiting.count;
     return point;
   }
-  void note(SiteNumber site, PointNumber point, int change) {
+  void note(SiteNumber site, PointOfAll point, int change) {
     if (!journals_.empty()) journals_[tiles.tile_of(site)].push_back({point, site, change});
   }
 

@@ -9,6 +9,7 @@
 
 #include "parallel/loops.h"
 #include "parallel/together.h"
+#include "relax/own_points.h"
 #include "relax/subsets.h"
 #include "schedule/tiling.h"
 #include "spatial/site_tree.h"
@@ -20,13 +21,13 @@ namespace {
 constexpr std::size_t kSitesPerGrain = 4096;
 
 /// `count` distinct points, each set of so many equally likely, ascending.
-Buffer<PointNumber> distinct_points(std::size_t count, std::size_t points, std::uint64_t seed,
-                                    const Arena& arena) {
+Buffer<PointOfAll> distinct_points(std::size_t count, std::size_t points, std::uint64_t seed,
+                                   const Arena& arena) {
   const NestedSubsets subset(seed, streams::initial_sites, points, std::array{count}, arena);
   const NestedSubsets::Members first = subset.members(0);
-  return collect_together<PointNumber>(
+  return collect_together<PointOfAll>(
       arena, points, NestedSubsets::kBlock,
-      [&](std::size_t begin, std::size_t end, std::vector<PointNumber>& out, int) {
+      [&](std::size_t begin, std::size_t end, std::vector<PointOfAll>& out, int) {
         for (std::size_t p = begin; p < end; ++p) {
           if (first.contains(p)) out.emplace_back(p);
         }
@@ -53,19 +54,17 @@ SiteState around_fixed(const Metric& metric, const SiteState& drawn, const SiteS
 /// Calls put(site, coordinates) for the k-th of the points drawn, which is site k, on whatever rank
 /// it is.
 template <class Scalar, class Put>
-void put_drawn(const Problem<Scalar>& problem, const Buffer<PointNumber>& drawn, const Arena& arena,
+void put_drawn(const Problem<Scalar>& problem, const Buffer<PointOfAll>& drawn, const Arena& arena,
                const Put& put) {
+  const OwnPoints<Scalar> points(problem.points(), problem.first_own_point());
   if (problem.ranks() == nullptr) {
     return for_each_site(arena, drawn.size(), kSitesPerGrain,
-                         [&](SiteNumber s) { put(s, problem.points()[drawn[s].index()]); });
+                         [&](SiteNumber s) { put(s, points[drawn[s]]); });
   }
-  const Index first = problem.first_own_point();
-  const Index end = first + problem.own_points().count;
   const auto dimension = static_cast<std::size_t>(problem.dimension());
   std::vector<Scalar> own;
-  for (const PointNumber p : drawn) {
-    if (p.index() < first || p.index() >= end) continue;
-    own.insert(own.end(), problem.points()[p.index()], problem.points()[p.index()] + dimension);
+  for (const PointOfAll p : drawn) {
+    if (points.has(p)) own.insert(own.end(), points[p], points[p] + dimension);
   }
   // Points are drawn in ascending order, as ranks have them.
   const std::vector<Scalar> all = joined(problem.ranks(), std::move(own));
@@ -75,7 +74,7 @@ void put_drawn(const Problem<Scalar>& problem, const Buffer<PointNumber>& drawn,
 /// Calls put(site, x) for the first point that each site owns.
 template <class Scalar, class Put>
 void put_first(const Problem<Scalar>& problem, const Put& put) {
-  const auto& points = problem.own_points();
+  const auto& points = problem.points();
   const std::vector<Index>& owners = problem.initial_owners();
   const auto n = static_cast<std::size_t>(problem.site_count());
   std::vector<Index> first(n, points.count);

@@ -64,7 +64,7 @@ void add_to_nearest(const NearestSites<Scalar>& nearest, const JoiningPoints& jo
   const std::size_t part = std::max(kLeastPoints, kPointsPerSite * sites);
   typename NearestSites<Scalar>::template Found<Dimension> found;
   joining.for_parts(part, arena, [&](std::span<const PointNumber> which) {
-    nearest.template find<Dimension>(filling.points, which, arena, found);
+    nearest.template find<Dimension>(filling.points.view(), which, arena, found);
     const auto charge = arena.phase(Phase::join);
     auto by_site = group_by_key(
         arena, std::move(found.points), sites, [](std::size_t, const Item&) {},
@@ -72,7 +72,7 @@ void add_to_nearest(const NearestSites<Scalar>& nearest, const JoiningPoints& jo
     for_each_site(arena, filling.tiles, [&](SiteNumber s) {
       for (const Item& item : by_site[s]) {
         if constexpr (Dimension > 0) {
-          filling.add(s, item.point, item.x.data());
+          filling.add(s, filling.points.of_all(item.point), item.x.data());
         } else {
           filling.add(s, item.point);
         }
@@ -91,10 +91,10 @@ void add_to_nearest_on_ranks(const NearestSites<Scalar>& nearest, const JoiningP
   const Tiling& tiling = filling.tiles;
   const std::size_t part = std::max(kLeastPoints, kPointsPerSite * filling.cells.site_count());
   const std::vector<Index> before = filling.filled;
-  Arrivals arrivals(*tiling.ranks(), joining.own_begin(), before.size());
+  Arrivals arrivals(*tiling.ranks(), joining.own_begin(), joining.end(), before.size());
   typename NearestSites<Scalar>::template Found<Dimension> found;
   const auto add = [&](std::span<const PointNumber> which) {
-    nearest.template find<Dimension>(filling.points, which, arena, found);
+    nearest.template find<Dimension>(filling.points.view(), which, arena, found);
     const auto charge = arena.phase(Phase::join);
     if constexpr (Dimension > 0) {
       add_at_home<Dimension>(found, arena, filling, arrivals);
@@ -111,10 +111,10 @@ void add_to_nearest_on_ranks(const NearestSites<Scalar>& nearest, const JoiningP
   while (any(tiling.ranks(), false)) add({});  // others have more
 
   const auto charge = arena.phase(Phase::join);
-  const std::vector<PointNumber> begins = joining.parts(part);
+  const std::vector<PointOfAll> begins = joining.parts(part);
   for_each_site(arena, tiling, [&](SiteNumber s) {
     if (Dimension > 0 && arrivals.in_order(s)) return;
-    filling.sort_added(s, before[s], [&](PointNumber point, const Scalar* x) {
+    filling.sort_added(s, before[s], [&](PointOfAll point, const Scalar* x) {
       const auto of_part = std::upper_bound(begins.begin(), begins.end(), point) - begins.begin();
       const std::size_t cell = Dimension > 0 ? nearest.cell_of(x) : 0;
       return std::tuple(of_part, cell, point);
@@ -134,7 +134,7 @@ void join_coherent(const Metric& metric, const SiteState& sites,
   }
   const auto nearest = [&](PointNumber point) {
     std::vector<double> query(sites.dimension);
-    std::copy_n(filling.points[point.index()], query.size(), query.begin());
+    std::copy_n(filling.points[point], query.size(), query.begin());
     return SiteNumber(available.nearest(query.data()));
   };
   const std::vector<PointNumber> order = shuffled(joining, seed, arena);

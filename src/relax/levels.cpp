@@ -38,7 +38,7 @@ std::vector<Level> divide(std::span<const Index> capacities, const Options& opti
 }  // namespace
 
 /// The points of a level are the first of a random order.
-std::vector<Level> make_levels(std::span<const Index> capacities, Index points,
+std::vector<Level> make_levels(std::span<const Index> capacities, std::int64_t points,
                                const Options& options, const Arena& arena) {
   std::vector<Level> levels = divide(capacities, options);
   const auto count = static_cast<std::size_t>(points);
@@ -78,53 +78,45 @@ JoiningPoints JoiningPoints::between(std::size_t start, std::size_t end) {
   return joining;
 }
 
+/// Points of blocks that are another rank's in part are found, too, and left out.
 Buffer<PointNumber> JoiningPoints::in_blocks(std::size_t first, std::size_t last,
                                              const Arena& arena) const {
   const auto charge = arena.phase(Phase::levels);
-  const auto own = [this](std::size_t point) {
-    return std::clamp(point, own_begin_, std::max(own_begin_, own_end_)) - start_;
-  };
-  const std::size_t begin_of_first = start_ + first * kBlock;
+  const std::size_t own_end = std::max(own_begin_, own_end_);
   const std::size_t end_of_last = std::min(start_ + last * kBlock, end_);
-  if (begin_of_first < own_begin_ || end_of_last > own_end_) {
-    const std::size_t some = std::clamp(own(begin_of_first) / kBlock, first, last);
-    const std::size_t to = std::clamp((own(end_of_last) + kBlock - 1) / kBlock, some, last);
-    return trimmed(in_whole_blocks(some, to, arena));
+  const bool whole = start_ + first * kBlock >= own_begin_ && end_of_last <= own_end;
+  if (!whole) {
+    const auto own = [&](std::size_t point) {
+      return std::clamp(point, own_begin_, own_end) - start_;
+    };
+    first = std::clamp(own(start_ + first * kBlock) / kBlock, first, last);
+    last = std::clamp((own(end_of_last) + kBlock - 1) / kBlock, first, last);
   }
-  return in_whole_blocks(first, last, arena);
-}
-
-Buffer<PointNumber> JoiningPoints::trimmed(const Buffer<PointNumber>& points) const {
-  const PointNumber* const begin =
-      std::lower_bound(points.begin(), points.end(), PointNumber(own_begin_));
-  const PointNumber* const end = own_end_ >= end_
-                                     ? points.end()
-                                     : std::lower_bound(begin, points.end(), PointNumber(own_end_));
-  Buffer<PointNumber> own(static_cast<std::size_t>(end - begin));
-  std::copy(begin, end, own.begin());
-  return own;
-}
-
-Buffer<PointNumber> JoiningPoints::in_whole_blocks(std::size_t first, std::size_t last,
-                                                   const Arena& arena) const {
   Buffer<PointNumber> points(before_[last] - before_[first]);
+  const PointNumber* points_end = points.begin();
   const auto fill = [&](std::size_t block, const auto& joins) {
     PointNumber* next = points.data() + (before_[block] - before_[first]);
     const std::size_t begin = start_ + block * kBlock;
-    const std::size_t end = std::min(begin + kBlock, end_);
+    const std::size_t end = std::min({begin + kBlock, end_, own_end});
     // Written in any case, so that there is nothing to predict; the last one not beyond its room.
     PointNumber* const stop = points.data() + (before_[block + 1] - before_[first]);
     for (std::size_t p = begin; p < end && next != stop; ++p) {
-      *next = PointNumber(p);
+      *next = PointNumber(p - own_begin_);  // negative: of a lower rank
       next += joins(p) ? 1 : 0;
     }
+    if (block + 1 == last) points_end = next;
   };
   arena.for_each(last - first, 1, [&](std::size_t k) {
     if (subsets_ == nullptr) return fill(first + k, [](std::size_t) { return true; });
     fill(first + k,
          [members = subsets_->members(subset_)](std::size_t p) { return members.contains(p); });
   });
-  return points;
+  if (whole) return points;
+  const PointNumber* const begin =
+      std::lower_bound(std::as_const(points).begin(), points_end, PointNumber(0));
+  Buffer<PointNumber> own(static_cast<std::size_t>(points_end - begin));
+  std::copy(begin, points_end, own.begin());
+  return own;
 }
 
 }  // namespace ccvt

@@ -27,7 +27,7 @@ class JoiningPoints {
   /// Points start.. to end - 1.
   static JoiningPoints between(std::size_t start, std::size_t end);
 
-  /// From now on only those of a rank are given out.
+  /// From now on only those of a rank are given out, numbered from its first.
   void keep_own(std::size_t begin, std::size_t end) {
     own_begin_ = begin;
     own_end_ = end;
@@ -49,15 +49,16 @@ class JoiningPoints {
     });
   }
   /// The first point that may be in each of these parts, of all ranks.
-  [[nodiscard]] std::vector<PointNumber> parts(std::size_t most) const {
-    std::vector<PointNumber> begins;
+  [[nodiscard]] std::vector<PointOfAll> parts(std::size_t most) const {
+    std::vector<PointOfAll> begins;
     for_blocks(most, [&](std::size_t first, std::size_t) {
       begins.emplace_back(start_ + first * NestedSubsets::kBlock);
     });
     return begins;
   }
-  /// The first point that may be this rank's.
-  [[nodiscard]] PointNumber own_begin() const { return PointNumber(std::min(own_begin_, end_)); }
+  /// The first point that may be this rank's, and one more than the last of all ranks.
+  [[nodiscard]] PointOfAll own_begin() const { return PointOfAll(std::min(own_begin_, end_)); }
+  [[nodiscard]] PointOfAll end() const { return PointOfAll(end_); }
   /// Only those of this rank, in parts of their own, each of them in one of those that parts() of
   /// `most_of_all` begins.
   template <class Visit>
@@ -89,10 +90,6 @@ class JoiningPoints {
   [[nodiscard]] Buffer<PointNumber> in_blocks(std::size_t first, std::size_t last,
                                               const Arena& arena) const;
 
-  [[nodiscard]] Buffer<PointNumber> in_whole_blocks(std::size_t first, std::size_t last,
-                                                    const Arena& arena) const;
-  [[nodiscard]] Buffer<PointNumber> trimmed(const Buffer<PointNumber>& points) const;
-
   std::shared_ptr<const NestedSubsets> subsets_;
   std::size_t subset_ = 0;
   std::size_t start_ = 0;
@@ -112,7 +109,7 @@ struct Level {
 /// 0..l, as many as its capacities sum to, each subset of that size equally likely. On the last
 /// level all points have joined and capacities are those given. One level without
 /// Options::multilevel, or when capacities are too small to divide. O(m).
-std::vector<Level> make_levels(std::span<const Index> capacities, Index points,
+std::vector<Level> make_levels(std::span<const Index> capacities, std::int64_t points,
                                const Options& options, const Arena& arena = Arena(1));
 
 }  // namespace ccvt

@@ -29,7 +29,7 @@ class MovedPoints {
   }
 
   /// A point that is in no cell, at `x`.
-  void send(PointNumber point, const Scalar* x, SiteNumber to) {
+  void send(PointOfAll point, const Scalar* x, SiteNumber to) {
     const Tiling& tiles = filling_.tiles;
     const int rank = ranks() == nullptr ? 0 : tiles.rank_of(tiles.tile_of(to));
     ByteWriter& message = to_[static_cast<std::size_t>(rank)];
@@ -49,7 +49,7 @@ class MovedPoints {
     }
     struct Arrived {
       SiteNumber site;
-      PointNumber point;
+      PointOfAll point;
       std::size_t x;  // where its coordinates are
     };
     std::vector<Arrived> arrived;
@@ -58,7 +58,7 @@ class MovedPoints {
       ByteReader reader(message);
       while (!reader.done()) {
         const auto site = reader.get<SiteNumber>();
-        arrived.push_back({site, reader.get<PointNumber>(), x.size()});
+        arrived.push_back({site, reader.get<PointOfAll>(), x.size()});
         x.resize(x.size() + x_.size());
         reader.get(std::span(x).last(x_.size()));
       }

@@ -68,7 +68,7 @@ Index Mover<Scalar>::move(SiteNumber to, Index count) {
   for (const Choice& choice : choices_) {
     if (choice.place >= filled) {
       const Index w = choice.place - filled;
-      PointNumber& point = waiting_.begin()[w];
+      PointOfAll& point = waiting_.begin()[w];
       Scalar* const x = waiting_x_.data() + w * dimension;
       filling_.add(to, point, x);
       point = waiting_.back();

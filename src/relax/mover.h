@@ -48,8 +48,8 @@ class Mover {
   std::vector<Scalar> extent_;
   std::vector<Scalar> turn_;
   std::vector<Scalar> keys_;
-  std::vector<PointNumber> waiting_;  ///< of from_
-  std::vector<Scalar> waiting_x_;     ///< their coordinates, point after point
+  std::vector<PointOfAll> waiting_;  ///< of from_
+  std::vector<Scalar> waiting_x_;    ///< their coordinates, point after point
   std::vector<Scalar> block_;
   std::vector<Scalar> moving_;   ///< coordinates of one point
   std::vector<Scalar> highest_;  ///< of each column

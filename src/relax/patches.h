@@ -28,7 +28,7 @@ class Patches {
     std::vector<std::uint32_t> first;
     std::vector<Index> order;
     std::vector<Scalar> stream;
-    std::vector<PointNumber> points;
+    std::vector<PointOfAll> points;
   };
   /// Says that a cell will be looked at: divides it when it is time to. O(size) then.
   void look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch);

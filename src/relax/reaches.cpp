@@ -155,9 +155,8 @@ void Reaches<Scalar>::set_known(const Cells<Scalar>& cells, const SiteState& sit
                                 const Arena& arena) {
   position_ = sites.position;
   arena.for_each(count_, 16, [&](std::size_t s) {
-    const auto points = cells.points(SiteNumber(s));
-    std::copy(points.begin(), points.end(),
-              counted_.begin() + static_cast<std::ptrdiff_t>(first_[s]));
+    auto counted = counted_.begin() + static_cast<std::ptrdiff_t>(first_[s]);
+    for (const PointOfAll p : cells.points(SiteNumber(s))) *counted++ = PointNumber(p.index());
   });
   known_ = true;
 }
@@ -297,7 +296,8 @@ void Reaches<Scalar>::follow(const Cells<Scalar>& cells, const SiteState& sites,
       if (touched[i] == 0) continue;
       const auto points = cells.points(i);
       for (std::size_t k = 0; k < points.size(); ++k) {
-        if (std::exchange(counted_[first_[i] + k], points[k]) != points[k]) came.push_back({i, k});
+        const PointNumber point(points[k].index());
+        if (std::exchange(counted_[first_[i] + k], point) != point) came.push_back({i, k});
       }
     }
     for (std::size_t first = 0; first < came.size(); first += kRows) {

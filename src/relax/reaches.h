@@ -18,7 +18,8 @@ namespace ccvt {
 /// For each cell and each site, no less than the cell's reach for the site: the largest of
 /// |p - s_i|^2 - |p - s_j|^2 over the points p of cell i. Kept from pass to pass, so that a pass
 /// multiplies only cells and sites that may have come to gain [Elkan 2003, where points have bounds
-/// on distances; here cells have]. n^2 scalars, and a number for each point.
+/// on distances; here cells have]. n^2 scalars, and a number for each point; of one
+/// process.
 ///
 /// When sites move, |p - s_i|^2 grows by what it does over the points of cell i, and |p - s_j|^2
 /// changes by what it does seen from site i, less twice the farthest point's distance times the

@@ -135,11 +135,10 @@ void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const Site
                         std::vector<Candidate>& candidates) {
     candidates.clear();
     const Scalar* block = cells.block(cell);
-    const PointNumber* const points = cells.points(cell).data();
     const Index* const places = places_.data();
     for (Index k = 0; k < found; ++k) {
       const Index place = places[k];
-      __builtin_prefetch(points + place, 1);
+      cells.prefetch_point(cell, place);
       candidates.push_back({cut_.key(side, block, cells.size(cell), place), place});
     }
   };

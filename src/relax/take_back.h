@@ -15,8 +15,8 @@ namespace ccvt {
 
 /// A point that has come to one site and had left another.
 struct CameFrom {
+  PointOfAll point;
   SiteNumber now;
-  PointNumber point;
   SiteNumber before;
 };
 
@@ -28,7 +28,7 @@ std::vector<CameFrom> moves_of(std::vector<Entry> journal) {
   });
   std::vector<CameFrom> moves;
   for (std::size_t k = 0; k < journal.size();) {
-    CameFrom own{SiteNumber::none(), journal[k].point, SiteNumber::none()};
+    CameFrom own{journal[k].point, SiteNumber::none(), SiteNumber::none()};
     while (k < journal.size() && journal[k].point == own.point) {
       const SiteNumber site = journal[k].site;
       int change = 0;
@@ -79,9 +79,9 @@ void take_back(Filling<Scalar>& filling, const Arena& arena) {
     const auto end =
         std::find_if(own, moves.end(), [&](const CameFrom& m) { return m.now != now; });
     for (Index k = filling.filled[now]; k-- > 0;) {
-      const PointNumber point = filling.cells.points(now).data()[k];
-      const auto at = std::lower_bound(
-          own, end, point, [](const CameFrom& m, PointNumber p) { return m.point < p; });
+      const PointOfAll point = filling.cells.point(now, k);
+      const auto at = std::lower_bound(own, end, point,
+                                       [](const CameFrom& m, PointOfAll p) { return m.point < p; });
       if (at != end && at->point == point) moved.take(now, k, at->before);
     }
     own = end;

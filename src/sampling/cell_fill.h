@@ -57,7 +57,7 @@ class CellFill {
     const double* const edges = edges_.data();
     strata(hits).visit(
         Eigen::VectorXd::Zero(cell_.size()), 0, hits,
-        [&](Index, std::span<const double> corner, std::span<const double> size) {
+        [&](std::int64_t, std::span<const double> corner, std::span<const double> size) {
           for (std::size_t d = 0; d < dimension; ++d) {
             put(d, std::min((corner[d] + random.uniform() * size[d]) / edges[d], below_one));
           }

@@ -19,15 +19,16 @@ namespace ccvt {
 class Strata {
  public:
   /// Extents positive and finite; count >= 1. O(D log D + count^(1/2)).
-  Strata(const Eigen::VectorXd& extent, Index count);
+  Strata(const Eigen::VectorXd& extent, std::int64_t count);
 
-  [[nodiscard]] Index count() const { return count_; }
+  [[nodiscard]] std::int64_t count() const { return count_; }
 
   /// Calls visit(index, lower, size) for cells first <= index < last, in order, with the corner and
   /// the sides of the cell (spans of D) for a box whose corner is `lower`. Cells have the same
   /// numbers whatever the range, so ranges may be visited apart. O(D) and O(1) a cell.
   template <class Visit>
-  void visit(const Eigen::VectorXd& lower, Index first, Index last, const Visit& visit) const {
+  void visit(const Eigen::VectorXd& lower, std::int64_t first, std::int64_t last,
+             const Visit& visit) const {
     Eigen::VectorXd corner = lower;
     Eigen::VectorXd size = extent_;
     descend(Walk<Visit>{lower, corner, size, first, last, visit}, 0, 0, count_);
@@ -36,7 +37,7 @@ class Strata {
  private:
   struct Cut {
     Eigen::Index dimension;
-    Index parts;  // not used for the last cut, which makes single cells
+    std::int64_t parts;  // not used for the last cut, which makes single cells
   };
 
   template <class Visit>
@@ -44,46 +45,47 @@ class Strata {
     const Eigen::VectorXd& lower;
     Eigen::VectorXd& corner;
     Eigen::VectorXd& size;
-    Index first;
-    Index last;
+    std::int64_t first;
+    std::int64_t last;
     const Visit& visit;
   };
 
   // Visits the slab of `count` cells that starts with cell `base`, cut along cuts_[depth].
   template <class Visit>
-  void descend(const Walk<Visit>& walk, std::size_t depth, Index base, Index count) const {
+  void descend(const Walk<Visit>& walk, std::size_t depth, std::int64_t base,
+               std::int64_t count) const {
     const Eigen::Index d = cuts_[depth].dimension;
     const double lower = walk.lower[d];
-    const double unit = extent_[d] / count;
-    const Index skip = std::max(walk.first - base, 0);
+    const double unit = extent_[d] / static_cast<double>(count);
+    const std::int64_t skip = std::max(walk.first - base, std::int64_t{0});
     if (depth + 1 == cuts_.size()) {
-      const Index end = std::min(count, walk.last - base);
+      const std::int64_t end = std::min(count, walk.last - base);
       const Eigen::Index dimensions = extent_.size();
       const std::span<const double> corner(walk.corner.data(), walk.corner.data() + dimensions);
       const std::span<const double> size(walk.size.data(), walk.size.data() + dimensions);
       walk.size[d] = unit;
-      for (Index k = skip; k < end; ++k) {
-        walk.corner[d] = lower + k * unit;
+      for (std::int64_t k = skip; k < end; ++k) {
+        walk.corner[d] = lower + static_cast<double>(k) * unit;
         walk.visit(base + k, corner, size);
       }
       return;
     }
     // Slab s holds cells floor(s * count / parts) up to floor((s + 1) * count / parts).
     const std::int64_t parts = std::min(cuts_[depth].parts, count);
-    const auto begin_of = [&](std::int64_t s) { return static_cast<Index>(s * count / parts); };
+    const auto begin_of = [&](std::int64_t s) { return s * count / parts; };
     std::int64_t s = skip;
     s = ((s + 1) * parts - 1) / count;
-    for (Index begin = begin_of(s); begin < count && base + begin < walk.last; ++s) {
-      const Index end = begin_of(s + 1);
-      walk.corner[d] = lower + begin * unit;
-      walk.size[d] = (end - begin) * unit;
+    for (std::int64_t begin = begin_of(s); begin < count && base + begin < walk.last; ++s) {
+      const std::int64_t end = begin_of(s + 1);
+      walk.corner[d] = lower + static_cast<double>(begin) * unit;
+      walk.size[d] = static_cast<double>(end - begin) * unit;
       descend(walk, depth + 1, base + begin, end - begin);
       begin = end;
     }
   }
 
   Eigen::VectorXd extent_;
-  Index count_;
+  std::int64_t count_;
   std::vector<Cut> cuts_;
 };
 

@@ -27,9 +27,9 @@ class Tiling {
         sites_per_tile_(std::clamp(sites_per_tile, Index{1}, std::max(end_.index(), 1))) {}
 
   /// Of at most `most_sites`, and of about 2^16 points: what the second cache holds.
-  static Tiling of_points(Index sites, Index points, Index most_sites) {
+  static Tiling of_points(Index sites, std::int64_t points, Index most_sites) {
     constexpr Index kPoints = 1 << 16;
-    const Index capacity = std::max(points / sites, 1);
+    const auto capacity = static_cast<Index>(std::max(points / sites, std::int64_t{1}));
     Tiling tiling(sites, std::min(most_sites, kPoints / capacity));
     tiling.pairs_per_grain_ = std::clamp(kPairsPerGrain * kFewPoints / capacity, 1, kPairsPerGrain);
     return tiling;

@@ -51,6 +51,7 @@ ADVICE = {
                                "choose other labels.",
     "src/codebook/codebook.cpp": _PARAMETER,
     "src/codebook/train.cpp": _PARAMETER,
+    "src/codebook/vectors.cpp": "Train on a part of the vectors, and encode all.",
     "src/codebook/trainer.h": _PARAMETER,
     "src/domain.cpp": _PARAMETER,
     "src/mpi/kept.h": "Whoever started the ranks ended them, and what has been reached is kept: run the same "
@@ -119,6 +120,7 @@ ADVICE = {
     "src/point_count.h": _PARAMETER,
     "src/presets.cpp": "Choose one of the names that the message lists.",
     "src/problem.cpp": _PARAMETER,
+    "src/relax/filling.h": "Take more ranks: each then has fewer points.",
     "src/relax/balance.cpp": "A mistake of the library: please report it.",
     "src/relax/mover.cpp": "A mistake of the library: please report it.",
     "src/run_checkpoint.cpp": "A checkpoint is saved from and loaded into a solver that has not ended. "
@@ -176,6 +178,8 @@ CANNOT_BE_PROVOKED = {
      "it again"): "only in programs built without HDF5",
     ("src/cli/standard_streams.cpp", "the copy of standard output in "): _KERNEL,
     ("src/io/mesh_file.cpp", " triangles, which is the most supported"): _HUGE,
+    ("src/codebook/vectors.cpp", " of them on all ranks, but at most 2147483647 are supported"): _HUGE,
+    ("src/relax/filling.h", "more points wait than can be numbered"): _HUGE,
     ("src/io/obj.cpp", "has more than 2147483647 vertices"): _HUGE,
     ("src/io/point_cloud.cpp", "is one point too many; at most 2147483647 are supported"): _HUGE,
     ("src/io/points.cpp", "is one point too many; at most 2147483647 are supported"): _HUGE,

@@ -10,7 +10,7 @@ namespace {
 
 constexpr Real kEpsilon = std::numeric_limits<double>::epsilon();
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// The largest magnitude of a coordinate: the scale at which positions are rounded.
 template <class Scalar>
