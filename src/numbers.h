@@ -42,6 +42,7 @@ using SiteNumber = Number<struct OfSites>;
 using PointNumber = Number<struct OfPoints>;
 /// Of a point among those of all ranks, which follow each other's: without ranks the same.
 using PointOfAll = Number<struct OfAllPoints, std::int64_t>;
+constexpr std::int64_t kMostPointsOfAll = std::int64_t{1} << 40;
 
 /// The numbers from `begin` to `end` - 1, for range-based loops.
 template <class N>

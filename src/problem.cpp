@@ -13,7 +13,6 @@
 #include "number_text.h"
 #include "numbers.h"
 #include "parallel/together.h"
-#include "relax/point_order.h"
 #include "scales.h"
 #include "thread_count.h"
 
@@ -130,10 +129,10 @@ Problem<Scalar>::Problem(Ranks& ranks, PointsView<Scalar> own, Index sites, int 
     count += all[r].points;
   }
   if (count < 1) throw InvalidInput("points: there are none");
-  if (count > PointOrder::kMostPoints) {
+  if (count > kMostPointsOfAll) {
     throw InvalidInput("points: there are " + std::to_string(count) +
-                       " of them on all ranks, but at most " +
-                       std::to_string(PointOrder::kMostPoints) + " are supported");
+                       " of them on all ranks, but at most " + std::to_string(kMostPointsOfAll) +
+                       " are supported");
   }
   capacities_ = equal_capacities(count, sites);
   const Arena arena(threads_);

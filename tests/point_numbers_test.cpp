@@ -79,7 +79,7 @@ TEST_SUITE("point_numbers") {
     } const cases[] = {{1000, 4},
                        {PointOrder::kMostPointsOfFour, 4},
                        {PointOrder::kMostPointsOfFour + 1, 5},
-                       {PointOrder::kMostPoints, 5}};
+                       {ccvt::kMostPointsOfAll, 5}};
     for (const auto& [points, bytes] : cases) {
       CAPTURE(points);
       constexpr std::size_t kPlaces = 100;

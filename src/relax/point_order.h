@@ -17,9 +17,8 @@ namespace ccvt {
 /// these do not tell them apart, of a fifth one in an array of its own.
 class PointOrder {
  public:
-  /// Of four bytes, and of five.
   static constexpr std::int64_t kMostPointsOfFour = std::int64_t{1} << 32;
-  static constexpr std::int64_t kMostPoints = std::int64_t{1} << 40;
+  static_assert(kMostPointsOfAll == kMostPointsOfFour << 8);
 
   /// Some places that follow each other.
   class View {
