@@ -426,8 +426,9 @@ def checkpoints():
 
 
 def is_open_mpi():
+    """Under the name of mpiexec it calls itself by that of its runtime."""
     version = subprocess.run([given.mpirun, "--version"], capture_output=True, text=True).stdout
-    return "Open MPI" in version
+    return "Open MPI" in version or "OpenRTE" in version
 
 
 def ended_by(number, run):
