@@ -75,6 +75,9 @@ function(ccvt_compile_settings target)
   target_compile_definitions(${target} PRIVATE "HWY_DISABLED_TARGETS=(${unused})")
 
   if(CCVT_SANITIZE)
+    # Points have numbers of four bytes, and beyond 2^32 points of five: here beyond 2^12, so that all
+    # that solvers, ranks and checkpoints do with these is tested.
+    target_compile_definitions(${target} PRIVATE CCVT_TEST_POINT_BITS=12)
     list(JOIN CCVT_SANITIZE "," sanitizers)
     target_compile_options(${target} PRIVATE
       -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)

@@ -13,13 +13,14 @@ std::vector<Index> equal_capacities(std::int64_t points, Index sites) {
     throw InvalidInput("sites: " + std::to_string(sites) + " for " + std::to_string(points) +
                        " points: there must be at least one site, and no more sites than points");
   }
-  const std::int64_t least = points / sites;
-  if (least >= std::numeric_limits<Index>::max()) {
+  const std::int64_t most = points / sites + (points % sites > 0 ? 1 : 0);
+  if (most > std::numeric_limits<Index>::max()) {
     throw InvalidInput("sites: " + std::to_string(sites) + " for " + std::to_string(points) +
                        " points: a site owns at most 2147483647");
   }
-  std::vector<Index> capacities(static_cast<std::size_t>(sites), static_cast<Index>(least));
-  std::fill_n(capacities.begin(), points % sites, static_cast<Index>(least + 1));
+  std::vector<Index> capacities(static_cast<std::size_t>(sites),
+                                static_cast<Index>(points / sites));
+  std::fill_n(capacities.begin(), points % sites, static_cast<Index>(most));
   return capacities;
 }
 

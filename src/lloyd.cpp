@@ -315,6 +315,9 @@ detail::LloydResult<Scalar> Lloyd<Scalar>::run() {
 template <class Scalar>
 detail::LloydResult<Scalar> detail::lloyd(const Problem<Scalar>& problem, const Options& options) {
   require_no_checkpoint(options, "lloyd()");
+  if (problem.ranks() != nullptr) {
+    throw InvalidInput("problem: is one of several ranks, which lloyd() does not know");
+  }
   return Lloyd<Scalar>(problem, options).run();
 }
 

@@ -87,8 +87,9 @@ void Run<Scalar>::require_full_cells() const {
                               " has none for its points, others have: all must be given"));
   });
   const std::vector<Index>& capacities = problem.capacities();
-  const std::vector<Index> sizes =
-      summed(ranks(), cell_sizes(problem.initial_owners(), capacities.size()));
+  const std::vector<Index> own = cell_sizes(problem.initial_owners(), capacities.size());
+  const std::vector<std::int64_t> sizes =
+      summed(ranks(), std::vector<std::int64_t>(own.begin(), own.end()));
   for (const SiteNumber s : sites_below(sizes.size())) {
     if (sizes[s] == capacities[s]) continue;
     throw InvalidInput(concat("initial_owners: site ", s.index(), " owns ", sizes[s],

@@ -11,13 +11,13 @@ namespace ccvt {
 
 /// The scales at which every method works; what lies beyond is refused.
 ///
-/// Let X bound the coordinates of m < 2^31 points in D dimensions; sites, being means of points or
+/// Let X bound the coordinates of m <= 2^40 points in D dimensions; sites, being means of points or
 /// given, obey it too. No difference exceeds 2 X, no square of a distance 4 D X^2.
 ///
 /// Large. In double, the largest number that is formed is m times a weight of an exact assignment,
-/// and a weight is the length of a path over at most m sites: 2^62 * 4 D X^2, finite for X = 1e140
-/// up to D = 10^9. In float, kernels add D products of two differences: 4 D X^2 is finite for
-/// X = 1e17 up to D = 8192; beyond that X falls as 1 / sqrt(D).
+/// which has m < 2^31, and a weight is the length of a path over at most m sites: 2^62 * 4 D X^2,
+/// finite for X = 1e140 up to D = 10^9. In float, kernels add D products of two differences: 4 D
+/// X^2 is finite for X = 1e17 up to D = 8192; beyond that X falls as 1 / sqrt(D).
 ///
 /// Small. A product that underflows is off by at most half the least denormal, whatever its size.
 /// Each bound on rounding has a term for that (PairCut, Screen, Pricer, SquaredDistances,

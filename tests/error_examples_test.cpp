@@ -224,12 +224,12 @@ TEST_CASE("error examples: reading") {
        "vector 1 has 2 dimensions, but vector 0 has 1; all need the same number"},
       {[path = longer(file("many.bvecs", number_bytes<std::int32_t>({1})),
                       5 * (std::uint64_t{1} << 31))] { read_points<float>(path); },
-       "has 2147483648 vectors; at most 2147483647 are supported"},
+       "has 2147483648 points to be read; at most 2147483647 are supported at once"},
       {[path = longer(file("wide.npy", npy_file("|u1", "(1, 16777217)", "")),
                       npy_file("|u1", "(1, 16777217)", "").size() + 16777217)] {
          read_points<float>(path);
        },
-       "at most 2147483647 points and 16777216 dimensions are supported"},
+       "has the shape (1, 16777217); at most 16777216 dimensions are supported"},
       {[path = file("n.npy", npy_file("<f4", "(2,)", number_bytes<float>({1, NAN})))] {
          read_numbers(path);
        },

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "ccvt/capacity.h"
+#include "ccvt/io.h"
+#include "ccvt/mapped_points.h"
 #include "ccvt/sampling.h"
 #include "parallel/buffer.h"
 #include "parallel/bytes.h"
@@ -19,8 +22,10 @@
 #include "relax/levels.h"
 #include "relax/own_points.h"
 #include "relax/point_order.h"
+#include "support/files.h"
 #include "support/generate.h"
 #include "support/message.h"
+#include "support/npy.h"
 #include "support/thread_ranks.h"
 
 using ccvt::Arena;
@@ -44,7 +49,7 @@ using namespace ccvt::test;
 
 namespace {
 
-constexpr std::int64_t kFar = (std::int64_t{1} << 33) + 12345;
+constexpr std::int64_t kFar = 2 * PointOrder::kMostPointsOfFour + 12345;
 
 /// The points of the cells of some sites, less `before`; -1 ends each cell.
 template <class Scalar>
@@ -79,7 +84,7 @@ TEST_SUITE("point_numbers") {
     } const cases[] = {{1000, 4},
                        {PointOrder::kMostPointsOfFour, 4},
                        {PointOrder::kMostPointsOfFour + 1, 5},
-                       {ccvt::kMostPointsOfAll, 5}};
+                       {PointOrder::kMostPointsOfFour << 8, 5}};
     for (const auto& [points, bytes] : cases) {
       CAPTURE(points);
       constexpr std::size_t kPlaces = 100;
@@ -347,6 +352,10 @@ TEST_SUITE("point_numbers") {
     }
     CHECK(message_of([&] { ccvt::sample_uniform_part<float>(line, kCount, 5, kCount); }) ==
           "end: 8589934587 points are asked for: at most 2147483647 are drawn at once");
+    constexpr std::int64_t kMost = std::int64_t{1} << 40;
+    CHECK(ccvt::sample_uniform_part<double>(Box::unit(2), kMost, kMost - 5, kMost).cols() == 5);
+    CHECK(message_of([&] { ccvt::sample_uniform_part<double>(line, kMost + 1, 0, 5); }) ==
+          "count: is 1099511627777, but must be at most 1099511627776");
   }
 
   TEST_CASE("capacities sum to more than 32 bits count") {
@@ -360,6 +369,10 @@ TEST_SUITE("point_numbers") {
           "equal");
     CHECK(message_of([] { ccvt::equal_capacities(kCount, 4); }) ==
           "sites: 4 for 8589934595 points: a site owns at most 2147483647");
+    CHECK(ccvt::equal_capacities(INT32_MAX, 1) == std::vector<Index>{INT32_MAX});
+    CHECK(ccvt::equal_capacities(std::int64_t{2} * INT32_MAX - 1, 2) ==
+          std::vector<Index>{INT32_MAX, INT32_MAX - 1});
+    CHECK_THROWS_AS(ccvt::equal_capacities(std::int64_t{2} * INT32_MAX + 1, 2), ccvt::InvalidInput);
     const Cells<float> cells(2, capacities, ccvt::sites_between(8, 8), kCount);
     CHECK(cells.point_count() == kCount);
     CHECK(cells.sizes() == capacities);
@@ -370,11 +383,47 @@ TEST_SUITE("point_numbers") {
     constexpr std::size_t kBytes = std::size_t{1} << 39;
     constexpr std::size_t kFirst = kBytes / 3;
     constexpr std::size_t kUsed = std::size_t{1} << 20;
+    // From the system, where it would have refused as much to malloc().
+    const ccvt::Pages pages = ccvt::map_pages(kBytes);
+    CHECK(pages.mapped == kBytes);
+    static_cast<std::uint8_t*>(pages.memory)[kFirst] = 7;
+    ccvt::free_reserved(pages);
+
     ccvt::Buffer<std::uint8_t> buffer(kBytes, kFirst, kUsed);
     for (std::size_t k = 0; k < kUsed; ++k) buffer[kFirst + k] = static_cast<std::uint8_t>(k);
     ccvt::Buffer<std::uint8_t> moved = std::move(buffer);
     CHECK(moved.size() == kBytes);
     CHECK(moved[kFirst + kUsed - 1] == 255);
+  }
+
+  TEST_CASE("of a file of more points than one process has, each reads its part") {
+    const TemporaryDirectory directory;
+    constexpr std::uint64_t kRows = 2200000000;
+    const auto sparse = [&](const std::string& name, const std::string& head, std::uint64_t row) {
+      const std::filesystem::path path = directory.path() / name;
+      put(path, head);
+      std::filesystem::resize_file(path, (name == "many.npy" ? head.size() : 0) + kRows * row);
+      return path;
+    };
+    const std::string npy = npy_file("<f4", "(2200000000, 1)", "");
+    const std::filesystem::path path = sparse("many.npy", npy, 4);
+    CHECK(ccvt::inspect_points(path).count == kRows);
+    const ccvt::ReadOptions part{.first_row = kRows - 3, .end_row = kRows - 1};
+    CHECK(ccvt::inspect_points(path, part).count == 2);
+    CHECK(ccvt::read_points<float>(path, part) == Points<float>::Zero(1, 2));
+    CHECK(ccvt::MappedPoints<float>(path, part).view().count == 2);
+    const std::string refused =
+        path.string() +
+        ": has 2200000000 points to be read; at most 2147483647 are supported at once";
+    CHECK(message_of([&] { ccvt::read_points<float>(path); }) == refused);
+    CHECK(message_of([&] { ccvt::MappedPoints<float>{path}; }) == refused);
+    // Vectors of two bytes each, of whose dimensions the first is read, and those of the part.
+    const std::filesystem::path vectors = sparse("many.bvecs", std::string("\2\0\0\0", 4), 6);
+    CHECK(ccvt::inspect_points(vectors).count == kRows);
+    CHECK(message_of([&] { ccvt::read_points<float>(vectors, part); }) ==
+          vectors.string() +
+              ": vector 2199999997 has 0 dimensions, but vector 0 has 2; all need the "
+              "same number");
   }
 
 }  // TEST_SUITE

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "ccvt/io.h"
+#include "ccvt/lloyd.h"
 #include "ccvt/problem.h"
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
@@ -261,6 +262,9 @@ TEST_CASE("ranks: what is wrong with a problem is thrown on all") {
         Problem<double>(ranks, many, 1000);
       },
       "points: there are 1116691496440 of them on all ranks, but at most 1099511627776");
+  check_message(
+      2, [&](ccvt::Ranks& ranks) { ccvt::lloyd(problem(ranks, 40)); },
+      "problem: is one of several ranks, which lloyd() does not know");
   check_message(
       2, [&](ccvt::Ranks& ranks) { problem(ranks, 40).set_initial_owners({0}); },
       "initial_owners: there are 1 for 3000 points: there must be one per point");

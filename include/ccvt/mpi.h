@@ -39,13 +39,14 @@ class MpiRanks final : public Ranks, public MessageProgress {
   [[nodiscard]] int rank() const override { return rank_; }
   [[nodiscard]] int count() const override { return count_; }
   [[nodiscard]] std::vector<Bytes> gather(std::span<const std::byte> own) override;
+  void share(std::span<std::byte> all, std::span<const std::size_t> sizes) override;
   [[nodiscard]] std::vector<Bytes> exchange(std::vector<Bytes> to) override;
   void send(int to, Bytes message) override;
   [[nodiscard]] Bytes receive(int from) override;
   void progress() noexcept override;
 
   /// What this rank has sent since it was made: by send() and exchange() to others, and by
-  /// gather(), where what it hands in counts once.
+  /// gather() and share(), where what it hands in counts once.
   struct Traffic {
     std::int64_t messages = 0;
     std::int64_t sent_bytes = 0;

@@ -39,9 +39,10 @@ class CCVT_EXPORT Problem {
   /// rank, perhaps none; their numbers follow those of the lower ranks. What else there is of the
   /// problem, its setters and the options of its solvers must be the same on all ranks; so are then
   /// the sites, to the bit those of one process with all points, and owners are those of a rank's
-  /// own points. A rank has at most 2^31 - 1 points, all together 2^40. Each rank has in memory its
-  /// points, about as many points of whole cells, and what there is of all sites. Not: other starts
-  /// than from initial owners or the balanced one, which at most 8 dimensions have.
+  /// own points. A rank has at most 2^31 - 1 points, all together 2^40, and addresses for the
+  /// coordinates of all twice. Each rank has in memory its points, about as many points of whole
+  /// cells, and what there is of all sites. Not: other starts than from initial owners or the
+  /// balanced one, which at most 8 dimensions have.
   Problem(Ranks& ranks, PointsView<Scalar> own, Index sites, int threads = 1);
 
   /// Default: Euclidean space. A box must have the points' dimension and contain all points (a

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -32,6 +34,17 @@ class CCVT_EXPORT Ranks {
 
   /// What each rank hands in, by rank; the same on all.
   [[nodiscard]] virtual std::vector<Bytes> gather(std::span<const std::byte> own) = 0;
+  /// The same where all know how much each hands in, `sizes[r]` bytes of rank r, and have room for
+  /// it: `all` has them one rank's after the other's, each its own before, and all afterwards.
+  virtual void share(std::span<std::byte> all, std::span<const std::size_t> sizes) {
+    const auto own = static_cast<std::size_t>(rank());
+    const std::size_t before =
+        std::accumulate(sizes.begin(), sizes.begin() + rank(), std::size_t{0});
+    std::byte* next = all.data();
+    for (const Bytes& part : gather(all.subspan(before, sizes[own]))) {
+      next = std::copy(part.begin(), part.end(), next);
+    }
+  }
   /// Sends `to[r]` to rank r, for all; what each has sent here, by rank. `to` has one for each.
   [[nodiscard]] virtual std::vector<Bytes> exchange(std::vector<Bytes> to) = 0;
   /// Sends a message to another rank without waiting for it.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array<char, 8> kMagic{'c', 'c', 'v', 't', 'c', 'k', 'p', 't'};
 constexpr std::uint32_t kByteOrder = 0x01020304;
-constexpr std::uint32_t kFormat = 1;
+constexpr std::uint32_t kFormat = 2;
 
 struct Header {
   std::array<char, 8> magic = kMagic;

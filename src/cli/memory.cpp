@@ -39,7 +39,8 @@ std::string check_bytes(const std::string& what, std::uint64_t points, int dimen
                         std::uint64_t processes) {
   const std::string would_need = what + ": " + std::to_string(points) + " points in " +
                                  std::to_string(dimension) + " dimensions would need about " +
-                                 bytes_text(needed) + " of memory";
+                                 bytes_text(needed) + " of memory" +
+                                 (processes > 1 ? " on this machine" : "");
   const std::uint64_t most = processes * std::uint64_t{std::numeric_limits<Index>::max()};
   if (points > most) {
     throw InvalidInput(would_need + ", and are more than the " + std::to_string(most) +

@@ -327,7 +327,7 @@ double Borders<Scalar>::gather(SiteNumber site, const PowerDiagram& diagram) {
 }
 
 template <class Scalar>
-Index Borders<Scalar>::change_owners(Filling<Scalar>& filling) const {
+std::int64_t Borders<Scalar>::change_owners(Filling<Scalar>& filling) const {
   if (tiling_.ranks() != nullptr) return change_owners_on_ranks(filling);
   return with_dimension(
       dimension_, [&]<std::size_t Dimension>() { return change_owners_in<Dimension>(filling); });
@@ -337,7 +337,7 @@ Index Borders<Scalar>::change_owners(Filling<Scalar>& filling) const {
 /// random takes longer.
 template <class Scalar>
 template <std::size_t Dimension>
-Index Borders<Scalar>::change_owners_in(Filling<Scalar>& filling) const {
+std::int64_t Borders<Scalar>::change_owners_in(Filling<Scalar>& filling) const {
   using Leaving = Near<Scalar, Dimension>;
   // Whole tiles: two tasks must not write one journal.
   const auto tile = static_cast<std::size_t>(filling.tiles.sites_per_tile());
@@ -353,7 +353,7 @@ Index Borders<Scalar>::change_owners_in(Filling<Scalar>& filling) const {
                                    own.point = filling.points.own(filling.take(s, place));
                                  });
                                });
-  const auto count = static_cast<Index>(leaving.size());
+  const std::int64_t count = std::ssize(leaving.span());
   const auto by_site = group_by_key(arena_, std::move(leaving), capacity_.size(),
                                     [](const Leaving& l) { return l.site; });
   for_each_site(arena_, filling.tiles, [&](SiteNumber s) {

@@ -60,7 +60,7 @@ class Borders {
 
   /// Points change to the owners last counted. Cells may then be too full, or not full. How many,
   /// on all ranks.
-  Index change_owners(Filling<Scalar>& filling) const;
+  std::int64_t change_owners(Filling<Scalar>& filling) const;
 
  private:
   using View = typename SiteViews<Scalar>::View;
@@ -106,10 +106,10 @@ class Borders {
   void exchange_parts();
   void share_counts(std::vector<double>& energy);
   void share_leaving(std::vector<double>& leaving) const;
-  Index change_owners_on_ranks(Filling<Scalar>& filling) const;
+  std::int64_t change_owners_on_ranks(Filling<Scalar>& filling) const;
 
   template <std::size_t Dimension>
-  Index change_owners_in(Filling<Scalar>& filling) const;
+  std::int64_t change_owners_in(Filling<Scalar>& filling) const;
 
   double gather(SiteNumber site, const PowerDiagram& diagram);
   [[nodiscard]] std::vector<double> leaving(std::span<const double> step) const;

@@ -85,7 +85,7 @@ void Borders<Scalar>::share_leaving(std::vector<double>& leaving) const {
 }
 
 template <class Scalar>
-Index Borders<Scalar>::change_owners_on_ranks(Filling<Scalar>& filling) const {
+std::int64_t Borders<Scalar>::change_owners_on_ranks(Filling<Scalar>& filling) const {
   MovedPoints<Scalar> moved(filling);
   std::int64_t count = 0;
   for (const SiteNumber s : tiling_.own_sites()) {
@@ -95,14 +95,14 @@ Index Borders<Scalar>::change_owners_on_ranks(Filling<Scalar>& filling) const {
     });
   }
   moved.arrive(arena_);
-  return static_cast<Index>(total(tiling_.ranks(), count));
+  return total(tiling_.ranks(), count);
 }
 
 #define CCVT_INSTANTIATE(Scalar)                                            \
   template void Borders<Scalar>::exchange_parts();                          \
   template void Borders<Scalar>::share_counts(std::vector<double>&);        \
   template void Borders<Scalar>::share_leaving(std::vector<double>&) const; \
-  template Index Borders<Scalar>::change_owners_on_ranks(Filling<Scalar>&) const;
+  template std::int64_t Borders<Scalar>::change_owners_on_ranks(Filling<Scalar>&) const;
 
 CCVT_INSTANTIATE(float)
 CCVT_INSTANTIATE(double)

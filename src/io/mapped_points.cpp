@@ -42,6 +42,7 @@ struct MappedPoints<Scalar>::Implementation {
   void map(const std::filesystem::path& path, const io::PointLayout& layout,
            const io::RowRange& rows) {
     const io::InputFile checked(path);
+    io::require_countable(checked, rows.size());
     file.emplace(path, checked.size());
     const void* const first = file->data() + layout.offset;
     view = {
@@ -56,8 +57,7 @@ template <class Scalar>
 MappedPoints<Scalar>::MappedPoints(const std::filesystem::path& path, const ReadOptions& options)
     : implementation_(std::make_unique<Implementation>()) {
   if (const auto layout = layout_of<Scalar>(path, options)) {
-    implementation_->map(path, *layout,
-                         io::RowRange(options, static_cast<std::uint64_t>(layout->count)));
+    implementation_->map(path, *layout, io::RowRange(options, layout->count));
     return;
   }
   implementation_->read = read_points<Scalar>(path, options);

@@ -20,7 +20,6 @@ namespace ccvt::io {
 
 namespace {
 
-constexpr std::uint64_t kMostPoints = std::numeric_limits<Index>::max();
 constexpr std::uint64_t kMostDimensions = std::uint64_t{1} << 24;
 constexpr auto kNone = std::numeric_limits<std::size_t>::max();
 
@@ -80,8 +79,8 @@ class NpyPoints {
     const bool floats = item_.type == NpyType::float32 || item_.type == NpyType::float64;
     if (!floats || item_.big_endian || npy_.fortran_order) return {};
     const auto width = static_cast<int>(npy_.shape[1]);
-    return PointLayout{header().scalar, width, static_cast<Index>(npy_.shape[0]),
-                       file_.size() - npy_.data_bytes, width};
+    return PointLayout{header().scalar, width, npy_.shape[0], file_.size() - npy_.data_bytes,
+                       width};
   }
 
   template <class Scalar>
@@ -123,8 +122,8 @@ void NpyPoints::check() {
   check_npy_size(file_, npy_, item_.bytes);
   if (npy_.shape[0] == 0) file_.fail(shape + ": no points");
   if (npy_.shape[1] == 0) file_.fail(shape + ": no dimensions");
-  if (npy_.shape[0] > kMostPoints || npy_.shape[1] > kMostDimensions) {
-    file_.fail(shape + "; at most 2147483647 points and 16777216 dimensions are supported");
+  if (npy_.shape[1] > kMostDimensions) {
+    file_.fail(shape + "; at most 16777216 dimensions are supported");
   }
 }
 
@@ -185,6 +184,7 @@ void NpyPoints::read_columns(PointsMap<Scalar>& points) {
 
 template <class Scalar>
 void NpyPoints::read(const detail::Allocation<Scalar>& allocation) {
+  require_countable(file_, rows());
   PointsMap<Scalar> points = allocate(allocation, header());
   if (npy_.fortran_order) {
     read_columns(points);

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -34,9 +33,6 @@ PointsHeader read_header(InputFile& file, std::size_t item_bytes) {
               " dimensions takes");
   }
   const std::uint64_t count = file.size() / record;
-  if (count > std::numeric_limits<Index>::max()) {
-    file.fail("has " + std::to_string(count) + " vectors; at most 2147483647 are supported");
-  }
   return {ScalarType::float32, dimension, count};
 }
 
@@ -57,6 +53,7 @@ PointsMap<Scalar> read_records(const std::filesystem::path& path, const ReadOpti
   PointsHeader header = read_header(file, sizeof(Stored));
   const RowRange rows(options, header.count);
   header.count = rows.size();
+  require_countable(file, header.count);
   PointsMap<Scalar> points = allocate(allocation, header);
   std::vector<Stored> vector(static_cast<std::size_t>(header.dimension));
   const std::size_t bytes = vector.size() * sizeof(Stored);
@@ -90,8 +87,8 @@ PointsHeader inspect_vecs(const std::filesystem::path& path, const ReadOptions& 
 std::optional<PointLayout> layout_of_vecs(const std::filesystem::path& path) {
   if (holds_bytes(path)) return {};
   const PointsHeader header = inspect_vecs(path, {});
-  return PointLayout{header.scalar, header.dimension, static_cast<Index>(header.count),
-                     sizeof(std::int32_t), std::ptrdiff_t{header.dimension} + 1};
+  return PointLayout{header.scalar, header.dimension, header.count, sizeof(std::int32_t),
+                     std::ptrdiff_t{header.dimension} + 1};
 }
 
 void check_dimensions(const InputFile& file, const std::byte* bytes, const PointLayout& layout,

@@ -188,6 +188,19 @@ std::vector<Ranks::Bytes> MpiRanks::gather(std::span<const std::byte> own) {
   });
 }
 
+void MpiRanks::share(std::span<std::byte> all, std::span<const std::size_t> sizes) {
+  if (all.size() > kPiece) return Ranks::share(all, sizes);
+  return on_this_rank([&] {
+    const Watch watch(traffic_.seconds);
+    ++traffic_.messages;
+    traffic_.gathered_bytes += static_cast<std::int64_t>(sizes[static_cast<std::size_t>(rank_)]);
+    const std::vector<int> counts(sizes.begin(), sizes.end());
+    const std::vector<int> places = places_of(counts);
+    MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, all.data(), counts.data(), places.data(),
+                   MPI_BYTE, communicator_);
+  });
+}
+
 std::vector<Ranks::Bytes> MpiRanks::exchange(std::vector<Bytes> to) {
   return on_this_rank([&] {
     const Watch watch(traffic_.seconds);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -124,11 +125,13 @@ Buffer<T> collect(const Arena& arena, std::size_t count, std::size_t grain, cons
 struct RankRange {
   std::size_t begin = 0;
   std::size_t end = 0;
-  RankRange(const Ranks* ranks, std::size_t count, std::size_t grain) : end(count) {
+  RankRange(const Ranks* ranks, std::size_t count, std::size_t grain)
+      : RankRange(ranks, count, grain, ranks == nullptr ? 0 : ranks->rank()) {}
+  RankRange(const Ranks* ranks, std::size_t count, std::size_t grain, int rank) : end(count) {
     if (ranks == nullptr) return;
     const std::size_t blocks = (count + grain - 1) / grain;
     const auto all = static_cast<std::size_t>(ranks->count());
-    const auto own = static_cast<std::size_t>(ranks->rank());
+    const auto own = static_cast<std::size_t>(rank);
     begin = std::min(count, blocks * own / all * grain);
     end = std::min(count, blocks * (own + 1) / all * grain);
   }
@@ -138,35 +141,38 @@ struct RankRange {
 template <class T, class Body>
 Buffer<T> collect_together(const Arena& arena, std::size_t count, std::size_t grain,
                            const Body& body) {
-  if (arena.ranks() == nullptr) return collect<T>(arena, count, grain, body);
-  const RankRange own(arena.ranks(), count, grain);
+  Ranks* const ranks = arena.ranks();
+  if (ranks == nullptr) return collect<T>(arena, count, grain, body);
+  const RankRange own(ranks, count, grain);
   const Buffer<T> found =
       collect<T>(arena, own.end - own.begin, grain,
                  [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
                    body(own.begin + begin, own.begin + end, out, worker);
                  });
-  const std::vector<Ranks::Bytes> parts = arena.ranks()->gather(std::as_bytes(found.span()));
-  std::size_t all = 0;
-  for (const Ranks::Bytes& part : parts) all += part.size() / sizeof(T);
-  Buffer<T> together(all);
-  T* next = together.data();
-  for (const Ranks::Bytes& part : parts) {
-    if (!part.empty()) std::memcpy(next, part.data(), part.size());
-    next += part.size() / sizeof(T);
+  const std::size_t found_size = found.size();
+  std::vector<std::size_t> sizes;
+  for (const Ranks::Bytes& size : ranks->gather(std::as_bytes(std::span(&found_size, 1)))) {
+    std::memcpy(&sizes.emplace_back(), size.data(), sizeof(std::size_t));
   }
+  Buffer<T> together(std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}));
+  const auto before = std::accumulate(sizes.begin(), sizes.begin() + ranks->rank(), std::size_t{0});
+  std::copy(found.begin(), found.end(), together.begin() + before);
+  for (std::size_t& size : sizes) size *= sizeof(T);
+  ranks->share(std::as_writable_bytes(together.span()), sizes);
   return together;
 }
 
 /// Of values in blocks of `grain`, each rank has set those of its RankRange: now all have all.
 template <class T>
 void share_ranges(const Arena& arena, std::span<T> values, std::size_t grain) {
-  if (arena.ranks() == nullptr) return;
-  const RankRange own(arena.ranks(), values.size(), grain);
-  const auto bytes = std::as_bytes(values.subspan(own.begin, own.end - own.begin));
-  auto* next = reinterpret_cast<std::byte*>(values.data());
-  for (const Ranks::Bytes& part : arena.ranks()->gather(bytes)) {
-    next = std::copy(part.begin(), part.end(), next);
+  Ranks* const ranks = arena.ranks();
+  if (ranks == nullptr) return;
+  std::vector<std::size_t> sizes;
+  for (int r = 0; r < ranks->count(); ++r) {
+    const RankRange range(ranks, values.size(), grain, r);
+    sizes.push_back((range.end - range.begin) * sizeof(T));
   }
+  ranks->share(std::as_writable_bytes(values), sizes);
 }
 
 /// Calls body(begin, end), which sets the values of a range, for ranges of `grain` of them; ranks

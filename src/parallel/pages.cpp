@@ -34,9 +34,13 @@ void* allocate_pages(std::size_t bytes) {
 
 void free_pages(void* memory) noexcept { std::free(memory); }
 
-/// Linux refuses what is more than all of its memory, unless it is told that not all is meant.
 Pages reserve_pages(std::size_t bytes) {
   if (void* const memory = allocate(bytes)) return {memory, 0};
+  return map_pages(bytes);
+}
+
+/// Linux refuses what is more than all of its memory, unless it is told that not all is meant.
+Pages map_pages([[maybe_unused]] std::size_t bytes) {
 #ifdef __linux__
   void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
                             MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);

@@ -16,6 +16,8 @@ struct Pages {
   std::size_t mapped;  ///< bytes, where the system was asked for them; else 0
 };
 Pages reserve_pages(std::size_t bytes);
+/// From the system itself; where that is not Linux, it throws std::bad_alloc.
+Pages map_pages(std::size_t bytes);
 void free_reserved(Pages pages) noexcept;
 
 void prefer_large_pages(void* memory, std::size_t bytes) noexcept;

@@ -173,27 +173,31 @@ class FlowRounds {
 template <class Scalar>
 void flow_along_tree(const Metric& metric, const SiteState& sites, const SiteGraph& graph,
                      const Arena& arena, Filling<Scalar>& filling) {
-  std::vector<Index> subtree = surpluses(filling, arena);
-  if (std::all_of(subtree.begin(), subtree.end(), [](Index s) { return s == 0; })) return;
+  const std::vector<Index> surplus = surpluses(filling, arena);
+  if (std::all_of(surplus.begin(), surplus.end(), [](Index s) { return s == 0; })) return;
+  std::vector<std::int64_t> subtree(surplus.begin(), surplus.end());
   const SpanningTree& tree = graph.spanning_tree();
   const std::vector<SiteNumber> order = tree.order();
   Mover<Scalar> mover(metric, sites, filling);
-  const auto pass = [&](SiteNumber from, SiteNumber to, Index count) {
+  const auto pass = [&](SiteNumber from, SiteNumber to, std::int64_t count) {
+    if (count > std::numeric_limits<Index>::max()) {
+      throw std::length_error("balance: more points than can be numbered flow between two sites");
+    }
     arena.check();
     pass_along(filling, from, to, [&] {
       mover.leave(from);
-      mover.move(to, count);
+      mover.move(to, static_cast<Index>(count));
       mover.stay();
     });
   };
   for (std::size_t k = order.size(); k-- > 1;) {
-    const Index count = subtree[order[k]];
+    const std::int64_t count = subtree[order[k]];
     const SiteNumber parent = tree.parent(order[k]);
     subtree[parent] += count;
     if (count > 0) pass(order[k], parent, count);
   }
   for (std::size_t k = 1; k < order.size(); ++k) {
-    const Index count = subtree[order[k]];
+    const std::int64_t count = subtree[order[k]];
     if (count < 0) pass(tree.parent(order[k]), order[k], -count);
   }
 }

@@ -210,7 +210,7 @@ class Filling {
 
   /// Points of a site beyond its capacity; negative where it lacks some.
   [[nodiscard]] Index surplus(SiteNumber site) const {
-    return filled[site] + waiting(site) - cells.size(site);
+    return waiting(site) - (cells.size(site) - filled[site]);
   }
 
   Cells<Scalar>& cells;

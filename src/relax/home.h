@@ -123,14 +123,17 @@ void add_at_home(typename NearestSites<Scalar>::template Found<Dimension>& found
   using Item = Near<Scalar, Dimension>;
   Homecoming<Item> home(filling.tiles, std::move(found.points), arena, found.spare);
   const auto ranks = static_cast<std::size_t>(filling.tiles.ranks()->count());
+  const NumberRange<SiteNumber> own = filling.tiles.own_sites();
+  const std::size_t before = *own.begin();
   for (std::size_t first = 0; first < ranks;) {
     const std::size_t end = arrivals.ranks_of(first, most);
     const OwnPoints<Scalar> numbers({}, arrivals.begin_of(first).index());
     auto by_site = group_by_key(
-        arena, home.take(first, end, arrivals), filling.cells.site_count(),
-        [](std::size_t, const Item&) {}, [](const Item& item) { return item.site; }, found.spare);
+        arena, home.take(first, end, arrivals), std::max(own.size(), std::size_t{1}),
+        [](std::size_t, const Item&) {}, [&](const Item& item) { return item.site - before; },
+        found.spare);
     for_each_site(arena, filling.tiles, [&](SiteNumber s) {
-      const auto come = by_site[s];
+      const auto come = by_site[s - before];
       if (come.empty()) return;
       arrivals.add(s, numbers.of_all(come.front().point), numbers.of_all(come.back().point));
       for (const Item& item : come) filling.add(s, numbers.of_all(item.point), item.x.data());

@@ -17,8 +17,14 @@ namespace ccvt {
 /// these do not tell them apart, of a fifth one in an array of its own.
 class PointOrder {
  public:
-  static constexpr std::int64_t kMostPointsOfFour = std::int64_t{1} << 32;
-  static_assert(kMostPointsOfAll == kMostPointsOfFour << 8);
+  /// Fewer bits are for tests, which then have numbers of two parts, too.
+#ifdef CCVT_TEST_POINT_BITS
+  static constexpr int kBits = CCVT_TEST_POINT_BITS;
+#else
+  static constexpr int kBits = 32;
+  static_assert(kMostPointsOfAll == std::int64_t{1} << (kBits + 8));
+#endif
+  static constexpr std::int64_t kMostPointsOfFour = std::int64_t{1} << kBits;
 
   /// Some places that follow each other.
   class View {
@@ -30,7 +36,7 @@ class PointOrder {
     [[nodiscard]] std::size_t size() const { return size_; }
     [[nodiscard]] PointOfAll operator[](std::size_t k) const {
       const std::int64_t high = high_ == nullptr ? 0 : high_[k];
-      return PointOfAll(high << 32 | low_[k]);
+      return PointOfAll(high << kBits | low_[k]);
     }
     [[nodiscard]] Iterator begin() const { return {*this, 0}; }
     [[nodiscard]] Iterator end() const { return {*this, size_}; }
@@ -81,7 +87,9 @@ class PointOrder {
 
   void set(std::size_t place, PointOfAll point) {
     low_[place] = static_cast<std::uint32_t>(point.index());
-    if (!high_.empty()) high_[place] = static_cast<std::uint8_t>(point.index() >> 32);
+    if (high_.empty()) return;
+    low_[place] &= static_cast<std::uint32_t>(kMostPointsOfFour - 1);
+    high_[place] = static_cast<std::uint8_t>(point.index() >> kBits);
   }
   void exchange(std::size_t place, std::size_t other) {
     std::swap(low_[place], low_[other]);

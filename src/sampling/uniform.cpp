@@ -198,6 +198,9 @@ namespace detail {
 void check_sampling(const Box& box, std::int64_t count, int fixed_dimension,
                     std::size_t scalar_bytes) {
   if (count < 1) throw InvalidInput(concat("count: is ", count, ", but must be at least 1"));
+  if (count > kMostPointsOfAll) {
+    throw InvalidInput(concat("count: is ", count, ", but must be at most ", kMostPointsOfAll));
+  }
   const Eigen::Index dimension = box.lower.size();
   require_corners(box);
   if (dimension < 1) throw InvalidInput("box: has 0 dimensions, but must have at least 1");

@@ -54,6 +54,7 @@ ADVICE = {
     "src/codebook/vectors.cpp": "Train on a part of the vectors, and encode all.",
     "src/codebook/trainer.h": _PARAMETER,
     "src/domain.cpp": _PARAMETER,
+    "src/lloyd.cpp": "Only `Solver`, `tessellate()` and `train_codebook()` work on several ranks.",
     "src/mpi/kept.h": "Whoever started the ranks ended them, and what has been reached is kept: run the same "
                       "command again.",
     "src/mpi/main.cpp": "Start all ranks with one command line, and one build of the program.",
@@ -100,6 +101,7 @@ ADVICE = {
     "src/io/png_encoder.cpp": "libpng failed; the message says why.",
     "src/io/point_cloud.cpp": "Write points that carry more than coordinates in the kind of file that "
                               "they came in.",
+    "src/io/point_layout.h": "Several processes read a file in parts: `ccvt-mpi`, `ReadOptions::first_row` and `end_row`.",
     "src/io/points.cpp": "Give one point a line, all with as many finite numbers.",
     "src/io/publication.cpp": "Ask for files only that were written within the Publication.",
     "src/io/sample_table.cpp": "Samples have as many weights and radii as sites; other than two and "
@@ -179,6 +181,7 @@ CANNOT_BE_PROVOKED = {
     ("src/cli/standard_streams.cpp", "the copy of standard output in "): _KERNEL,
     ("src/io/mesh_file.cpp", " triangles, which is the most supported"): _HUGE,
     ("src/codebook/vectors.cpp", " of them on all ranks, but at most 2147483647 are supported"): _HUGE,
+    ("src/relax/balance.cpp", "balance: more points than can be numbered flow between two sites"): _HUGE,
     ("src/relax/filling.h", "more points wait than can be numbered"): _HUGE,
     ("src/io/obj.cpp", "has more than 2147483647 vertices"): _HUGE,
     ("src/io/point_cloud.cpp", "is one point too many; at most 2147483647 are supported"): _HUGE,
