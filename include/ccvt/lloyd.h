@@ -41,8 +41,8 @@ CCVT_EXPORT LloydResult<Scalar> lloyd(const Problem<Scalar>& problem, const Opti
 /// nearer each point's owner is than other sites tells which points to look at [Hamerly 2010]. With
 /// fewer than 40 points a site, or more than 64 D sites in D > 6 dimensions, all are looked
 /// at, by a grid or k-d tree of the sites. Memory, beside the points: a copy of them at times, and
-/// about 20 bytes a point. Throws InvalidInput for bad options, and for a problem of
-/// several ranks.
+/// about 20 bytes a point. Throws InvalidInput for bad options, and for a problem of several
+/// ranks.
 template <class Scalar>
 Result<Scalar> lloyd(const Problem<Scalar>& problem, const Options& options = {}) {
   auto [sites, owners, summary] = detail::lloyd(problem, options);

@@ -17,7 +17,8 @@ namespace ccvt {
 /// these do not tell them apart, of a fifth one in an array of its own.
 class PointOrder {
  public:
-  /// Fewer bits are for tests, which then have numbers of two parts, too.
+  /// Fewer bits are for tests, which then have numbers of two parts, too, where there are not so
+  /// many that these do not tell them apart.
 #ifdef CCVT_TEST_POINT_BITS
   static constexpr int kBits = CCVT_TEST_POINT_BITS;
 #else
@@ -73,7 +74,8 @@ class PointOrder {
   /// numbered.
   PointOrder(std::size_t places, std::size_t first, std::size_t used, std::int64_t points)
       : low_(places, first, used) {
-    if (points > kMostPointsOfFour) high_ = Buffer<std::uint8_t>(places, first, used);
+    const bool two_parts = points > kMostPointsOfFour && points <= kMostPointsOfFour << 8;
+    if (two_parts) high_ = Buffer<std::uint8_t>(places, first, used);
   }
 
   /// Of each place.
