@@ -43,8 +43,10 @@ std::string check_bytes(const std::string& what, std::uint64_t points, int dimen
                                  (processes > 1 ? " on this machine" : "");
   const std::uint64_t most = processes * std::uint64_t{std::numeric_limits<Index>::max()};
   if (points > most) {
+    const std::string by =
+        processes > 1 ? " by " + std::to_string(processes) + " processes" : std::string();
     throw InvalidInput(would_need + ", and are more than the " + std::to_string(most) +
-                       " points supported");
+                       " points supported" + by);
   }
   const auto pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES));
   const auto page = static_cast<double>(::sysconf(_SC_PAGESIZE));
