@@ -30,8 +30,6 @@ class PointOrder {
   /// Some places that follow each other.
   class View {
    public:
-    class Iterator;
-
     View(const std::uint32_t* low, const std::uint8_t* high, std::size_t size)
         : low_(low), high_(high), size_(size) {}
     [[nodiscard]] std::size_t size() const { return size_; }
@@ -39,34 +37,41 @@ class PointOrder {
       const std::int64_t high = high_ == nullptr ? 0 : high_[k];
       return PointOfAll(high << kBits | low_[k]);
     }
-    [[nodiscard]] Iterator begin() const { return {*this, 0}; }
-    [[nodiscard]] Iterator end() const { return {*this, size_}; }
+
+    /// Outlives the view.
+    class Iterator {
+     public:
+      using iterator_category = std::input_iterator_tag;
+      using value_type = PointOfAll;
+      using difference_type = std::ptrdiff_t;
+      using pointer = const PointOfAll*;
+      using reference = PointOfAll;
+      Iterator(const std::uint32_t* low, const std::uint8_t* high) : low_(low), high_(high) {}
+      PointOfAll operator*() const { return View(low_, high_, 1)[0]; }
+      Iterator& operator++() {
+        ++low_;
+        if (high_ != nullptr) ++high_;
+        return *this;
+      }
+      Iterator operator++(int) {
+        const Iterator before = *this;
+        ++*this;
+        return before;
+      }
+      friend bool operator==(const Iterator& a, const Iterator& b) { return a.low_ == b.low_; }
+
+     private:
+      const std::uint32_t* low_;
+      const std::uint8_t* high_;
+    };
+    [[nodiscard]] Iterator begin() const { return {low_, high_}; }
+    [[nodiscard]] Iterator end() const { return {low_ + size_, nullptr}; }
 
    private:
     friend PointOrder;
     const std::uint32_t* low_;
     const std::uint8_t* high_;  ///< null: all are zero
     std::size_t size_;
-  };
-  class View::Iterator {
-   public:
-    using iterator_category = std::input_iterator_tag;
-    using value_type = PointOfAll;
-    using difference_type = std::ptrdiff_t;
-    using pointer = const PointOfAll*;
-    using reference = PointOfAll;
-    Iterator(const View& view, std::size_t k) : view_(view), k_(k) {}
-    PointOfAll operator*() const { return view_[k_]; }
-    Iterator& operator++() {
-      ++k_;
-      return *this;
-    }
-    Iterator operator++(int) { return {view_, k_++}; }
-    friend bool operator==(const Iterator& a, const Iterator& b) { return a.k_ == b.k_; }
-
-   private:
-    View view_;
-    std::size_t k_;
   };
 
   PointOrder() = default;
