@@ -85,7 +85,9 @@ TEST_SUITE("point_numbers") {
                        {PointOrder::kMostPointsOfFour, 4},
                        {PointOrder::kMostPointsOfFour + 1, 5},
                        {PointOrder::kMostPointsOfFour << 8, 5}};
-    for (const auto& [points, bytes] : cases) {
+    for (const auto& c : cases) {
+      const std::int64_t points = c.points;
+      const std::size_t bytes = c.bytes;
       CAPTURE(points);
       constexpr std::size_t kPlaces = 100;
       PointOrder order(kPlaces, 0, kPlaces, points);
