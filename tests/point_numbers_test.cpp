@@ -385,12 +385,6 @@ TEST_SUITE("point_numbers") {
     constexpr std::size_t kBytes = std::size_t{1} << 39;
     constexpr std::size_t kFirst = kBytes / 3;
     constexpr std::size_t kUsed = std::size_t{1} << 20;
-    // From the system, where it would have refused as much to malloc().
-    const ccvt::Pages pages = ccvt::map_pages(kBytes);
-    CHECK(pages.mapped == kBytes);
-    static_cast<std::uint8_t*>(pages.memory)[kFirst] = 7;
-    ccvt::free_reserved(pages);
-
     ccvt::Buffer<std::uint8_t> buffer(kBytes, kFirst, kUsed);
     for (std::size_t k = 0; k < kUsed; ++k) buffer[kFirst + k] = static_cast<std::uint8_t>(k);
     ccvt::Buffer<std::uint8_t> moved = std::move(buffer);

@@ -26,7 +26,8 @@ class Buffer {
   /// Of which only `used` elements from `first` on, and few others, are ever touched.
   Buffer(std::size_t size, std::size_t first, std::size_t used) : size_(size), room_(size) {
     check(size);
-    const Pages pages = reserve_pages(size * sizeof(T));
+    const std::size_t bytes = size * sizeof(T);
+    const Pages pages = used < size ? reserve_pages(bytes) : Pages{allocate_pages(bytes), 0};
     data_ = {static_cast<T*>(pages.memory), Free{pages.mapped}};
     prefer_large_pages(data() + first, used * sizeof(T));
   }

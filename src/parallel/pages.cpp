@@ -15,18 +15,13 @@ namespace {
 constexpr std::size_t kCacheLine = 64;
 constexpr std::size_t kLargePage = std::size_t{1} << 21;
 
-/// Null where the system refuses.
-void* allocate(std::size_t bytes) {
-  const std::size_t alignment = bytes < 2 * kLargePage ? kCacheLine : kLargePage;
-  if (bytes > SIZE_MAX - alignment) return nullptr;
-  const std::size_t rounded = (std::max(bytes, std::size_t{1}) + alignment - 1) / alignment;
-  return std::aligned_alloc(alignment, rounded * alignment);
-}
-
 }  // namespace
 
 void* allocate_pages(std::size_t bytes) {
-  void* const memory = allocate(bytes);
+  const std::size_t alignment = bytes < 2 * kLargePage ? kCacheLine : kLargePage;
+  if (bytes > SIZE_MAX - alignment) throw std::bad_alloc();
+  const std::size_t rounded = (std::max(bytes, std::size_t{1}) + alignment - 1) / alignment;
+  void* const memory = std::aligned_alloc(alignment, rounded * alignment);
   if (memory == nullptr) throw std::bad_alloc();
   prefer_large_pages(memory, bytes);
   return memory;
@@ -34,19 +29,16 @@ void* allocate_pages(std::size_t bytes) {
 
 void free_pages(void* memory) noexcept { std::free(memory); }
 
-Pages reserve_pages(std::size_t bytes) {
-  if (void* const memory = allocate(bytes)) return {memory, 0};
-  return map_pages(bytes);
-}
-
 /// Linux refuses what is more than all of its memory, unless it is told that not all is meant.
-Pages map_pages([[maybe_unused]] std::size_t bytes) {
+Pages reserve_pages(std::size_t bytes) {
 #ifdef __linux__
   void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
                             MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (memory != MAP_FAILED) return {memory, bytes};
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  return {memory, bytes};
+#else
+  return {allocate_pages(bytes), 0};
 #endif
-  throw std::bad_alloc();
 }
 
 void free_reserved(Pages pages) noexcept {

@@ -10,14 +10,12 @@ void* allocate_pages(std::size_t bytes);
 void free_pages(void* memory) noexcept;
 
 /// Memory of which a part is never touched, in pages as small as the system has: of the part that
-/// will be, prefer_large_pages(). It may be more than the machine has.
+/// will be, prefer_large_pages(). On Linux it may be more than the machine has.
 struct Pages {
   void* memory;
-  std::size_t mapped;  ///< bytes, where the system was asked for them; else 0
+  std::size_t mapped;  ///< bytes that the system itself gave; 0: of allocate_pages()
 };
 Pages reserve_pages(std::size_t bytes);
-/// From the system itself; where that is not Linux, it throws std::bad_alloc.
-Pages map_pages(std::size_t bytes);
 void free_reserved(Pages pages) noexcept;
 
 void prefer_large_pages(void* memory, std::size_t bytes) noexcept;
