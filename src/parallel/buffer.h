@@ -25,9 +25,12 @@ class Buffer {
   explicit Buffer(std::size_t size) : data_(allocate(size)), size_(size), room_(size) {}
   /// Of which only `used` elements from `first` on, and few others, are ever touched.
   Buffer(std::size_t size, std::size_t first, std::size_t used) : size_(size), room_(size) {
+    if (used == size) {
+      data_.reset(allocate(size));
+      return;
+    }
     check(size);
-    const std::size_t bytes = size * sizeof(T);
-    const Pages pages = used < size ? reserve_pages(bytes) : Pages{allocate_pages(bytes), 0};
+    const Pages pages = reserve_pages(size * sizeof(T));
     data_ = {static_cast<T*>(pages.memory), Free{pages.mapped}};
     prefer_large_pages(data() + first, used * sizeof(T));
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "ccvt/ranks.h"
 #include "parallel/arena.h"
 #include "parallel/buffer.h"
+#include "parallel/together.h"
 
 /// What phases do in parallel. All results are those of a serial loop, or are put together in an
 /// order that depends on the number of items alone.
@@ -149,11 +149,7 @@ Buffer<T> collect_together(const Arena& arena, std::size_t count, std::size_t gr
                  [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
                    body(own.begin + begin, own.begin + end, out, worker);
                  });
-  const std::size_t found_size = found.size();
-  std::vector<std::size_t> sizes;
-  for (const Ranks::Bytes& size : ranks->gather(std::as_bytes(std::span(&found_size, 1)))) {
-    std::memcpy(&sizes.emplace_back(), size.data(), sizeof(std::size_t));
-  }
+  std::vector<std::size_t> sizes = of_all(ranks, found.size());
   Buffer<T> together(std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}));
   const auto before = std::accumulate(sizes.begin(), sizes.begin() + ranks->rank(), std::size_t{0});
   std::copy(found.begin(), found.end(), together.begin() + before);

@@ -149,15 +149,14 @@ class Cells {
   /// Puts what is at place places[k] of a cell to place k. Both vectors are scratch memory.
   void reorder(SiteNumber site, std::span<const Index> places, std::vector<PointOfAll>& points,
                std::vector<Scalar>& stream) {
-    const std::size_t count = this->points(site).size();
-    points.clear();
-    for (const PointOfAll p : this->points(site)) points.push_back(p);
-    stream.resize(count);
+    const PointOrder::View own = this->points(site);
+    points.assign(own.begin(), own.end());
+    stream.resize(own.size());
     for (std::size_t k = 0; k < places.size(); ++k)
       order_.set(first_[site] + k, points[static_cast<std::size_t>(places[k])]);
     Scalar* to = block(site);
-    for (std::size_t d = 0; d < dimension_; ++d, to += count) {
-      std::copy_n(to, count, stream.begin());
+    for (std::size_t d = 0; d < dimension_; ++d, to += own.size()) {
+      std::copy_n(to, own.size(), stream.begin());
       for (std::size_t k = 0; k < places.size(); ++k)
         to[k] = stream[static_cast<std::size_t>(places[k])];
     }
