@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -14,6 +16,7 @@
 
 #include "ccvt/codebook.h"
 #include "ccvt/mapped_points.h"
+#include "codebook/trainer.h"
 #include "random.h"
 #include "support/files.h"
 #include "support/message.h"
@@ -92,13 +95,24 @@ void check_training(const Points<Scalar>& vectors, Index codewords, const Codebo
                     const std::optional<Points<double>>& given = {}) {
   const Training alone = given ? train_codebook_from(vectors, *given, options)
                                : train_codebook(vectors, codewords, options);
-  for (const int count : {1, 2, 3, 5}) {
-    CAPTURE(count);
+  // Vectors on all ranks, as so few are; then each on one; and the same but for samples of them.
+  struct Case {
+    int ranks;
+    std::size_t few_bytes;
+  };
+  const std::size_t bytes = sizeof(Scalar) * static_cast<std::size_t>(vectors.size());
+  const std::initializer_list<Case> cases = {
+      {1, ccvt::kFewBytes}, {2, ccvt::kFewBytes}, {5, ccvt::kFewBytes}, {3, 0}, {5, 0},
+      {3, bytes - 1}};
+  const ccvt::Columns<double> start(given ? *given : Points<double>());
+  for (const Case& tried : cases) {
+    CAPTURE(tried.ranks);
+    CAPTURE(tried.few_bytes);
     Collected all(static_cast<Index>(vectors.cols()));
-    ThreadRanks(count).run([&](ccvt::Ranks& ranks) {
-      const PointsView<Scalar> own = own_of(ranks, vectors);
-      const Training result = given ? train_codebook_from(ranks, own, *given, options)
-                                    : train_codebook(ranks, own, codewords, options);
+    ThreadRanks(tried.ranks).run([&](ccvt::Ranks& ranks) {
+      ccvt::Problem<Scalar> problem(ranks, own_of(ranks, vectors), codewords);
+      ccvt::Trainer<Scalar> trainer(std::move(problem), options, tried.few_bytes);
+      const Training result = trainer.run(given ? &start : nullptr);
       all.add(ranks, result.codes,
               result.codebook.codewords() == alone.codebook.codewords() &&
                   result.codebook.weights() == alone.codebook.weights() &&

@@ -27,7 +27,9 @@ using ccvt::Arena;
 using ccvt::Box;
 using ccvt::CodebookMethod;
 using ccvt::CodebookOptions;
+using ccvt::Domain;
 using ccvt::Index;
+using ccvt::Metric;
 using ccvt::plus_plus_in_rounds;
 using ccvt::Points;
 using ccvt::view_points;
@@ -137,18 +139,21 @@ TEST_CASE("shared sites are as many in each cloud as its points fill, to within 
       seeds.insert(seeds.end(), x.begin(), x.end());
     }
   }
+  const auto owners =
+      ccvt::nearest_owners(Metric(5, Domain()), view_points(points), seeds, Arena(1));
   for (const bool uneven : {false, true}) {
     CAPTURE(uneven);
     std::vector<Index> capacities(kSites, 50);
     for (std::size_t k = 0; uneven && k < capacities.size(); ++k)
       capacities[k] += k % 2 == 0 ? 40 : -40;
-    const auto shared = ccvt::share_sites(view_points(points), seeds, capacities, 3, Arena(1));
+    const auto shared =
+        ccvt::share_sites(view_points(points), owners, seeds, capacities, 3, Arena(1));
     CHECK(shared.size() == std::size_t{kSites} * 5);
     const auto count = count_sites(shared);
     for (std::size_t cloud = 0; cloud < 8; ++cloud) {
       CHECK(std::abs(count[cloud] - 2 * (static_cast<Index>(cloud) + 1)) <= 1);
     }
-    CHECK(shared == ccvt::share_sites(view_points(points), seeds, capacities, 3, Arena(3)));
+    CHECK(shared == ccvt::share_sites(view_points(points), owners, seeds, capacities, 3, Arena(3)));
     const std::set<Place> distinct = [&] {
       const auto all = places(shared, 5);
       return std::set<Place>(all.begin(), all.end());
@@ -216,8 +221,10 @@ TEST_CASE("sites are shared where points, cells or places are few") {
     std::vector<double> seeds;
     for (Index k = 0; k < sites; ++k)
       seeds.insert(seeds.end(), line.col(k).begin(), line.col(k).end());
-    const auto shared =
-        ccvt::share_sites(view_points(line), seeds, ccvt::equal_capacities(40, sites), 3, Arena(1));
+    const auto owners =
+        ccvt::nearest_owners(Metric(2, Domain()), view_points(line), seeds, Arena(1));
+    const auto shared = ccvt::share_sites(view_points(line), owners, seeds,
+                                          ccvt::equal_capacities(40, sites), 3, Arena(1));
     CHECK(shared.size() == static_cast<std::size_t>(2 * sites));
     const auto all = places(shared, 2);
     const auto wanted = places(line.leftCols(sites));

@@ -69,7 +69,7 @@ class Source {
         sites_(sites),
         arena_(arena),
         seed_(seed),
-        points_(vectors.own()),
+        points_(vectors.here()),
         chosen_(draw_distinct(size(kSource), count_, seed, streams::codebook_sample)) {
     if (vectors.part().ranks != nullptr) {
       gathered_ = vectors.chosen(chosen_);
@@ -160,8 +160,9 @@ std::vector<double> Breeder::seeding(int number) const {
   const auto n = static_cast<Index>(capacities_.size());
   const std::uint64_t seed = mix_bits(breeding_.seed) + static_cast<std::uint64_t>(number);
   if (breeding_.random) return draw_sites<float>(points_, n, 1, seed, arena_);
-  return share_sites(points_, seed_sites<float>(points_, n, 1, seed, arena_), capacities_, seed,
-                     arena_);
+  const std::vector<double> seeds = seed_sites<float>(points_, n, 1, seed, arena_);
+  const std::vector<Index> owners = nearest_owners(metric_, points_, seeds, arena_);
+  return share_sites(points_, owners, seeds, capacities_, seed, arena_);
 }
 
 /// Exact assignments and centroids in turn, to a rough end, or until it is unlikely to get below

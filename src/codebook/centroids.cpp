@@ -5,6 +5,7 @@
 
 #include "geometry/coordinate_range.h"
 #include "geometry/range_of_ranks.h"
+#include "parallel/rank_turns.h"
 #include "parallel/together.h"
 #include "relax/nearest_sites.h"
 
@@ -16,6 +17,7 @@ constexpr std::size_t kProductSites = 256;
 constexpr int kTreeDimensions = 3;
 /// Runs of cells for each rank.
 constexpr std::size_t kRunsPerRank = 8;
+constexpr std::size_t kPointsPerGrain = 1024;
 
 /// Sums over the points of cells, and how many these are.
 template <class Scalar>
@@ -85,6 +87,27 @@ std::vector<double> sums_of_ranks(Ranks& ranks, const CellSums<Scalar>& own,
   return joined(&ranks, std::move(sums));
 }
 
+/// The same where all ranks have all points: each adds those of some cells.
+template <class Scalar>
+std::vector<double> sums_in_turns(Ranks& ranks, const CellSums<Scalar>& own,
+                                  std::span<const SiteNumber> cells) {
+  const RankTurns turns(&ranks);
+  std::vector<SiteNumber> mine;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    if (turns.own(k)) mine.push_back(cells[k]);
+  }
+  const std::size_t width = own.width();
+  std::vector<double> sums(mine.size() * width, 0.0);
+  own.add(mine, sums);
+  const std::vector<Ranks::Bytes> of_ranks = ranks.gather(std::as_bytes(std::span(sums)));
+  std::vector<ByteReader> readers(of_ranks.begin(), of_ranks.end());
+  std::vector<double> all(cells.size() * width);
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    readers[turns.rank_of(k)].get(std::span(all).subspan(k * width, width));
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> changed_cells(std::span<const Index> before, std::span<const Index> after,
@@ -111,10 +134,12 @@ void move_to_centroids(const Metric& metric, PointsView<Scalar> points, const Gr
     if (changed.empty() || changed[s] != 0) looked.push_back(s);
   }
   std::vector<double> all(looked.size() * sums.width(), 0.0);
-  if (ranks == nullptr) {
-    sums.add(looked, all);
-  } else {
+  if (ranks != nullptr) {
     all = sums_of_ranks(*ranks, sums, looked, std::move(all));
+  } else if (arena.ranks() != nullptr) {
+    all = sums_in_turns(*arena.ranks(), sums, looked);
+  } else {
+    sums.add(looked, all);
   }
   const std::size_t dimension = sums.width() - 1;
   for (std::size_t k = 0; k < looked.size(); ++k) {
@@ -139,9 +164,14 @@ std::vector<Index> nearest_owners(const Metric& metric, PointsView<Scalar> point
     const Box box =
         part.ranks == nullptr ? box_around(points, arena) : box_of_all(*part.ranks, points, arena);
     if (points.count == 0) return {};
+    std::vector<Index> owners(static_cast<std::size_t>(points.count));
+    Ranks* const ranks = sharing(arena, part);
+    const RankRange here(ranks, owners.size(), kPointsPerGrain);
+    points.data += static_cast<std::ptrdiff_t>(here.begin) * points.stride;
+    points.count = static_cast<Index>(here.end - here.begin);
     const auto nearest = NearestSites<Scalar>(metric, state, box, arena).owners(points, arena);
-    std::vector<Index> owners(nearest.size());
-    for (std::size_t p = 0; p < owners.size(); ++p) owners[p] = nearest[p].index();
+    for (std::size_t k = 0; k < nearest.size(); ++k) owners[here.begin + k] = nearest[k].index();
+    if (ranks != nullptr) share_ranges(arena, std::span(owners), kPointsPerGrain);
     return owners;
   }
   return Pricer<Scalar>(metric, points, arena, part).cheapest({sites, weights});

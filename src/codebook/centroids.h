@@ -22,7 +22,8 @@ std::vector<std::uint8_t> changed_cells(std::span<const Index> before, std::span
 ///
 /// Of several ranks, each adds its points to what the lower ones have come to, so that sums are
 /// those of one process to the bit: a run of cells at a time, so that all are at work, on different
-/// runs. The sums take 8 (D + 1) bytes a cell that is looked at, from rank to rank and to all.
+/// runs. Where all have all points and the arena divides loops among them, they take turns in the
+/// cells. The sums take 8 (D + 1) bytes a cell that is looked at, from rank to rank and to all.
 template <class Scalar>
 void move_to_centroids(const Metric& metric, PointsView<Scalar> points, const Grouping& groups,
                        const Arena& arena, std::vector<double>& sites,

@@ -50,16 +50,15 @@ PairwiseCells pairwise_cells(const Vectors<Scalar>& vectors, PointsView<Scalar> 
   std::vector<double> start(sites.begin(), sites.end());
   for (double& x : start) x *= unit;
   const auto n = static_cast<Index>(capacities.size());
-  const auto& [ranks, first] = vectors.part();
-  const PointsView<Scalar> own{all[static_cast<Index>(first)], all.dimension, vectors.own().count,
-                               all.stride};
+  const auto [ranks, first, count] = vectors.own();
+  const PointsView<Scalar> own{all[first], all.dimension, count, all.stride};
   Problem<Scalar> problem = ranks == nullptr ? Problem<Scalar>(own, n, options.threads)
                                              : Problem<Scalar>(*ranks, own, n, options.threads);
   problem.set_capacities(std::move(capacities));
   if (all.dimension > kBalancedDimensions) {
     // tessellate() would let vectors choose their sites one by one.
     const std::vector<Index> owners = deal_to_nearest(all, start, problem.capacities(), arena);
-    const auto begin = owners.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto begin = owners.begin() + first;
     problem.set_initial_owners(std::vector<Index>(begin, begin + own.count));
   } else {
     problem.set_initial_sites(

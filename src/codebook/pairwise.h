@@ -17,7 +17,8 @@ struct PairwiseCells {
 };
 
 /// What tessellate() makes of the vectors, from `sites`, one after the other; for coordinates of
-/// any magnitude alike. Of several ranks, owners are those of a rank's own, and `all` are gathered.
+/// any magnitude alike. Of several ranks, owners are those of a rank's own(), and `all` are
+/// gathered.
 template <class Scalar>
 PairwiseCells pairwise_cells(const Vectors<Scalar>& vectors, PointsView<Scalar> all,
                              std::span<const double> sites, std::vector<Index> capacities,

@@ -7,14 +7,13 @@
 #include <utility>
 
 #include "codebook/centroids.h"
-#include "codebook/divided.h"
 #include "codebook/reseat.h"
 #include "codebook/sample.h"
 #include "exact/pricing.h"
 #include "geometry/as_matrix.h"
 #include "geometry/squares.h"
 #include "kernels/products.h"
-#include "parallel/together.h"
+#include "parallel/loops.h"
 #include "random.h"
 #include "streams.h"
 
@@ -45,17 +44,16 @@ struct Seeds {
   double energy = 0;
 };
 
-/// Lloyd iterations, to a rough end. Owners are those of a rank's part.
-void relax(const Metric& metric, const Divided<float>& points, const Arena& arena, Seeds& seeds) {
-  const std::vector<double> weights = no_weights(seeds.sites, points.own.dimension);
-  const Pricer<float> pricer(metric, points.own, arena, points.part);
+/// Lloyd iterations, to a rough end.
+void relax(const Metric& metric, PointsView<float> points, const Arena& arena, Seeds& seeds) {
+  const std::vector<double> weights = no_weights(seeds.sites, points.dimension);
+  const Pricer<float> pricer(metric, points, arena);
   for (int i = 0; i < kRoughIterations; ++i) {
     const double before = seeds.energy;
     const Prices prices = pricer.price({seeds.sites, weights}, seeds.owners);
     seeds.energy = prices.cheapest_energy;
     if (prices.moved == 0 || (i > 0 && before - seeds.energy < kRough * before)) break;
-    move_to_centroids(metric, points.own, Grouping(seeds.owners, weights.size()), arena,
-                      seeds.sites, {}, points.part.ranks);
+    move_to_centroids(metric, points, Grouping(seeds.owners, weights.size()), arena, seeds.sites);
   }
 }
 
@@ -109,9 +107,7 @@ std::vector<double> plus_plus_in_rounds(PointsView<float> points, Index sites, s
                                         std::uint64_t stream, const Arena& arena) {
   const Metric metric(points.dimension, Domain());
   const auto width = static_cast<std::size_t>(points.dimension);
-  const Divided<float> divided(points, arena.ranks());
-  const PointsView<float>& own = divided.own;
-  std::vector<double> squared(static_cast<std::size_t>(own.count),
+  std::vector<double> squared(static_cast<std::size_t>(points.count),
                               std::numeric_limits<double>::infinity());
   Random random(seed, stream);
   std::vector<double> result;
@@ -122,14 +118,14 @@ std::vector<double> plus_plus_in_rounds(PointsView<float> points, Index sites, s
     result.insert(result.end(), added.begin(), added.end());
     left -= static_cast<Index>(drawn.size());
     if (left == 0) return result;
-    const std::vector<Index> nearest = nearest_owners(metric, own, added, arena, divided.part);
+    const std::vector<Index> nearest = nearest_owners(metric, points, added, arena);
     arena.for_each(squared.size(), kPointsPerGrain, [&](std::size_t p) {
       const double* const site = added.data() + static_cast<std::size_t>(nearest[p]) * width;
-      const float* const x = own[static_cast<Index>(p)];
+      const float* const x = points[static_cast<Index>(p)];
       squared[p] = std::min(squared[p], squared_difference(x, site, points.dimension));
     });
-    std::vector<double> sum = joined(arena.ranks(), squared);
-    std::inclusive_scan(sum.begin(), sum.end(), sum.begin());
+    std::vector<double> sum(squared.size());
+    std::inclusive_scan(squared.begin(), squared.end(), sum.begin());
     const auto batch = std::min<std::size_t>(result.size() / width, static_cast<std::size_t>(left));
     drawn.clear();
     for (std::size_t k = 0; k < batch; ++k) {
@@ -153,11 +149,9 @@ double sampled_energy(const Vectors<Scalar>& points, const std::vector<double>& 
   const Points<Scalar> sample =
       points.chosen(draw_distinct(count, points.count(), seed, streams::codebook_sample));
   const Metric metric(points.dimension(), Domain());
-  const Divided<Scalar> divided(view_points(sample), arena.ranks());
-  std::vector<Index> owners = nearest_owners(metric, divided.own, sites, arena, divided.part);
-  return Pricer<Scalar>(metric, divided.own, arena, divided.part)
-      .price({sites, weights}, owners)
-      .energy;
+  const PointsView<Scalar> view = view_points(sample);
+  std::vector<Index> owners = nearest_owners(metric, view, sites, arena);
+  return Pricer<Scalar>(metric, view, arena).price({sites, weights}, owners).energy;
 }
 
 template <class Scalar>
@@ -173,7 +167,6 @@ std::vector<double> seed_sites(const Vectors<Scalar>& points, Index sites, int r
       points.sample(draw_distinct(count, points.count(), seed, streams::codebook_sample));
   const PointsView<float> view = view_points(sample.points);
   const Metric metric(points.dimension(), Domain());
-  const Divided<float> divided(view, arena.ranks());
   Seeds best;
   best.energy = std::numeric_limits<double>::infinity();
   Seeds seeds;
@@ -183,15 +176,12 @@ std::vector<double> seed_sites(const Vectors<Scalar>& points, Index sites, int r
       seeds = {};
       seeds.sites = in_rounds ? plus_plus_in_rounds(view, sites, seed, stream, arena)
                               : plus_plus(view, sites, seed, stream, arena);
-      seeds.owners = nearest_owners(metric, divided.own, seeds.sites, arena, divided.part);
-      relax(metric, divided, arena, seeds);
+      seeds.owners = nearest_owners(metric, view, seeds.sites, arena);
+      relax(metric, view, arena, seeds);
       for (int k = 0; k < kReseatings; ++k) {
         Seeds changed = seeds;
-        std::vector<Index> owners = joined(arena.ranks(), seeds.owners);
-        if (!reseat_sites(view, owners, changed.sites, arena)) break;
-        const auto own = owners.begin() + static_cast<std::ptrdiff_t>(divided.part.first);
-        changed.owners.assign(own, own + divided.own.count);
-        relax(metric, divided, arena, changed);
+        if (!reseat_sites(view, changed.owners, changed.sites, arena)) break;
+        relax(metric, view, arena, changed);
         if (changed.energy >= seeds.energy * (1 - kRough)) break;
         seeds = std::move(changed);
       }

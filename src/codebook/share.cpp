@@ -75,7 +75,7 @@ std::vector<Index> draw_evenly(const Vectors<Scalar>& points, const std::vector<
   const Metric metric(points.dimension(), Domain());
   const std::size_t n = sites.size() / static_cast<std::size_t>(points.dimension());
   const std::vector<Index> owners =
-      nearest_owners(metric, points.own(), sites, arena, points.part());
+      nearest_owners(metric, points.here(), sites, arena, points.part());
   const Grouping regions(owners, n);
   const std::vector<Index> sizes = joined(ranks, cell_sizes(owners, n));  // of each rank's regions
   Random random(seed, streams::codebook_levels);
@@ -107,12 +107,11 @@ std::vector<Index> draw_evenly(const Vectors<Scalar>& points, const std::vector<
 }
 
 template <class Scalar>
-std::vector<double> share_sites(PointsView<Scalar> points, const std::vector<double>& sites,
-                                std::span<const Index> capacities, std::uint64_t seed,
-                                const Arena& arena) {
+std::vector<double> share_sites(PointsView<Scalar> points, std::span<const Index> owners,
+                                const std::vector<double>& sites, std::span<const Index> capacities,
+                                std::uint64_t seed, const Arena& arena) {
   const auto width = static_cast<std::size_t>(points.dimension);
-  const Metric metric(points.dimension, Domain());
-  const Grouping cells(nearest_owners(metric, points, sites, arena), capacities.size());
+  const Grouping cells(owners, capacities.size());
   const std::vector<SiteNumber> order = linkage_order(sites, points.dimension, arena);
   const std::vector<Index> allotted = allot(cells, order, capacities);
   std::vector<std::vector<double>> parts(order.size());
@@ -135,9 +134,11 @@ template std::vector<Index> draw_evenly(const Vectors<float>&, const std::vector
                                         std::uint64_t, const Arena&);
 template std::vector<Index> draw_evenly(const Vectors<double>&, const std::vector<double>&, Index,
                                         std::uint64_t, const Arena&);
-template std::vector<double> share_sites(PointsView<float>, const std::vector<double>&,
-                                         std::span<const Index>, std::uint64_t, const Arena&);
-template std::vector<double> share_sites(PointsView<double>, const std::vector<double>&,
-                                         std::span<const Index>, std::uint64_t, const Arena&);
+template std::vector<double> share_sites(PointsView<float>, std::span<const Index>,
+                                         const std::vector<double>&, std::span<const Index>,
+                                         std::uint64_t, const Arena&);
+template std::vector<double> share_sites(PointsView<double>, std::span<const Index>,
+                                         const std::vector<double>&, std::span<const Index>,
+                                         std::uint64_t, const Arena&);
 
 }  // namespace ccvt

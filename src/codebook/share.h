@@ -26,14 +26,14 @@ std::vector<Index> draw_evenly(const Vectors<Scalar>& points, const std::vector<
                                Index count, std::uint64_t seed, const Arena& arena);
 
 /// Sites where capacities want them: as many in a region as its points fill. `sites`, one after the
-/// other, are seeds for the same points regardless of capacities; their cells are put into an order
-/// in which neighbours stay together (see linkage.h), and the capacities laid
-/// along it. A cell that the middles of several capacities fall into is split into as many, one
-/// without any is dropped. `capacities` sum to the number of points. O(m n D) at worst, and what
-/// linkage_order() takes.
+/// other, are seeds for the same points regardless of capacities, and `owners` the nearest of them;
+/// their cells are put into an order in which neighbours stay together (see linkage.h), and the
+/// capacities laid along it. A cell that the middles of several capacities fall into is split into
+/// as many, one without any is dropped. `capacities` sum to the number of points. O(m n D) at
+/// worst, and what linkage_order() takes.
 template <class Scalar>
-std::vector<double> share_sites(PointsView<Scalar> points, const std::vector<double>& sites,
-                                std::span<const Index> capacities, std::uint64_t seed,
-                                const Arena& arena);
+std::vector<double> share_sites(PointsView<Scalar> points, std::span<const Index> owners,
+                                const std::vector<double>& sites, std::span<const Index> capacities,
+                                std::uint64_t seed, const Arena& arena);
 
 }  // namespace ccvt

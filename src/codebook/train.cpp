@@ -125,12 +125,13 @@ bool Trainer<Scalar>::cancelled(const IterationRecord& record) {
 
 template <class Scalar>
 void Trainer<Scalar>::lloyd() {
-  Ranks* const ranks = problem_.ranks();
+  Ranks* const ranks = source_.part().ranks;
   owners_ = nearest_owners(metric_, vectors_, sites_, arena_, source_.part());
   const Pricer<Scalar> pricer(metric_, vectors_, arena_, source_.part());
   const std::size_t n = weights_.size();
   std::optional<CellBounds> kept;
-  if (CellBounds::fit(metric_, n)) kept.emplace(owners_.size(), n);
+  const RankTurns turns(sharing(arena_, source_.part()));
+  if (CellBounds::fit(metric_, n)) kept.emplace(owners_.size(), n, turns);
   std::vector<std::uint8_t> changed;
   if (options_.max_iterations == 0) summary_.termination = Termination::iteration_limit;
   double before = std::numeric_limits<double>::infinity();
@@ -174,9 +175,11 @@ void Trainer<Scalar>::start_balanced(const Vectors<Scalar>& vectors, std::vector
   if (!shared && !pairs_tolerance) return;
   const bool several = vectors.part().ranks != nullptr;
   const Points<Scalar> gathered = several ? vectors.all() : Points<Scalar>();
-  const PointsView<Scalar> all = several ? view_points(gathered) : vectors.own();
+  const PointsView<Scalar> all = several ? view_points(gathered) : vectors.here();
   if (shared) {
-    undivided([&] { sites_ = share_sites(all, sites_, capacities, options_.seed, arena_); });
+    const std::vector<Index> owners = nearest_owners(metric_, all, sites_, arena_);
+    undivided(
+        [&] { sites_ = share_sites(all, owners, sites_, capacities, options_.seed, arena_); });
   }
   if (pairs_tolerance) exchange_pairs(vectors, all, std::move(capacities), *pairs_tolerance);
 }
@@ -196,14 +199,12 @@ void Trainer<Scalar>::exchange_pairs(const Vectors<Scalar>& vectors, PointsView<
   };
   if (problem_.ranks() == nullptr) options.cancelled = options_.cancelled;  // ranks end together
   options.multilevel = false;  // the seeds are better than what a coarse level would make of them
-  PairwiseCells cells;
-  undivided([&] {
-    cells = pairwise_cells(vectors, all, sites_, std::move(capacities), options, arena_);
-  });
+  PairwiseCells cells =
+      pairwise_cells(vectors, all, sites_, std::move(capacities), options, arena_);
   if (!ended()) summary_.termination = cells.termination;
-  owners_ = std::move(cells.owners);
+  owners_ = vectors.of_here(std::move(cells.owners));
   const Stop::Pause pause(stop_);  // what comes is short
-  move_to_centroids(metric_, vectors.own(), Grouping(owners_, weights_.size()), arena_, sites_, {},
+  move_to_centroids(metric_, vectors.here(), Grouping(owners_, weights_.size()), arena_, sites_, {},
                     vectors.part().ranks);
 }
 
@@ -280,6 +281,10 @@ Training Trainer<Scalar>::run(const Columns<double>* codewords) {
   } catch (const Stopped&) {
     end_cancelled();
   }
+  if (problem_.ranks() != nullptr && source_.part().ranks == nullptr) {  // all are here
+    const auto own = owners_.begin() + static_cast<std::ptrdiff_t>(problem_.first_own_point());
+    owners_ = std::vector<Index>(own, own + problem_.points().count);
+  }
   // Weights count by their differences only.
   const double highest = *std::max_element(weights_.begin(), weights_.end());
   Coordinates weights = Coordinates::constant(n, 0);
@@ -298,7 +303,7 @@ void Trainer<Scalar>::sum_up(const Codebook& codebook) {
   const Index m = source_.count();
   if (Ranks* const ranks = problem_.ranks(); ranks != nullptr) {
     summary_.usage = code_usage(*ranks, owners_, n);
-    summary_.distortion = codebook.distortion(*ranks, vectors_, owners_);
+    summary_.distortion = codebook.distortion(*ranks, problem_.points(), owners_);
   } else {
     summary_.usage = code_usage(owners_, n);
     summary_.distortion = codebook.distortion(vectors_, owners_);

@@ -61,11 +61,11 @@ void Trainer<Scalar>::exact_level(const Vectors<Scalar>& vectors, std::vector<In
   const bool finest = m == trained_on();
   progress_.begin(m / work);
   const Index n = problem_.site_count();
-  ExactAssignment<Scalar> assignment(metric_, vectors.own(), n, std::move(capacities), arena_,
+  ExactAssignment<Scalar> assignment(metric_, vectors.here(), n, std::move(capacities), arena_,
                                      options_.gap, vectors.part());
   using Round = typename ExactAssignment<Scalar>::Round;
-  if (any(ranks, std::cmp_not_equal(owners_.size(), vectors.own().count))) {
-    owners_ = nearest_owners(metric_, vectors.own(), sites_, arena_, vectors.part());
+  if (any(ranks, std::cmp_not_equal(owners_.size(), vectors.here().count))) {
+    owners_ = nearest_owners(metric_, vectors.here(), sites_, arena_, vectors.part());
   }
   const double tolerance = finest ? options_.tolerance : kLevelTolerance * n / m;
   double before = std::numeric_limits<double>::infinity();
@@ -93,14 +93,14 @@ void Trainer<Scalar>::exact_level(const Vectors<Scalar>& vectors, std::vector<In
     std::int64_t moved = 0;
     for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
     if (!go_on(m, energy, total(ranks, moved))) break;
-    move_to_centroids(metric_, vectors.own(), Grouping(owners_, weights_.size()), arena_, sites_,
+    move_to_centroids(metric_, vectors.here(), Grouping(owners_, weights_.size()), arena_, sites_,
                       changed, ranks);
   }
 }
 
-/// A sample to train on; of several ranks, each has the vectors that are its own.
+/// A sample to train on.
 template <class Scalar>
-Points<Scalar> Trainer<Scalar>::level(Index count) const {
+Vectors<Scalar> Trainer<Scalar>::level(Index count) const {
   std::vector<Index> numbers;
   if (bred_) {
     // What was bred fits the shares of the clouds, which a sample that has others would undo.
@@ -109,14 +109,13 @@ Points<Scalar> Trainer<Scalar>::level(Index count) const {
   } else {
     numbers = draw_distinct(count, source_.count(), options_.seed, streams::codebook_levels);
   }
-  return chosen_points(vectors_, source_.own_of(numbers));
+  return source_.chosen_vectors(numbers);
 }
 
 /// Level by level, each on a sample; the finest on all vectors, or on the sample asked for.
 template <class Scalar>
 void Trainer<Scalar>::exact() {
   const Index m = source_.count();
-  Ranks* const ranks = problem_.ranks();
   const bool all = trained_on() == m;
   const auto& capacities = options_.capacities;
   std::vector<Index> counts = level_sizes(trained_on(), problem_.site_count());
@@ -127,8 +126,7 @@ void Trainer<Scalar>::exact() {
   for (const Index count : counts) {
     if (ended()) break;
     arena_.check();
-    const Points<Scalar> own = level(count);
-    const Vectors<Scalar> sample(view_points(own), ranks);
+    const Vectors<Scalar> sample = level(count);
     const std::vector<Index> shares = share_capacities(capacities, m, count);
     if (!placed_ && count == counts.front()) start_exact(sample, shares, work);
     exact_level(sample, shares, work);

@@ -25,11 +25,12 @@ constexpr double kTrainingRounding = 1e-13;
 template <class Scalar>
 class Trainer {
  public:
-  /// Of all vectors, or those of a rank: the problem's.
-  Trainer(Problem<Scalar> problem, const CodebookOptions& options)
+  /// Of all vectors, or those of a rank: the problem's. `few_bytes`: see Vectors.
+  Trainer(Problem<Scalar> problem, const CodebookOptions& options,
+          std::size_t few_bytes = kFewBytes)
       : problem_(std::move(problem)),
-        source_(problem_),
-        vectors_(source_.own()),
+        source_(problem_, few_bytes),
+        vectors_(source_.here()),
         options_(options),
         // Ranks end together: see cancelled().
         stop_(problem_.ranks() != nullptr ? Stop() : Stop(options.cancelled)),
@@ -73,7 +74,7 @@ class Trainer {
   void start_exact(const Vectors<Scalar>& vectors, std::vector<Index> capacities, double work);
   void exact();
   void exact_level(const Vectors<Scalar>& vectors, std::vector<Index> capacities, double work);
-  [[nodiscard]] Points<Scalar> level(Index count) const;
+  [[nodiscard]] Vectors<Scalar> level(Index count) const;
   bool go_on(IterationRecord record);
   bool go_on(Index vectors, double energy, std::int64_t moved);
   bool cancelled(const IterationRecord& record);
@@ -87,7 +88,7 @@ class Trainer {
 
   Problem<Scalar> problem_;
   Vectors<Scalar> source_;
-  PointsView<Scalar> vectors_;  ///< of this rank; without ranks, all
+  PointsView<Scalar> vectors_;  ///< all, or those of this rank
   const CodebookOptions& options_;
   Stop stop_;
   Arena arena_;

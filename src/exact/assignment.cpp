@@ -33,7 +33,10 @@ ExactAssignment<Scalar>::ExactAssignment(const Metric& metric, PointsView<Scalar
       gap_(gap) {
   if (floating_) capacities_ = equal_capacities(count_, sites);
   const auto count = static_cast<std::size_t>(sites);
-  if (CellBounds::fit(metric, count)) kept_.emplace(static_cast<std::size_t>(points.count), count);
+  if (CellBounds::fit(metric, count)) {
+    const RankTurns turns(sharing(arena, part));
+    kept_.emplace(static_cast<std::size_t>(points.count), count, turns);
+  }
   fewer_ = count_ / sites;
   larger_ = count_ % sites;
   for (Index p = 0; p < points.count; ++p) {

@@ -24,8 +24,12 @@ bool CellBounds::fit(const Metric& metric, std::size_t sites) {
   return !metric.periodic() && sites * sites <= kMostPairs;
 }
 
-CellBounds::CellBounds(std::size_t points, std::size_t sites)
-    : bounds_(sites * sites), radius_(sites), own_costs_(points), covered_(points, kNowhere) {}
+CellBounds::CellBounds(std::size_t points, std::size_t sites, const RankTurns& turns)
+    : turns_(turns),
+      bounds_(sites * sites),
+      radius_(sites),
+      own_costs_(points),
+      covered_(points, kNowhere) {}
 
 void CellBounds::forget(std::span<const double> sites) {
   valid_ = false;
@@ -37,6 +41,7 @@ void CellBounds::forget(std::span<const double> sites) {
 }
 
 void CellBounds::set(SiteNumber site, SiteNumber other, double cost) {
+  if (!has(site)) return;
   const double rounding = std::abs(cost) + 2 * radius_[site] * radius_[site];
   of(site)[other] = cost - rounding_share(dimension_) * rounding - underflow_of(dimension_);
 }
@@ -135,6 +140,7 @@ void CellBounds::follow(std::span<const double> sites, const Grouping& groups,
   PerWorker<std::vector<double>> squared(arena);
   arena.for_ranges(count(), 4, [&](std::size_t begin, std::size_t end, int worker) {
     for (const SiteNumber s : sites_between(begin, end)) {
+      if (!has(s)) continue;
       const auto members = groups.of(s);
       if (members.empty()) {
         std::fill(of(s).begin(), of(s).end(), kNone);
@@ -157,6 +163,7 @@ void CellBounds::widen(SiteNumber site, double own) {
 
 void CellBounds::include(SiteNumber site, PointNumber point, std::span<const double> squared,
                          double own) {
+  if (!has(site)) return;
   covered_[point] = site.index();
   own_costs_[point] = own;
   widen(site, own);
@@ -207,7 +214,7 @@ void CellBounds::set_all(const std::vector<Index>& owners, const MoveCosts& cost
   arena.for_ranges(count(), 4, [&](std::size_t begin, std::size_t end, int worker) {
     for (const SiteNumber s : sites_between(begin, end)) {
       const auto members = groups.of(s);
-      if (members.empty()) continue;
+      if (members.empty() || !has(s)) continue;
       arena.check();
       const auto least = costs.bounds(s, members, scratch[worker]);
       std::copy(least.begin(), least.end(), of(s).begin());
@@ -224,7 +231,11 @@ void CellBounds::include_all(const std::vector<Index>& owners, const MoveCosts& 
   arena.for_ranges(count(), 4, [&](std::size_t begin, std::size_t end, int worker) {
     for (const SiteNumber s : sites_between(begin, end)) {
       arena.check();
-      include(s, groups.of(s), costs, scratch[worker]);
+      if (has(s)) {
+        include(s, groups.of(s), costs, scratch[worker]);
+      } else {
+        for (const PointNumber p : groups.of(s)) covered_[p] = s.index();
+      }
     }
   });
   valid_ = true;

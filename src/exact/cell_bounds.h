@@ -12,6 +12,7 @@
 #include "geometry/metric.h"
 #include "numbers.h"
 #include "parallel/arena.h"
+#include "parallel/rank_turns.h"
 
 namespace ccvt {
 
@@ -22,12 +23,18 @@ namespace ccvt {
 ///
 /// When sites move, bounds follow: |p - j|^2 changes by what it does seen from site i, less twice
 /// the farthest point's distance times the step at most. 8 n^2 bytes, and 12 a point.
+///
+/// Ranks that all have all points take turns in the cells: each has the bounds of its own only, and
+/// what is done to those of others does nothing.
 class CellBounds {
  public:
   /// Whether there is memory for them, and a metric in which they follow.
   [[nodiscard]] static bool fit(const Metric& metric, std::size_t sites);
 
-  CellBounds(std::size_t points, std::size_t sites);
+  CellBounds(std::size_t points, std::size_t sites, const RankTurns& turns = RankTurns());
+
+  /// Whether the bounds of the cell are here.
+  [[nodiscard]] bool has(SiteNumber site) const { return turns_.own(site); }
 
   /// Whether the bounds are those of cells with these owners.
   [[nodiscard]] bool cover(const std::vector<Index>& owners) const {
@@ -91,6 +98,7 @@ class CellBounds {
   void follow_steps(SiteNumber site, const double* position, double growth,
                     std::vector<double>& squared);
 
+  RankTurns turns_;
   bool valid_ = false;
   std::vector<double> bounds_;  ///< of cell i and site j at [i * n + j]
   std::vector<double> radius_;

@@ -69,6 +69,7 @@ std::size_t ExchangeGraph::slots_of_each() const {
 
 void ExchangeGraph::bound_all_edges(const Arena& arena) {
   if (part_.ranks != nullptr) return bound_all_together(arena);
+  if (sharing_ != nullptr) return bound_all_in_turns(arena);
   PerWorker<Scratch> scratch(arena);
   arena.for_ranges(cells_.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
     for (const SiteNumber s : sites_between(begin, end)) {
@@ -255,6 +256,8 @@ void ExchangeGraph::move(const Mover& mover) {
 }
 
 void ExchangeGraph::settle(const Arena& arena) {
+  sharing_ = sharing(arena, part_);
+  turns_ = RankTurns(sharing_);
   std::int64_t surpluses = 0;
   for (const SiteNumber s : sites_below(cells_.size())) surpluses += std::max(0, surplus(s));
   if (surpluses * kSitesPerSurplus >= std::ssize(cells_)) bound_all_edges(arena);

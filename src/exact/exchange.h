@@ -15,6 +15,7 @@
 #include "parallel/arena.h"
 #include "parallel/bytes.h"
 #include "parallel/rank_part.h"
+#include "parallel/rank_turns.h"
 
 namespace ccvt {
 
@@ -41,7 +42,8 @@ class ExchangeGraph {
   ///
   /// `part`: points, owners and bounds that are kept are those of a rank. All ranks then make the
   /// same calls, and search the same: for what edges weigh, and for the positions of points that
-  /// move, they ask each other. See exchange_ranks.cpp.
+  /// move, they ask each other. Where all have all points, they take turns in bounding cells, as
+  /// in keeping bounds, and tell each other the edges found. See exchange_ranks.cpp.
   ExchangeGraph(std::vector<Index>& capacities, bool floating, std::vector<Index>& owners,
                 std::vector<double>& weights, MoveCosts& costs, CellBounds* kept = nullptr,
                 const RankPart& part = {});
@@ -52,6 +54,7 @@ class ExchangeGraph {
   /// Moves points along shortest paths until no site has too many. Each costs O(E log E) with E
   /// edges that searches see, and O(n D) for each point that moves, at worst. The edges of a site
   /// are bounded in O(n D) a point, or a point that came where bounds are kept.
+  /// Ranks that the arena divides loops among share the work, unless each has points of its own.
   void settle(const Arena& arena = Arena(1));
   /// How many points went their way so far.
   [[nodiscard]] std::int64_t augmentations() const { return augmentations_; }
@@ -78,6 +81,7 @@ class ExchangeGraph {
     std::vector<PointNumber> members;  ///< of this one
     bool bounded = false;              ///< what follows is there
     bool tight = false;                ///< a product has bounded all edges
+    bool costed = false;               ///< what its points cost is known
     std::size_t weighings = 0;         ///< of one edge or of several at once
     // Edges, one in each slot.
     std::vector<SiteNumber> to;
@@ -153,6 +157,7 @@ class ExchangeGraph {
   void bound_all_edges(const Arena& arena);
   void bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
   void find_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
+  void find_costs(SiteNumber site);
   [[nodiscard]] static double about(std::size_t edges, Scratch& scratch);
   static void keep_nearest(std::size_t edges, Scratch& scratch);
   void set_edges(SiteNumber site, Scratch& scratch);
@@ -185,6 +190,9 @@ class ExchangeGraph {
   [[nodiscard]] std::size_t slots_of_each() const;
   // Of all ranks.
   void bound_all_together(const Arena& arena);
+  void bound_all_in_turns(const Arena& arena);
+  void find_edges_in_turns(SiteNumber site, std::size_t edges, Scratch& scratch);
+  void get_edges(ByteReader& message, Scratch& scratch) const;
   void find_edges_together(std::size_t edges, Scratch& scratch) const;
   static void put_edges(ByteWriter& message, const Scratch& scratch);
   void join_edges(std::span<ByteReader> ranks, std::size_t edges, Scratch& scratch) const;
@@ -201,6 +209,8 @@ class ExchangeGraph {
   MoveCosts& costs_;
   CellBounds* kept_;
   RankPart part_;
+  Ranks* sharing_ = nullptr;  ///< where all have all points
+  RankTurns turns_;
   std::vector<Cell> cells_;
   std::vector<double> own_storage_;
   std::vector<double>& own_cost_;  ///< of each point, in a cell that is bounded

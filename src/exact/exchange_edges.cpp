@@ -25,21 +25,27 @@ std::size_t moves_kept(Index members) {
 
 }  // namespace
 
+/// What the points of a cell cost where they are, unless it is known.
+void ExchangeGraph::find_costs(SiteNumber site) {
+  Cell& cell = cells_[site];
+  if (cell.costed) return;
+  costs_.squared(cell.members, site, scratch_.own);
+  for (std::size_t k = 0; k < cell.members.size(); ++k) {
+    own_cost_[cell.members[k]] = scratch_.own[k];
+  }
+  cell.costed = true;
+}
+
 /// The `edges` of a site that cost least, as far as bounds tell, for points that this rank has.
 void ExchangeGraph::find_edges(SiteNumber site, std::size_t edges, Scratch& scratch) {
-  const Cell& cell = cells_[site];
+  Cell& cell = cells_[site];
   scratch.edges.clear();
   scratch.rest = kNone;
   if (cell.members.empty()) return;
-  if (!cell.bounded && kept_ == nullptr) {
-    costs_.squared(cell.members, site, scratch.own);
-    for (std::size_t k = 0; k < cell.members.size(); ++k) {
-      own_cost_[cell.members[k]] = scratch.own[k];
-    }
-  }
   const std::span<const double> bounds =
       kept_ != nullptr ? kept_->include(site, cell.members, costs_, scratch.costs)
                        : costs_.bounds(site, cell.members, scratch.costs);
+  cell.costed |= kept_ != nullptr;
   std::vector<double>& reduced = scratch.reduced;
   reduced.resize(cells_.size());
   std::transform(bounds.begin(), bounds.end(), weights_.begin(), reduced.begin(),
@@ -85,8 +91,12 @@ void ExchangeGraph::keep_nearest(std::size_t edges, Scratch& scratch) {
 /// points has none yet.
 void ExchangeGraph::bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch) {
   if (cells_[site].size == 0) return;
-  find_edges(site, edges, scratch);
-  if (part_.ranks != nullptr) find_edges_together(edges, scratch);
+  if (sharing_ != nullptr && kept_ != nullptr) {
+    find_edges_in_turns(site, edges, scratch);
+  } else {
+    find_edges(site, edges, scratch);
+    if (part_.ranks != nullptr) find_edges_together(edges, scratch);
+  }
   set_edges(site, scratch);
 }
 
@@ -99,7 +109,7 @@ void ExchangeGraph::set_edges(SiteNumber site, Scratch& scratch) {
   std::vector<Edge>& others = scratch.edges;
   std::sort(others.begin(), others.end());
   // What was weighed stays so.
-  scratch.weighed.assign(cells_.size(), kNotWeighed);
+  scratch.weighed.assign(cell.to.empty() ? 0 : cells_.size(), kNotWeighed);
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
     scratch.weighed[cell.to[slot]] = cell.weighed[slot];
   }
@@ -110,7 +120,7 @@ void ExchangeGraph::set_edges(SiteNumber site, Scratch& scratch) {
   for (std::size_t slot = 0; slot < others.size(); ++slot) {
     const auto& [reduced, to, bound] = others[slot];
     cell.to[slot] = to;
-    cell.weighed[slot] = scratch.weighed[to];
+    cell.weighed[slot] = scratch.weighed.empty() ? kNotWeighed : scratch.weighed[to];
     cell.bound[slot] = is_weighed(cell, slot) ? moves_of(cell, slot).cheapest.front().cost : bound;
     if (slot % kPage == 0) cell.page[slot / kPage] = reduced;
   }
@@ -120,7 +130,7 @@ void ExchangeGraph::set_edges(SiteNumber site, Scratch& scratch) {
 /// weigh, and a search would weigh most of them.
 void ExchangeGraph::tighten(SiteNumber site) {
   Cell& cell = cells_[site];
-  if (!cell.members.empty()) {
+  if (!cell.members.empty() && kept_->has(site)) {
     kept_->raise(site, costs_.bounds(site, cell.members, scratch_.costs));
   }
   bound_edges(site, cell.to.size(), scratch_);
@@ -176,6 +186,7 @@ void ExchangeGraph::choose_slots(SiteNumber site, std::size_t slot, std::size_t 
 void ExchangeGraph::weigh_own(SiteNumber site) {
   Cell& cell = cells_[site];
   ++cell.weighings;
+  find_costs(site);
   std::vector<SiteNumber>& sites = scratch_.others;
   sites.clear();
   for (const std::size_t slot : slots_) sites.push_back(cell.to[slot]);

@@ -1,5 +1,5 @@
 // What several ranks find out together for an exchange graph. All search the same; each knows its
-// own points of the cells only.
+// own points of the cells only, or all, and takes its turns in bounding cells.
 #include <algorithm>
 #include <cstdint>
 #include <tuple>
@@ -110,6 +110,65 @@ void ExchangeGraph::bound_all_together(const Arena& arena) {
       set_edges(s, own);
     });
   }
+}
+
+void ExchangeGraph::get_edges(ByteReader& message, Scratch& scratch) const {
+  scratch.edges.clear();
+  scratch.rest = message.get<double>();
+  for (auto left = message.get<std::uint64_t>(); left > 0; --left) {
+    const SiteNumber to(message.get<Index>());
+    const auto bound = message.get<double>();
+    scratch.edges.push_back({bound - weights_[to], to, bound});
+  }
+}
+
+/// The edges that the rank finds whose turn it is.
+void ExchangeGraph::find_edges_in_turns(SiteNumber site, std::size_t edges, Scratch& scratch) {
+  if (!turns_.own(site)) {
+    const Ranks::Bytes message = sharing_->receive(static_cast<int>(turns_.rank_of(site)));
+    ByteReader reader(message);
+    get_edges(reader, scratch);
+    return;
+  }
+  find_edges(site, edges, scratch);
+  ByteWriter message;
+  put_edges(message, scratch);
+  for (int rank = 0; rank < sharing_->count(); ++rank) {
+    if (rank != sharing_->rank()) sharing_->send(rank, message.bytes);
+  }
+}
+
+/// The edges of all sites, each of which is bounded by one rank.
+void ExchangeGraph::bound_all_in_turns(const Arena& arena) {
+  PerWorker<Scratch> scratch(arena);
+  std::vector<ByteWriter> messages(cells_.size());
+  const auto for_cells = [&](const auto& look) {
+    arena.for_ranges(cells_.size(), 1, [&](std::size_t begin, std::size_t end, int worker) {
+      for (const SiteNumber s : sites_between(begin, end)) {
+        if (cells_[s].size > 0) look(s, scratch[worker]);
+      }
+    });
+  };
+  for_cells([&](SiteNumber s, Scratch& own) {
+    if (!turns_.own(s)) return;
+    arena.check();
+    find_edges(s, slots_of_each(), own);
+    put_edges(messages[s], own);
+  });
+  ByteWriter message;
+  for (const ByteWriter& of_cell : messages) {
+    if (!of_cell.bytes.empty()) message.put(of_cell.bytes);
+  }
+  const std::vector<Ranks::Bytes> bytes = sharing_->gather(message.bytes);
+  std::vector<ByteReader> readers(bytes.begin(), bytes.end());
+  for (const SiteNumber s : sites_below(cells_.size())) {
+    if (cells_[s].size > 0) readers[turns_.rank_of(s)].get(messages[s].bytes);
+  }
+  for_cells([&](SiteNumber s, Scratch& own) {
+    ByteReader reader(messages[s].bytes);
+    get_edges(reader, own);
+    set_edges(s, own);
+  });
 }
 
 /// Of the cheapest moves of each rank along an edge that is not weighed, and along others in the

@@ -9,6 +9,7 @@
 #include "exact/pricing_parts.h"
 #include "geometry/squares.h"
 #include "parallel/loops.h"
+#include "parallel/together.h"
 
 namespace ccvt {
 namespace {
@@ -38,15 +39,18 @@ Pricer<Scalar>::Pricer(const Metric& metric, PointsView<Scalar> points, const Ar
                        const RankPart& part)
     : metric_(metric), points_(points), arena_(arena), part_(part) {}
 
-/// The cells, in parts; but for those of which bounds say that no point costs less elsewhere.
+/// The cells, in parts, as far as it is this rank's turn; but for those of which bounds say that no
+/// point costs less elsewhere.
 template <class Scalar>
 auto Pricer<Scalar>::parts_of(Task& task, const Grouping& groups) const -> std::vector<Part> {
   const std::size_t n = task.sites.count();
+  const RankTurns turns(sharing());
   std::vector<std::uint8_t> settled(n, 0);
   if (task.covered) {
     PerWorker<std::vector<SiteNumber>> near(arena_);
     arena_.for_ranges(n, 16, [&](std::size_t begin, std::size_t end, int worker) {
       for (const SiteNumber s : sites_between(begin, end)) {
+        if (!turns.own(s)) continue;
         task.kept->select(s, task.sites.weight, near[worker]);
         settled[s] = near[worker].empty() ? 1 : 0;
       }
@@ -56,7 +60,7 @@ auto Pricer<Scalar>::parts_of(Task& task, const Grouping& groups) const -> std::
   // A row of bounds for each part takes 8 bytes a point at most.
   const std::size_t part_points = task.kept == nullptr ? kPartPoints : std::max(kPartPoints, n);
   for (const SiteNumber s : sites_below(n)) {
-    if (settled[s] != 0) continue;
+    if (settled[s] != 0 || !turns.own(s)) continue;
     for (auto rest = groups.of(s); !rest.empty();) {
       const std::size_t size = std::min(rest.size(), part_points);
       parts.push_back({s, task.sites.at(s), task.weight(s), rest.first(size)});
@@ -79,20 +83,24 @@ auto Pricer<Scalar>::parts_of(Task& task, const Grouping& groups) const -> std::
   return parts;
 }
 
-/// Parts of so many points at most that have one centre.
+/// Parts of so many points at most that have one centre, as far as it is this rank's turn.
 template <class Scalar>
-auto Pricer<Scalar>::parts_around(std::span<const double> centres, const Grouping& groups)
+auto Pricer<Scalar>::parts_around(std::span<const double> centres, const Grouping& groups) const
     -> std::vector<Part> {
   const std::size_t dimension = centres.size() / groups.count();
+  const RankTurns turns(sharing());
+  std::size_t number = 0;
   std::vector<Part> parts;
   for (const SiteNumber g : sites_below(groups.count())) {
     for (auto rest = groups.of(g); !rest.empty();) {
       const std::size_t size = std::min(rest.size(), kPartPoints);
-      parts.push_back({.site = SiteNumber::none(),
-                       .centre = centres.data() + g * dimension,
-                       .weight = 0.0,
-                       .members = rest.first(size),
-                       .group = static_cast<std::size_t>(g.index())});
+      if (turns.own(number++)) {
+        parts.push_back({.site = SiteNumber::none(),
+                         .centre = centres.data() + g * dimension,
+                         .weight = 0.0,
+                         .members = rest.first(size),
+                         .group = static_cast<std::size_t>(g.index())});
+      }
       rest = rest.subspan(size);
     }
   }
@@ -101,6 +109,8 @@ auto Pricer<Scalar>::parts_around(std::span<const double> centres, const Groupin
 
 template <class Scalar>
 auto Pricer<Scalar>::price_parts(const Task& task, std::vector<Part>& parts) const -> PriceSums {
+  std::vector<Index> given;
+  if (sharing() != nullptr) given = task.owners;
   PerWorker<Scratch> scratch(arena_);
   arena_.for_ranges(parts.size(), 4, [&](std::size_t begin, std::size_t end, int worker) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -110,7 +120,19 @@ auto Pricer<Scalar>::price_parts(const Task& task, std::vector<Part>& parts) con
   });
   PriceSums sums;
   for (int worker = 0; worker < arena_.threads(); ++worker) sums.add(scratch[worker].sums);
+  if (sharing() != nullptr) share_owners(given, task.owners);
   return sums;
+}
+
+/// Each rank has given points of its parts other owners.
+template <class Scalar>
+void Pricer<Scalar>::share_owners(std::span<const Index> given, std::vector<Index>& owners) const {
+  std::vector<Index> found;  // points, each with its owner
+  for (const PointNumber p : points_below(owners.size())) {
+    if (owners[p] != given[p]) found.insert(found.end(), {p.index(), owners[p]});
+  }
+  found = joined(sharing(), std::move(found));
+  for (std::size_t k = 0; k < found.size(); k += 2) owners[PointNumber(found[k])] = found[k + 1];
 }
 
 /// A cell's bounds are the least of its parts'.
@@ -137,7 +159,9 @@ void Pricer<Scalar>::keep(CellBounds& kept, const std::vector<Part>& parts) {
 /// Of all ranks.
 template <class Scalar>
 Prices Pricer<Scalar>::total(PriceSums own) const {
-  if (part_.ranks != nullptr) own.add_ranks(*part_.ranks);
+  if (Ranks* const ranks = part_.ranks != nullptr ? part_.ranks : sharing(); ranks != nullptr) {
+    own.add_ranks(*ranks);
+  }
   return {own.gap.value(), own.worst, own.moved, own.energy.value(),
           own.energy.less(own.saved).value()};
 }
@@ -174,6 +198,10 @@ auto Pricer<Scalar>::price_cells(const WeightedSites& sites, std::vector<Index>&
   if (kept != nullptr) {
     keep(*kept, parts);
     kept->set_covered(std::move(given));
+    for (const SiteNumber s : sites_below(n)) {  // what others have is added by them
+      if (kept->has(s)) continue;
+      for (const PointNumber p : groups.of(s)) kept->own_costs()[p] = 0;
+    }
     sums.energy = exact_sum_of(arena_, std::span<const double>(kept->own_costs()));
   }
   return sums;

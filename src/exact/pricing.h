@@ -13,6 +13,7 @@
 #include "numbers.h"
 #include "parallel/arena.h"
 #include "parallel/rank_part.h"
+#include "parallel/rank_turns.h"
 
 namespace ccvt {
 
@@ -52,7 +53,8 @@ enum class Ties {
 template <class Scalar>
 class Pricer {
  public:
-  /// `part`: the points are those of a rank. All ranks then make the same calls.
+  /// `part`: the points are those of a rank. All ranks then make the same calls; so they do where
+  /// all have all points and the arena divides loops among them: then they share the work.
   Pricer(const Metric& metric, PointsView<Scalar> points, const Arena& arena,
          const RankPart& part = {});
 
@@ -71,8 +73,9 @@ class Pricer {
   struct Part;
   struct Scratch;
   struct Task;
+  [[nodiscard]] Ranks* sharing() const { return ccvt::sharing(arena_, part_); }
   std::vector<Part> parts_of(Task& task, const Grouping& groups) const;
-  static std::vector<Part> parts_around(std::span<const double> centres, const Grouping& groups);
+  std::vector<Part> parts_around(std::span<const double> centres, const Grouping& groups) const;
   [[nodiscard]] Prices total(PriceSums own) const;
   bool cheapest_by_groups(const WeightedSites& sites, Ties ties, std::vector<Index>& owners) const;
   PriceSums price_regions(const Task& task, std::span<const Index> region,
@@ -81,6 +84,7 @@ class Pricer {
                         CellBounds* kept) const;
   PriceSums price_together(const WeightedSites& sites, std::vector<Index>& owners) const;
   PriceSums price_parts(const Task& task, std::vector<Part>& parts) const;
+  void share_owners(std::span<const Index> given, std::vector<Index>& owners) const;
   static void keep(CellBounds& kept, const std::vector<Part>& parts);
   void price_part(const Task& task, Part& part, Scratch& scratch) const;
   void select_sites(const Task& task, const Part& part, Scratch& scratch) const;

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+
+#include "ccvt/ranks.h"
+#include "parallel/arena.h"
+#include "parallel/rank_part.h"
+
+namespace ccvt {
+
+/// Those that share the work on points that all of them have: that the arena divides loops among,
+/// unless the points are a rank's part. Null where nobody does.
+inline Ranks* sharing(const Arena& arena, const RankPart& part) {
+  return part.ranks == nullptr ? arena.ranks() : nullptr;
+}
+
+/// Of things that all ranks have, numbered from 0, those that each looks at: one after the other in
+/// turn, since neighbours may be alike. Without ranks, all are one's own.
+class RankTurns {
+ public:
+  explicit RankTurns(const Ranks* ranks = nullptr) {
+    if (ranks == nullptr) return;
+    own_ = static_cast<std::size_t>(ranks->rank());
+    count_ = static_cast<std::size_t>(ranks->count());
+  }
+
+  [[nodiscard]] bool own(std::size_t number) const { return rank_of(number) == own_; }
+  [[nodiscard]] std::size_t rank_of(std::size_t number) const { return number % count_; }
+
+ private:
+  std::size_t own_ = 0;
+  std::size_t count_ = 1;
+};
+
+}  // namespace ccvt
