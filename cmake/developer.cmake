@@ -75,8 +75,8 @@ function(ccvt_compile_settings target)
   target_compile_definitions(${target} PRIVATE "HWY_DISABLED_TARGETS=(${unused})")
 
   if(CCVT_SANITIZE)
-    # Points have numbers of four bytes, and beyond 2^32 points of five: here beyond 2^12, so that all
-    # that solvers, ranks and checkpoints do with these is tested.
+    # Points have numbers of four bytes, and beyond 2^32 points of five: here beyond 2^12, so that what
+    # solvers, ranks and checkpoints do with these is tested wherever their tests run.
     target_compile_definitions(${target} PRIVATE CCVT_TEST_POINT_BITS=12)
     list(JOIN CCVT_SANITIZE "," sanitizers)
     target_compile_options(${target} PRIVATE

@@ -285,6 +285,12 @@ TEST_CASE("ranks: what training cannot do is thrown on all") {
         std::string::npos);
 }
 
+TEST_CASE("ranks: vectors of all are counted in 31 bits") {
+  CHECK(ccvt::checked_vector_count(2'147'483'647) == 2'147'483'647);
+  CHECK(ccvt::test::message_of([] { ccvt::checked_vector_count(4'000'000'000); }) ==
+        "vectors: there are 4000000000 of them on all ranks, but at most 2147483647 are supported");
+}
+
 TEST_CASE("ranks: what they are given for training must be the same, or all fail") {
   const Points<float> vectors = clouds<float>(2, 300, 1);
   const auto message = [&](const auto& change) {

@@ -59,7 +59,7 @@ class MpiRanks final : public Ranks, public MessageProgress {
   /// A message that may be on its way.
   struct Sent {
     Bytes message;
-    MPI_Request request;
+    std::vector<MPI_Request> requests;  ///< of its pieces
   };
   void forget_delivered();
 

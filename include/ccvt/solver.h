@@ -39,8 +39,8 @@ class CCVT_EXPORT Solver {
   /// Ends the run with termination `cancelled`, unless it has ended already.
   void cancel();
 
-  /// Writes what it takes to continue from here to a file, O(m): 4 bytes a point that has joined
-  /// and up to a twentieth more, beside about 80 a site (in 3D 110), and with many points a site up
+  /// Writes what it takes to continue from here to a file, O(m): 4 bytes a point that has joined, 5
+  /// where all ranks have more than 2^32, and up to a twentieth more, beside about 80 a site (in 3D 110), and with many points a site up
   /// to 280 more (420); these are in memory meanwhile. It is written beside the file of that name,
   /// flushed to its disk, and renamed; no Publication holds it back. Throws IoError, and
   /// InvalidInput when the run has ended. Of several ranks, which all call this, the first writes

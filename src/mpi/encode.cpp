@@ -33,12 +33,13 @@ struct Inputs {
 };
 
 template <class Scalar>
-Inputs<Scalar> read(const Session::Share& share, const EncodeArguments& arguments,
-                    const PointsHeader& header) {
+Inputs<Scalar> read(const Session& session, const Session::Share& share,
+                    const EncodeArguments& arguments, const PointsHeader& header) {
   const bool mapped = MappedPoints<Scalar>::can_map(arguments.vectors, arguments.reading);
-  const auto own = static_cast<std::uint64_t>(share.size());
-  cli::check_bytes(arguments.vectors.string(), own, header.dimension,
-                   cli::encoding_bytes({own, header.dimension, sizeof(Scalar), mapped}));
+  const std::uint64_t here = session.on_machine(share.size());
+  cli::check_bytes(arguments.vectors.string(), here, header.dimension,
+                   cli::encoding_bytes({here, header.dimension, sizeof(Scalar), mapped}),
+                   session.processes_here());
   Inputs<Scalar> inputs;
   inputs.codebook.emplace(Codebook::load(arguments.codebook, arguments.weights));
   cli::tell_if_cut_short(arguments.vectors);
@@ -50,7 +51,7 @@ template <class Scalar>
 int encode(const Session& session, const EncodeArguments& arguments, const PointsHeader& header) {
   const Session::Share share = session.share(static_cast<std::int64_t>(header.count));
   Inputs<Scalar> read_here;
-  session.together([&] { read_here = read<Scalar>(share, arguments, header); });
+  session.together([&] { read_here = read<Scalar>(session, share, arguments, header); });
   const Codebook& codebook = *read_here.codebook;
   const PointsView<Scalar> own = read_here.vectors->view();
   const auto start = Clock::now();

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <climits>
 #include <cstddef>
 #include <cstring>
 #include <exception>
@@ -15,17 +14,17 @@ namespace ccvt {
 namespace {
 
 /// Of a message, and of what comes together: more is taken for a mistake, before memory is.
-constexpr std::uint64_t kMost = std::uint64_t{1} << 34;
+constexpr std::uint64_t kMost = std::uint64_t{1} << 38;
 // MPI counts in int: what has more bytes goes in pieces.
 constexpr std::size_t kPiece = std::size_t{1} << 30;
 
 void require_possible(const std::vector<std::uint64_t>& sizes) {
   std::uint64_t all = 0;
   for (const std::uint64_t size : sizes) {
-    if (size > kMost) throw std::length_error("ranks: a message has more than 16 GB");
+    if (size > kMost) throw std::length_error("ranks: a message has more than 256 GB");
     all += size;
   }
-  if (all > kMost) throw std::length_error("ranks: messages have more than 16 GB together");
+  if (all > kMost) throw std::length_error("ranks: messages have more than 256 GB together");
 }
 
 std::size_t pieces_of(const std::vector<std::uint64_t>& sizes) {
@@ -136,7 +135,10 @@ MpiRanks::~MpiRanks() {
     static_cast<void>(new (std::nothrow) std::list<Sent>(std::move(sent_)));
     return;
   }
-  for (Sent& message : sent_) MPI_Wait(&message.request, MPI_STATUS_IGNORE);
+  for (Sent& message : sent_) {
+    MPI_Waitall(static_cast<int>(message.requests.size()), message.requests.data(),
+                MPI_STATUSES_IGNORE);
+  }
   MPI_Comm_free(&communicator_);
 }
 
@@ -235,27 +237,38 @@ void MpiRanks::send(int to, Bytes message) {
   return on_this_rank([&] {
     const Watch watch(traffic_.seconds);
     forget_delivered();
-    if (message.size() > INT_MAX) throw std::length_error("ranks: a message has more than 2 GB");
     ++traffic_.messages;
     traffic_.sent_bytes += static_cast<std::int64_t>(message.size());
     sender_ = std::this_thread::get_id();
     Sent& sent = sent_.emplace_back();
     sent.message = std::move(message);
-    MPI_Isend(sent.message.data(), static_cast<int>(sent.message.size()), MPI_BYTE, to, 0,
-              communicator_, &sent.request);
+    // Pieces follow until one is not whole, which may be empty.
+    const std::size_t pieces = sent.message.size() / kPiece + 1;
+    sent.requests.reserve(pieces);  // and all of its memory is there
+    for (std::size_t k = 0; k < pieces; ++k) {
+      const std::size_t size = std::min(kPiece, sent.message.size() - k * kPiece);
+      sent.requests.emplace_back();
+      MPI_Isend(sent.message.data() + k * kPiece, static_cast<int>(size), MPI_BYTE, to, 0,
+                communicator_, &sent.requests.back());
+    }
   });
 }
 
 Ranks::Bytes MpiRanks::receive(int from) {
   return on_this_rank([&] {
     const Watch watch(traffic_.seconds);
-    MPI_Message message;
-    MPI_Status status;
-    MPI_Mprobe(from, 0, communicator_, &message, &status);
-    int count = 0;
-    MPI_Get_count(&status, MPI_BYTE, &count);
-    Bytes bytes(static_cast<std::size_t>(count));
-    MPI_Mrecv(bytes.data(), count, MPI_BYTE, &message, MPI_STATUS_IGNORE);
+    Bytes bytes;
+    for (bool whole = true; whole;) {
+      MPI_Message message;
+      MPI_Status status;
+      MPI_Mprobe(from, 0, communicator_, &message, &status);
+      int count = 0;
+      MPI_Get_count(&status, MPI_BYTE, &count);
+      const std::size_t before = bytes.size();
+      bytes.resize(before + static_cast<std::size_t>(count));
+      MPI_Mrecv(bytes.data() + before, count, MPI_BYTE, &message, MPI_STATUS_IGNORE);
+      whole = static_cast<std::size_t>(count) == kPiece;
+    }
     return bytes;
   });
 }
@@ -267,7 +280,8 @@ void MpiRanks::progress() noexcept {
 void MpiRanks::forget_delivered() {
   for (auto message = sent_.begin(); message != sent_.end();) {
     int delivered = 0;
-    MPI_Test(&message->request, &delivered, MPI_STATUS_IGNORE);
+    MPI_Testall(static_cast<int>(message->requests.size()), message->requests.data(), &delivered,
+                MPI_STATUSES_IGNORE);
     message = delivered != 0 ? sent_.erase(message) : std::next(message);
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -65,11 +66,21 @@ class Session {
     return static_cast<std::uint64_t>(own) * static_cast<std::uint64_t>(ranks_here_);
   }
 
-  /// As cli::check_memory(), where all ranks on this machine tessellate as many points as this one.
+  /// As cli::check_memory(), where all ranks on this machine tessellate as many points as this one,
+  /// in cells of `cell` points, and hold as many other bytes.
   void check_memory(const std::string& what, std::int64_t own, int dimension,
-                    std::size_t scalar_bytes) const {
-    cli::check_memory(what, on_machine(own), dimension, scalar_bytes, 0,
-                      static_cast<std::uint64_t>(ranks_here_));
+                    std::size_t scalar_bytes, std::int64_t cell,
+                    std::int64_t other_bytes = 0) const {
+    // A cell's points are put into their order when they have come: see Filling::sort_added().
+    constexpr std::int64_t kSorted = 40;
+    const auto coordinates = static_cast<std::int64_t>(scalar_bytes) * dimension;
+    other_bytes += std::min(own, cell) * (kSorted + coordinates);
+    cli::check_memory(what, on_machine(own), dimension, scalar_bytes, on_machine(other_bytes),
+                      processes_here());
+  }
+  /// Ranks on this machine.
+  [[nodiscard]] std::uint64_t processes_here() const {
+    return static_cast<std::uint64_t>(ranks_here_);
   }
 
   /// Calls `work` on each rank for itself. What it throws on one of them ends all, as a Failure.

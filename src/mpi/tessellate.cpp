@@ -1,5 +1,7 @@
 #include "cli/tessellate.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -38,7 +40,9 @@ struct Inputs {
 template <class Scalar>
 Inputs<Scalar> read_inputs(const Session& session, const Session::Share& share,
                            const TessellateArguments& arguments, const PointsHeader& header) {
-  session.check_memory(arguments.points.string(), share.size(), header.dimension, sizeof(Scalar));
+  const auto all = static_cast<std::int64_t>(header.count);
+  session.check_memory(arguments.points.string(), share.size(), header.dimension, sizeof(Scalar),
+                       all / std::max<Index>(1, arguments.sites));
   Inputs<Scalar> read;
   read.domain = cli::make_domain(arguments, header.dimension);
   read.points = read_points<Scalar>(arguments.points, share.of(arguments.reading));

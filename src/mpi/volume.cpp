@@ -68,9 +68,10 @@ void check_memory(const Session& session, const VolumeArguments& arguments, cons
   }
   const std::uint64_t cells = headers.cells_of(layers.end - layers.begin);
   const std::uint64_t of_mask = headers.mask ? 1 + bytes_of(headers.mask->type) : 0;
-  cli::check_memory("--sites", session.on_machine(session.share(all).size()), 3, scalar_bytes,
-                    session.on_machine(static_cast<std::int64_t>(
-                        cells * (bytes_of(headers.volume.type) + of_mask))));
+  session.check_memory(
+      "--sites " + std::to_string(arguments.sites), session.share(all).size(), 3, scalar_bytes,
+      arguments.points_per_site,
+      static_cast<std::int64_t>(cells * (bytes_of(headers.volume.type) + of_mask)));
 }
 
 Part read(const Session& session, const VolumeArguments& arguments, const Headers& headers,

@@ -52,6 +52,9 @@ Index Mover<Scalar>::move(SiteNumber to, Index count) {
   place_cut(from_, to);
   const Index filled = filling_.filled[from_];
   const auto waiting = static_cast<Index>(waiting_.size());
+  if (waiting > std::numeric_limits<Index>::max() - filled) {
+    throw std::length_error("balance: more points than can be numbered are in a cell and wait");
+  }
   const Index places = filled + waiting;
   const Index moved = std::min(count, places);
   // A cell that is not full has the stride of a full one: keys of empty places are overwritten.

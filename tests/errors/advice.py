@@ -54,13 +54,14 @@ ADVICE = {
     "src/codebook/vectors.cpp": "Train on a part of the vectors, and encode all.",
     "src/codebook/trainer.h": _PARAMETER,
     "src/domain.cpp": _PARAMETER,
-    "src/lloyd.cpp": "Only `Solver`, `tessellate()` and `train_codebook()` work on several ranks.",
+    "src/lloyd.cpp": "It runs on one process only, and so does all else that is not said to take `Ranks`.",
     "src/mpi/kept.h": "Whoever started the ranks ended them, and what has been reached is kept: run the same "
                       "command again.",
     "src/mpi/main.cpp": "Start all ranks with one command line, and one build of the program.",
     "src/mpi/mpi_ranks.cpp": "Take more ranks: each then sends less at a time.",
     "src/mpi/results.cpp": _RANKS,
     "src/mpi/results.h": _RANKS,
+    "src/mpi/sample.cpp": _USAGE,
     "src/mpi/session.h": "Take more ranks on more machines: each then holds less.",
     "src/mpi/shared_file.cpp": "All ranks need a file system that all of them see, with room.",
     "src/run_ranks.cpp": "Several ranks start balanced, as up to 8 dimensions do by default, or from initial "
@@ -122,7 +123,7 @@ ADVICE = {
     "src/point_count.h": _PARAMETER,
     "src/presets.cpp": "Choose one of the names that the message lists.",
     "src/problem.cpp": _PARAMETER,
-    "src/relax/filling.h": "Take more ranks: each then has fewer points.",
+    "src/relax/filling.h": "Take more sites, or a smaller `tile_sites`: each tile then has fewer points.",
     "src/relax/balance.cpp": "A mistake of the library: please report it.",
     "src/relax/mover.cpp": "A mistake of the library: please report it.",
     "src/run_checkpoint.cpp": "A checkpoint is saved from and loaded into a solver that has not ended. "
@@ -163,7 +164,7 @@ _HUGE = "needs more than 2^31 of them in memory or in a file"
 # (file, longest constant part of the message): why.
 _MPI = "tests/mpi/program.py provokes it, where there is MPI"
 CANNOT_BE_PROVOKED = {
-    ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 16 GB together"): _HUGE,
+    ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 256 GB together"): _HUGE,
     ("src/mpi/kept.h", "ended by a signal; the same command, or one with other limits, goes on from "): _MPI,
     ("src/cli/standard_streams.cpp", " reads and writes files only"): _MPI,
     ("src/cli/volume_mask.cpp", " (of two .npy, one is in C order, the other in Fortran order): several "
@@ -180,9 +181,9 @@ CANNOT_BE_PROVOKED = {
      "it again"): "only in programs built without HDF5",
     ("src/cli/standard_streams.cpp", "the copy of standard output in "): _KERNEL,
     ("src/io/mesh_file.cpp", " triangles, which is the most supported"): _HUGE,
-    ("src/codebook/vectors.cpp", " of them on all ranks, but at most 2147483647 are supported"): _HUGE,
     ("src/relax/balance.cpp", "balance: more points than can be numbered flow between two sites"): _HUGE,
     ("src/relax/filling.h", "more points wait than can be numbered"): _HUGE,
+    ("src/relax/mover.cpp", "balance: more points than can be numbered are in a cell and wait"): _HUGE,
     ("src/io/obj.cpp", "has more than 2147483647 vertices"): _HUGE,
     ("src/io/point_cloud.cpp", "is one point too many; at most 2147483647 are supported"): _HUGE,
     ("src/io/points.cpp", "is one point too many; at most 2147483647 are supported"): _HUGE,

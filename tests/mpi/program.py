@@ -318,6 +318,10 @@ def faults():
     ends(together(2, *forty, "--shares-out", "bad-shares.csv"), 2,
          "error: --shares-out: is for ccvt only, not for several processes")
     ends(together(2, *forty, "--points-per-site", "9"), 2, "--points-per-site: is for ccvt only")
+    ends(together(3, "sample", "--dim", "2", "--sites", "2000000000", "--points-per-site", "2000000000",
+                  "-o", "bad-sites.npy"), 2,
+         "--sites 2000000000: with --points-per-site 2000000000 there are 4000000000000000000 points, "
+         "but at most 1099511627776 are supported")
     ends(together(2, "stipple", "photo.png"), 2, "stipple: is for ccvt only, not for several processes")
     ends(together(2, "tessellate", "npy:-", "--sites", "4", *outputs), 2,
          "POINTS: 'npy:-' is a stream: ccvt-mpi reads and writes files only")

@@ -271,9 +271,32 @@ TEST_CASE("a message that is too long for MPI fails on all ranks, which go on") 
   } catch (const ccvt::MpiFailure& failure) {
     message = failure.message;
   }
-  CHECK(message == "ranks: a message has more than 16 GB");
+  CHECK(message == "ranks: a message has more than 256 GB");
   const std::vector<ccvt::Ranks::Bytes> come = ranks.gather(std::span(&one, 1));
   CHECK(come == std::vector<ccvt::Ranks::Bytes>(static_cast<std::size_t>(ranks.count()), {one}));
+}
+
+TEST_CASE("a message of any length arrives: whole pieces, and what is left, if any") {
+  ccvt::MpiRanks ranks(MPI_COMM_WORLD);
+  constexpr std::size_t kPiece = std::size_t{1} << 30U;
+  for (const std::size_t size : {std::size_t{0}, kPiece, kPiece + 5}) {
+    CAPTURE(size);
+    if (ranks.rank() == 0 && ranks.count() > 1) {
+      ccvt::Ranks::Bytes message(size, std::byte{3});
+      if (size > 0) message.back() = std::byte{4};
+      ranks.send(1, std::move(message));
+      ranks.send(1, {std::byte{5}});
+    }
+    if (ranks.rank() == 1) {
+      const ccvt::Ranks::Bytes message = ranks.receive(0);
+      REQUIRE(message.size() == size);
+      if (size > 0) {
+        CHECK(std::count(message.begin(), message.end(), std::byte{3}) == std::ssize(message) - 1);
+        CHECK(message.back() == std::byte{4});
+      }
+      CHECK(ranks.receive(0) == ccvt::Ranks::Bytes{std::byte{5}});
+    }
+  }
 }
 
 TEST_CASE("an exception does not wait for who has not taken a message yet") {
