@@ -84,8 +84,8 @@ Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sample_uniform(
 /// Of the points that sample_uniform() gives, those from `first` up to `end` - 1, perhaps none:
 /// what one of several processes draws of them. Throws InvalidInput as sample_uniform() does, and
 /// unless 0 <= first <= end <= count, which may be up to 2^40, and end - first up to 2^31 - 1.
-/// O(#dimensions * (end - first) + rows) time, with about count^(1/2) rows where the box is not much
-/// longer than wide.
+/// O(#dimensions * (end - first) + rows) time, with about count^(1/2) rows where the box is not
+/// much longer than wide.
 template <class Scalar = double>
 Points<Scalar> sample_uniform_part(const Box& box, std::int64_t count, std::int64_t first,
                                    std::int64_t end, std::uint64_t seed = 0,

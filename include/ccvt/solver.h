@@ -40,12 +40,12 @@ class CCVT_EXPORT Solver {
   void cancel();
 
   /// Writes what it takes to continue from here to a file, O(m): 4 bytes a point that has joined, 5
-  /// where all ranks have more than 2^32, and up to a twentieth more, beside about 80 a site (in 3D 110), and with many points a site up
-  /// to 280 more (420); these are in memory meanwhile. It is written beside the file of that name,
-  /// flushed to its disk, and renamed; no Publication holds it back. Throws IoError, and
-  /// InvalidInput when the run has ended. Of several ranks, which all call this, the first writes
-  /// the file, which any other number of ranks, or a solver without, can load: what others have
-  /// comes to it in parts of 16 MB, or of a tile that has more.
+  /// where all ranks have more than 2^32, and up to a twentieth more, beside about 80 a site (in 3D
+  /// 110), and with many points a site up to 280 more (420); these are in memory meanwhile. It is
+  /// written beside the file of that name, flushed to its disk, and renamed; no Publication holds
+  /// it back. Throws IoError, and InvalidInput when the run has ended. Of several ranks, which all
+  /// call this, the first writes the file, which any other number of ranks, or a solver without,
+  /// can load: what others have comes to it in parts of 16 MB, or of a tile that has more.
   void save(const std::filesystem::path& file) const;
   /// Goes to where a solver was when it was saved: of the same problem, options, limits but for
   /// (that is, threads, max_iterations, energy_tolerance, time_limit and callbacks may be others),
