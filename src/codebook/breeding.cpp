@@ -14,6 +14,8 @@
 #include "codebook/share.h"
 #include "exact/assignment.h"
 #include "geometry/squares.h"
+#include "parallel/bytes.h"
+#include "parallel/rank_turns.h"
 #include "random.h"
 #include "streams.h"
 
@@ -143,6 +145,7 @@ class Breeder {
   void balance(Candidate& candidate, double enough) const;
   template <class Make>
   void add_each(std::size_t count, const Make& make);
+  void share(std::vector<Candidate>& brood) const;
   void select(std::vector<Candidate> candidates);
   [[nodiscard]] bool alike() const;
 
@@ -305,19 +308,44 @@ bool Breeder::alike() const {
          population_.back().energy <= population_.front().energy * (1 + kAlike);
 }
 
-/// Makes candidates, kBrood at a time, and keeps the best. Those that are small side by side; else
-/// one after the other, with all threads for each, so that the caller's is never long without work
-/// in which it hears of a stop.
+/// Makes candidates, kBrood at a time, and keeps the best. Ranks make some of them each. Those that
+/// are small side by side; else one after the other, with all threads for each, so that the
+/// caller's is never long without work in which it hears of a stop.
 template <class Make>
 void Breeder::add_each(std::size_t count, const Make& make) {
+  const RankTurns turns(breeding_.ranks);
   for (std::size_t begin = 0; begin < count; begin += kBrood) {
     std::vector<Candidate> brood(std::min(kBrood, count - begin));
+    const auto add = [&](std::size_t k) {
+      if (turns.own(k)) brood[k] = make(begin + k);
+    };
     if (brood.size() == 1 || std::cmp_greater(capacities_.size(), kFewSites)) {
-      for (std::size_t k = 0; k < brood.size(); ++k) brood[k] = make(begin + k);
+      for (std::size_t k = 0; k < brood.size(); ++k) add(k);
     } else {
-      arena_.for_each(brood.size(), 1, [&](std::size_t k) { brood[k] = make(begin + k); });
+      arena_.for_each(brood.size(), 1, add);
     }
+    if (breeding_.ranks != nullptr) share(brood);
     select(std::move(brood));
+  }
+}
+
+/// Each rank has made its own; then all have all.
+void Breeder::share(std::vector<Candidate>& brood) const {
+  const RankTurns turns(breeding_.ranks);
+  ByteWriter message;
+  for (std::size_t k = 0; k < brood.size(); ++k) {
+    if (!turns.own(k)) continue;
+    message.put(brood[k].sites);
+    message.put(brood[k].weights);
+    message.put(brood[k].energy);
+  }
+  const std::vector<Ranks::Bytes> of_ranks = breeding_.ranks->gather(message.bytes);
+  std::vector<ByteReader> readers(of_ranks.begin(), of_ranks.end());
+  for (std::size_t k = 0; k < brood.size(); ++k) {
+    ByteReader& reader = readers[turns.rank_of(k)];
+    reader.get(brood[k].sites);
+    reader.get(brood[k].weights);
+    brood[k].energy = reader.get<double>();
   }
 }
 

@@ -20,7 +20,8 @@ struct Breeding {
   int seedings = 0;  ///< parents to begin with, at least one
   int children = 0;
   std::uint64_t seed = 0;
-  bool random = false;  ///< parents are drawn at random, and not by k-means++
+  bool random = false;     ///< parents are drawn at random, and not by k-means++
+  Ranks* ranks = nullptr;  ///< that share the work, each breeding some of a generation
 };
 
 /// How many children pay: none where chance hardly tells one seeding from another.
@@ -40,7 +41,7 @@ int usual_effort(Index sites, int dimension);
 ///
 /// `capacities` sum to the number of points. O((seedings + children) iterations n^2 D), and for the
 /// samples O(n^2 D) too, with a factor of thousands: points times regions. Of several ranks, all
-/// call it with an arena that has none, and each breeds the same, on points that all get.
+/// call it, with an arena that does not divide loops among them, on points that all get.
 template <class Scalar>
 BredSites breed_sites(const Vectors<Scalar>& points, std::span<const Index> capacities,
                       const Breeding& breeding, const Arena& arena);

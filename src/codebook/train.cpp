@@ -84,6 +84,7 @@ void Trainer<Scalar>::seed() {
   Breeding breeding;
   breeding.seedings = options_.restarts > 0 ? options_.restarts : kRestarts;
   breeding.seed = options_.seed;
+  breeding.ranks = problem_.ranks();
   breeding.random = options_.seeding == Seeding::random;
   const bool usual = breeding.seedings > 1 && !breeding.random;
   breeding.children = options_.effort.value_or(usual ? usual_effort(n, vectors_.dimension) : 0);

@@ -135,10 +135,29 @@ def test_refused_sample_weights(X):
             BalancedKMeans(3).fit(X, sample_weight=np.full(len(X), weight))
     heavy = np.ones(len(X))
     heavy[7] = 400
-    with pytest.raises(ValueError, match="7.*capacity"):
+    with pytest.raises(ValueError, match=r"sample_weight\[7\] is 400.*capacity"):
         BalancedKMeans(3).fit(X, sample_weight=heavy)
     with pytest.raises(ValueError, match="init: an array cannot be given with sample_weight"):
         BalancedKMeans(3, init=X[:3]).fit(X, sample_weight=np.arange(len(X)))
+
+
+def test_names_of_arguments(X):
+    model = BalancedKMeans(3, random_state=1).fit(X)
+    far = X.copy()
+    far[5, 2] = 1e200
+    for refused in (BalancedKMeans(3).fit, model.predict):
+        with pytest.raises(ValueError, match=r"^X: coordinate 2 of X\[5\] is 1e\+200"):
+            refused(far)
+
+    class Own(ValueError):
+        pass
+
+    def stop(_):
+        raise Own("points: mine")
+
+    with pytest.raises(ValueError, match="mine") as raised:
+        BalancedKMeans(3, progress=stop).fit(X)
+    assert raised.type is Own
 
 
 def test_pickle_and_clone(X):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
-from typing import Any, Dict, Optional, Union
+import re
+from typing import Any, Dict, Iterator, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +17,22 @@ from ._records import Array
 from ._tessellate import Progress, tessellate
 
 _METHODS = ("exact", "pairwise", "lloyd")
+_NAMES = {"points": "X", "vectors": "X", "masses": "sample_weight"}
+
+
+@contextlib.contextmanager
+def _own_names() -> Iterator[None]:
+    """What is wrong with an argument is told by the name that it has here, not in the library."""
+    try:
+        yield
+    except ValueError as error:
+        if type(error) is not ValueError:  # somebody else's
+            raise
+        names = "|".join(_NAMES)
+        told = re.sub(
+            rf"^({names})(?=:)|\b({names})(?=\[)", lambda found: _NAMES[found[0]], str(error)
+        )
+        raise ValueError(told) from None
 
 
 class BalancedKMeans(Estimator):
@@ -201,7 +219,7 @@ class BalancedKMeans(Estimator):
                 raise ValueError(
                     f"init: has the shape {start.shape}, but must be ({clusters}, {X.shape[1]})"
                 )
-        with listener(self.progress) as heard:
+        with listener(self.progress) as heard, _own_names():
             found = _ccvt.train_codebook(X, clusters, start, options, heard)
         summary = found["summary"]
         self.cluster_centers_: Array = found["codewords"]
@@ -257,17 +275,18 @@ class BalancedKMeans(Estimator):
     def _fit_masses(self, X: Array, clusters: int, weights: Array) -> None:
         if not isinstance(self.init, str):
             raise ValueError("init: an array cannot be given with sample_weight")
-        found: Any = tessellate(
-            X,
-            clusters,
-            masses=weights,
-            capacities=self.capacities,
-            seed=self._seed(),
-            threads=self._threads(),
-            max_iterations=_checks.whole("max_iter", self.max_iter, 0),
-            energy_tolerance=self.tol,
-            progress=self.progress,
-        )
+        with _own_names():
+            found: Any = tessellate(
+                X,
+                clusters,
+                masses=weights,
+                capacities=self.capacities,
+                seed=self._seed(),
+                threads=self._threads(),
+                max_iterations=_checks.whole("max_iter", self.max_iter, 0),
+                energy_tolerance=self.tol,
+                progress=self.progress,
+            )
         self.cluster_centers_ = found.sites.astype(np.float64)
         self.weights_ = np.zeros(clusters)
         self.labels_ = found.owners
@@ -294,7 +313,8 @@ class BalancedKMeans(Estimator):
     def _encode(self, X: Array, weighted: bool) -> Array:
         centres = _checks.table("cluster_centers_", self.cluster_centers_, np.float64)
         weights = _checks.vector("weights_", self.weights_)
-        return _ccvt.encode(X, centres, weights, weighted, self._threads())
+        with _own_names():
+            return _ccvt.encode(X, centres, weights, weighted, self._threads())
 
     def transform(self, X: ArrayLike) -> Array:
         """The distance of each sample to each centre.
