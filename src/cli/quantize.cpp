@@ -109,16 +109,18 @@ void check_codewords(const QuantizeArguments& arguments, const PointsHeader& hea
 }
 
 void check_memory(const QuantizeArguments& arguments, const PointsHeader& header,
-                  std::uint64_t vectors, double beside) {
+                  std::uint64_t vectors, double beside, std::uint64_t processes) {
   const std::string name = arguments.vectors.string();
   const bool single = header.scalar == ScalarType::float32;
   const bool mapped = single ? MappedPoints<float>::can_map(arguments.vectors, arguments.reading)
                              : MappedPoints<double>::can_map(arguments.vectors, arguments.reading);
-  const double bytes =
+  const double each =
       beside +
       training_bytes({vectors, header.dimension, single ? sizeof(float) : sizeof(double), mapped},
                      arguments.codewords, arguments.method != CodebookMethod::lloyd);
-  const std::string needed = check_bytes(name, vectors, header.dimension, bytes);
+  const double bytes = static_cast<double>(processes) * each;
+  const std::string needed =
+      check_bytes(name, processes * vectors, header.dimension, bytes, processes);
   if (!arguments.quiet && bytes >= kWorthTelling) {
     std::cerr << one_line("ccvt: " + name + ": training takes up to about " + needed +
                           " of memory");

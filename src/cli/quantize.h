@@ -18,10 +18,10 @@ void check_outputs(const QuantizeArguments& arguments);
 /// Throws InvalidInput unless there is a vector for each codeword.
 void check_codewords(const QuantizeArguments& arguments, const PointsHeader& header);
 /// Throws InvalidInput unless there is memory to train on so many of the vectors; says how much it
-/// takes, if that is worth telling.
-/// `beside`: bytes of what else is held.
+/// takes, if that is worth telling. `processes` on this machine each do so, and hold `beside` bytes
+/// more.
 void check_memory(const QuantizeArguments& arguments, const PointsHeader& header,
-                  std::uint64_t vectors, double beside = 0);
+                  std::uint64_t vectors, double beside = 0, std::uint64_t processes = 1);
 
 /// Options that draw on `progress`, which must outlive them, and end training when the user
 /// interrupts it. Without capacities.

@@ -14,6 +14,7 @@
 #include "cli/run.h"
 #include "cli/signals.h"
 #include "cli/streams.h"
+#include "codebook/vectors.h"
 #include "commands.h"
 #include "results.h"
 
@@ -35,13 +36,11 @@ struct Inputs {
   std::vector<Index> capacities;
 };
 
-/// What ranks on this machine hold of vectors that each of them gathers: as they come, and at last.
+/// What a rank holds of vectors that all gather: as they come, and at last.
 template <class Scalar>
-double gathered_bytes(const Session& session, const QuantizeArguments& arguments,
-                      const PointsHeader& header) {
-  if (arguments.method != CodebookMethod::pairwise) return 0;
-  const auto all = session.on_machine(static_cast<std::int64_t>(header.count));
-  return 2.0 * sizeof(Scalar) * header.dimension * static_cast<double>(all);
+double gathered_bytes(const QuantizeArguments& arguments, const PointsHeader& header) {
+  const double all = 1.0 * sizeof(Scalar) * header.dimension * static_cast<double>(header.count);
+  return all <= kFewBytes || arguments.method == CodebookMethod::pairwise ? 2 * all : 0;
 }
 
 template <class Scalar>
@@ -74,8 +73,8 @@ int quantize(const Session& session, const QuantizeArguments& arguments,
   Inputs<Scalar> inputs;
   session.together([&] {
     cli::check_codewords(arguments, header);
-    cli::check_memory(arguments, header, session.on_machine(share.size()),
-                      gathered_bytes<Scalar>(session, arguments, header));
+    cli::check_memory(arguments, header, static_cast<std::uint64_t>(share.size()),
+                      gathered_bytes<Scalar>(arguments, header), session.processes_here());
     inputs.codewords = cli::read_codewords(arguments);
     if (!arguments.capacities.empty()) inputs.capacities = read_indices(arguments.capacities);
     cli::tell_if_cut_short(arguments.vectors);
