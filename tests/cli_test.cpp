@@ -194,6 +194,7 @@ TEST_CASE("tessellate: formats, capacities, initial sites, box") {
   for (const char* const line : {"tessellate p.npy --sites 30 --periodic --box 0 0 1 1 -o e.npy",
                                  "tessellate --sites 30 --periodic --box 0 0 1 1 p.npy -o e.npy",
                                  "tessellate --sites 30 --periodic --box=0 0 1 1 p.npy -o e.npy",
+                                 "tessellate --sites 30 --periodic --box 0,0,1,1 p.npy -o e.npy",
                                  "tessellate -o e.npy --sites 30 --periodic p.npy --box 0 0 1 1"}) {
     fs::remove(directory / "e.npy");
     CHECK(run(directory, line).status == 0);

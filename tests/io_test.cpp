@@ -212,6 +212,14 @@ TEST_CASE("lines end with line feeds") {
   }
 }
 
+TEST_CASE("NumPy data in a text file is told") {
+  const TemporaryDirectory directory;
+  put(directory / "p.txt", npy(header("<f8", "(2, 1)"), bytes_of<double>({1, 2})));
+  CHECK(contains(message_of([&] { read_points<double>(directory / "p.txt"); }),
+                 "p.txt: line 1: is NumPy data, not text: a file is to end in .npy, and standard "
+                 "input is npy:-"));
+}
+
 TEST_CASE("hostile files are refused with one line that names them") {
   const TemporaryDirectory directory;
   const std::string six = bytes_of<double>({1, 2, 3, 4, 5, 6});

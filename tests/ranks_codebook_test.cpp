@@ -257,6 +257,20 @@ TEST_CASE("ranks: balanced codebooks are those of one process") {
   check_training(vectors, 50, none);
 }
 
+TEST_CASE("ranks: owners of a sample are not those of as many vectors") {
+  // The first level has as many vectors as each of the ranks.
+  constexpr Index kOwn = 8192;
+  const Points<float> vectors = clouds<float>(8, 3 * kOwn, 2);
+  const CodebookOptions near{.effort = 0, .threads = 1, .gap = 0.1};
+  const Training alone = train_codebook(vectors, 64, near);
+  const std::size_t bytes = sizeof(float) * static_cast<std::size_t>(vectors.size());
+  ThreadRanks(3).run([&](ccvt::Ranks& ranks) {
+    const PointsView<float> own{vectors.col(ranks.rank() * kOwn).data(), 8, kOwn, 8};
+    ccvt::Trainer<float> trainer(ccvt::Problem<float>(ranks, own, 64), near, bytes - 1);
+    CHECK(same_summary(trainer.run(nullptr).summary, alone.summary));
+  });
+}
+
 TEST_CASE("ranks: codebooks trained by pairs are those of one process") {
   CodebookOptions pairs{.method = CodebookMethod::pairwise, .threads = 1, .seed = 3};
   check_training(clouds<float>(2, 3000, 8), 40, pairs);

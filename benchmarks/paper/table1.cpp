@@ -209,12 +209,16 @@ void table1(const Scale& scale, const std::filesystem::path& directory) {
   std::vector<Column> columns = {{1024, 256}, {4096, 256}, {4096, 1024}, {16384, 256}};
   if (scale.quick) columns = {{256, 64}};
   if (!scale.only.empty()) {
+    std::string sizes;
+    for (const Column& c : columns) {
+      sizes += (sizes.empty() ? "" : ", ") + size_name(c.sites, c.points_per_site);
+    }
     std::erase_if(columns, [&](const Column& c) {
       return size_name(c.sites, c.points_per_site) != scale.only;
     });
     if (columns.empty()) {
-      throw InvalidInput("--only: '" + scale.only +
-                         "' is not one of 1024x256, 4096x256, 4096x1024, 16384x256");
+      throw InvalidInput("--only: '" + scale.only + "' is not one of " + sizes +
+                         (scale.quick ? ", which --quick has" : ""));
     }
   }
   const std::vector<Row> rows = make_rows();

@@ -267,8 +267,9 @@ Training train_codebook_from(const Eigen::DenseBase<Derived>& vectors,
 ///     auto [codebook, codes_of_own, summary] =
 ///         ccvt::train_codebook(ranks, ccvt::view_points(own), 256);
 ///
-/// Vectors of all ranks that take no more than 64 MB are gathered on all of them. More stay where
-/// they are; samples of them are gathered on all ranks: those that seeds come from; for
+/// Up to 2^18 vectors of all ranks that take no more than 64 MB are gathered on all of them. More
+/// stay where they are; samples of them are gathered on all ranks: those no larger that levels are
+/// trained on, and that seeds come from; for
 /// `exact` what pairs exchange before the first assignment, 32 a codeword or 8192 vectors, all of
 /// them where there are not twice as many; and 1024 a codeword where codebooks are bred. For
 /// `pairwise` all vectors are gathered. on_iteration and cancelled of each rank are asked after an

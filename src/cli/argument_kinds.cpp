@@ -14,8 +14,9 @@ namespace ccvt::cli {
 
 namespace {
 
-/// Parses numbers separated by blanks; returns what is wrong with them, or nothing.
-std::string parse_box(const std::string& text, std::vector<double>& box) {
+/// Parses numbers separated by blanks or commas; returns what is wrong with them, or nothing.
+std::string parse_box(std::string text, std::vector<double>& box) {
+  std::replace(text.begin(), text.end(), ',', ' ');
   std::istringstream fields(text);
   std::string wrong;
   for (std::string field; wrong.empty() && fields >> field;) {

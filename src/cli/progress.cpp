@@ -19,6 +19,13 @@ namespace {
 constexpr std::size_t kBarWidth = 14;
 constexpr auto kInterval = std::chrono::milliseconds(50);
 
+template <class... Values>
+std::string printed(const char* format, Values... values) {
+  char text[100];
+  const int length = std::snprintf(text, sizeof text, format, values...);
+  return {text, static_cast<std::size_t>(std::max(length, 0))};
+}
+
 std::size_t terminal_width() {
   struct winsize size = {};
   if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return 80;
@@ -58,18 +65,22 @@ void Progress::show(const IterationRecord& record, Index sites) {
   const double active = 1.0 * record.active_sites / std::max(sites, Index{1});
   const auto settled =
       static_cast<std::size_t>(std::clamp(record.progress, 0.0, 1.0) * kBarWidth + 0.5);
-  char text[200];
-  const int length = std::snprintf(
-      text, sizeof text, "] level %d/%d  iteration %d  active %4.1f %%  energy %.5g  %.1f s",
-      record.level + 1, record.levels, record.iteration, 100 * active, record.energy,
-      record.seconds);
   // What is done is not quite proportional to time; early on, not at all.
   const double left = record.seconds * (1 / std::max(record.progress, 1e-9) - 1);
   const bool foreseeable = record.progress > 0.05 && record.seconds > 1 && left >= 1;
-  std::string line = "[" + std::string(settled, '#') + std::string(kBarWidth - settled, '.');
-  line.append(text, static_cast<std::size_t>(std::max(length, 0)));
-  if (foreseeable) line += ", about " + ccvt::text(left, 2) + " s left";
-  redraw(line.substr(0, terminal_width() - 1));
+  const std::string bar =
+      "[" + std::string(settled, '#') + std::string(kBarWidth - settled, '.') + "]";
+  const std::string time =
+      printed("  %.1f s", record.seconds) +
+      (foreseeable ? ", about " + ccvt::text(left, 2) + " s left" : std::string());
+  // Where there is no room for all, the time is what counts.
+  std::string line = bar;
+  for (const std::string& part :
+       {printed(" level %d/%d  iteration %d", record.level + 1, record.levels, record.iteration),
+        printed("  active %4.1f %%", 100 * active), printed("  energy %.5g", record.energy)}) {
+    if (line.size() + part.size() + time.size() < terminal_width()) line += part;
+  }
+  redraw((line + time).substr(0, terminal_width() - 1));
 }
 
 }  // namespace ccvt::cli

@@ -120,7 +120,8 @@ void check_memory(const QuantizeArguments& arguments, const PointsHeader& header
                      arguments.codewords, arguments.method != CodebookMethod::lloyd);
   const double bytes = static_cast<double>(processes) * each;
   const std::string needed =
-      check_bytes(name, processes * vectors, header.dimension, bytes, processes);
+      check_bytes(name, std::min<std::uint64_t>(processes * vectors, header.count),
+                  header.dimension, bytes, processes);
   if (!arguments.quiet && bytes >= kWorthTelling) {
     std::cerr << one_line("ccvt: " + name + ": training takes up to about " + needed +
                           " of memory");

@@ -127,7 +127,7 @@ bool Trainer<Scalar>::cancelled(const IterationRecord& record) {
 template <class Scalar>
 void Trainer<Scalar>::lloyd() {
   Ranks* const ranks = source_.part().ranks;
-  owners_ = nearest_owners(metric_, vectors_, sites_, arena_, source_.part());
+  own_nearest(source_);
   const Pricer<Scalar> pricer(metric_, vectors_, arena_, source_.part());
   const std::size_t n = weights_.size();
   std::optional<CellBounds> kept;
@@ -154,6 +154,14 @@ void Trainer<Scalar>::lloyd() {
     }
     before = energy;
   }
+}
+
+/// Unless these vectors have owners, the nearest sites are.
+template <class Scalar>
+void Trainer<Scalar>::own_nearest(const Vectors<Scalar>& vectors) {
+  if (owned_ == vectors.count()) return;
+  owners_ = nearest_owners(metric_, vectors.here(), sites_, arena_, vectors.part());
+  owned_ = vectors.count();
 }
 
 template <class Scalar>
@@ -204,6 +212,7 @@ void Trainer<Scalar>::exchange_pairs(const Vectors<Scalar>& vectors, PointsView<
       pairwise_cells(vectors, all, sites_, std::move(capacities), options, arena_);
   if (!ended()) summary_.termination = cells.termination;
   owners_ = vectors.of_here(std::move(cells.owners));
+  owned_ = vectors.count();
   const Stop::Pause pause(stop_);  // what comes is short
   move_to_centroids(metric_, vectors.here(), Grouping(owners_, weights_.size()), arena_, sites_, {},
                     vectors.part().ranks);
@@ -239,7 +248,7 @@ void Trainer<Scalar>::settle_for_less() {
     summary_.gap = 1;
     std::fill(weights_.begin(), weights_.end(), 0.0);
   }
-  const bool all = std::cmp_equal(owners_.size(), vectors_.count);
+  const bool all = owned_ == source_.count();
   if (options_.method == CodebookMethod::lloyd && all) return;
   owners_ = std::move(met_);
   if (!owners_.empty()) return;
@@ -254,9 +263,7 @@ void Trainer<Scalar>::end_cancelled() {
   if (options_.method != CodebookMethod::exact) return settle_for_less();
   if (problem_.ranks() == nullptr) stop_.allow(kTimeToFinish);  // ranks would not end alike
   try {
-    if (any(problem_.ranks(), std::cmp_not_equal(owners_.size(), vectors_.count))) {
-      owners_ = nearest_owners(metric_, vectors_, sites_, arena_, source_.part());
-    }
+    own_nearest(source_);
     prove();
   } catch (const Stopped&) {
     return settle_for_less();

@@ -64,9 +64,7 @@ void Trainer<Scalar>::exact_level(const Vectors<Scalar>& vectors, std::vector<In
   ExactAssignment<Scalar> assignment(metric_, vectors.here(), n, std::move(capacities), arena_,
                                      options_.gap, vectors.part());
   using Round = typename ExactAssignment<Scalar>::Round;
-  if (any(ranks, std::cmp_not_equal(owners_.size(), vectors.here().count))) {
-    owners_ = nearest_owners(metric_, vectors.here(), sites_, arena_, vectors.part());
-  }
+  own_nearest(vectors);
   const double tolerance = finest ? options_.tolerance : kLevelTolerance * n / m;
   double before = std::numeric_limits<double>::infinity();
   bool assigned = false;  // the owners meet the capacities, and the sites are their centroids
@@ -138,6 +136,7 @@ void Trainer<Scalar>::exact() {
   } else {
     owners_ =
         Pricer<Scalar>(metric_, vectors_, arena_, source_.part()).cheapest({sites_, weights_});
+    owned_ = m;
   }
   if (summary_.termination == Termination::cancelled) throw Stopped();
   prove();

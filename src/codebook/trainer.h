@@ -63,6 +63,7 @@ class Trainer {
   void keep_met(Index vectors) {
     if (vectors == source_.count() && problem_.ranks() == nullptr) met_ = owners_;
   }
+  void own_nearest(const Vectors<Scalar>& vectors);
   void lloyd();
   void pairwise();
   template <class Work>
@@ -97,6 +98,7 @@ class Trainer {
   std::vector<double> sites_;
   std::vector<double> weights_;
   std::vector<Index> owners_;
+  Index owned_ = 0;         ///< of so many vectors owners_ are those that are here
   std::vector<Index> met_;  ///< the last owners of all vectors that met the capacities
   bool bred_ = false;       ///< the sites are those of balanced cells
   bool placed_ = false;     ///< the sites are where capacities want them

@@ -67,9 +67,7 @@ Vectors<Scalar>::Vectors(Points<Scalar> copy, const Vectors& source)
 /// Where they are few, all ranks have all.
 template <class Scalar>
 void Vectors<Scalar>::gather_few() {
-  const std::size_t bytes =
-      sizeof(Scalar) * static_cast<std::size_t>(count_) * static_cast<std::size_t>(dimension());
-  if (part_.ranks == nullptr || bytes > few_bytes_) return;
+  if (part_.ranks == nullptr || !are_few(count_, dimension(), sizeof(Scalar), few_bytes_)) return;
   copy_ = all();
   here_ = view_points(copy_);
   part_ = {};

@@ -15,8 +15,15 @@ namespace ccvt {
 /// Throws InvalidInput, on all ranks alike, for more than Index counts.
 Index checked_vector_count(std::int64_t count);
 
-/// Vectors of all ranks that take no more than this are few: 64 MB.
+/// Vectors of all ranks are few that take no more than 64 MB, and are no more than so many: with
+/// more of fewer dimensions, what each rank does for each takes as long as what it saves.
 constexpr std::size_t kFewBytes = std::size_t{1} << 26;
+constexpr std::int64_t kFewCount = std::int64_t{1} << 18;
+constexpr bool are_few(std::int64_t count, int dimension, std::size_t scalar_bytes,
+                       std::size_t few_bytes = kFewBytes) {
+  const auto values = static_cast<std::size_t>(count) * static_cast<std::size_t>(dimension);
+  return count <= kFewCount && values * scalar_bytes <= few_bytes;
+}
 
 /// The vectors that samples are drawn from and codebooks trained on. Of several ranks, each has its
 /// own; but where they are few, all have all, and share the work on them: to ask each other about

@@ -26,7 +26,7 @@ bool CellBounds::fit(const Metric& metric, std::size_t sites) {
 
 CellBounds::CellBounds(std::size_t points, std::size_t sites, const RankTurns& turns)
     : turns_(turns),
-      bounds_(sites * sites),
+      bounds_((turns.place_of(sites) + 1) * sites),
       radius_(sites),
       own_costs_(points),
       covered_(points, kNowhere) {}
@@ -56,7 +56,7 @@ void CellBounds::select(SiteNumber site, std::span<const double> weights,
                         std::vector<SiteNumber>& near) const {
   near.clear();
   const double own = weights[site];
-  const auto bounds = std::span(bounds_).subspan(site * count(), count());
+  const auto bounds = std::span(bounds_).subspan(turns_.place_of(site) * count(), count());
   for (const SiteNumber j : sites_below(count())) {
     const double constant = own - weights[j];
     const double rounding = 1e-14 * (std::abs(own) + std::abs(weights[j]) + std::abs(bounds[j]));

@@ -55,7 +55,7 @@ class CellBounds {
   }
 
   [[nodiscard]] std::span<double> of(SiteNumber site) {
-    return std::span(bounds_).subspan(site * count(), count());
+    return std::span(bounds_).subspan(turns_.place_of(site) * count(), count());
   }
   /// The sites, in `near`, that some point of the cell may prefer, under these weights, besides the
   /// cell's own.
@@ -100,7 +100,7 @@ class CellBounds {
 
   RankTurns turns_;
   bool valid_ = false;
-  std::vector<double> bounds_;  ///< of cell i and site j at [i * n + j]
+  std::vector<double> bounds_;  ///< of the k-th cell that is here and site j at [k * n + j]
   std::vector<double> radius_;
   std::vector<double> own_costs_;
   std::vector<Index> covered_;  ///< of each point, the cell whose bounds count it

@@ -2,6 +2,7 @@
 // own points of the cells only, or all, and takes its turns in bounding cells.
 #include <algorithm>
 #include <cstdint>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
@@ -122,16 +123,24 @@ void ExchangeGraph::get_edges(ByteReader& message, Scratch& scratch) const {
   }
 }
 
-/// The edges that the rank finds whose turn it is.
+/// The edges that the rank finds whose turn it is. All ask for the same: when, hangs on bounds,
+/// some of which are rounded as a processor's vectors are long.
 void ExchangeGraph::find_edges_in_turns(SiteNumber site, std::size_t edges, Scratch& scratch) {
   if (!turns_.own(site)) {
     const Ranks::Bytes message = sharing_->receive(static_cast<int>(turns_.rank_of(site)));
     ByteReader reader(message);
+    const auto of = reader.get<Index>();
+    const auto wanted = reader.get<std::uint64_t>();
+    if (of != site.index() || wanted != edges) {
+      throw std::runtime_error("ranks have come to search apart: processors differ too much");
+    }
     get_edges(reader, scratch);
     return;
   }
   find_edges(site, edges, scratch);
   ByteWriter message;
+  message.put(site.index());
+  message.put(std::uint64_t{edges});
   put_edges(message, scratch);
   for (int rank = 0; rank < sharing_->count(); ++rank) {
     if (rank != sharing_->rank()) sharing_->send(rank, message.bytes);

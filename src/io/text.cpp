@@ -153,6 +153,9 @@ bool TextRows::next() {
   std::string_view line;
   while (lines_.next(line)) {
     if (lines_.number() == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
+    if (lines_.number() == 1 && line.starts_with("\x93NUMPY")) {
+      fail("is NumPy data, not text: a file is to end in .npy, and standard input is npy:-");
+    }
     while (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     if (line.find('\r') != std::string_view::npos) check_returns(line);
     line = without_comment(line);

@@ -36,11 +36,17 @@ struct Inputs {
   std::vector<Index> capacities;
 };
 
-/// What a rank holds of vectors that all gather: as they come, and at last.
+/// Throws InvalidInput unless all ranks on this machine have memory to train. Where all have all
+/// vectors, they gather them: these take as much again as they come.
 template <class Scalar>
-double gathered_bytes(const QuantizeArguments& arguments, const PointsHeader& header) {
-  const double all = 1.0 * sizeof(Scalar) * header.dimension * static_cast<double>(header.count);
-  return all <= kFewBytes || arguments.method == CodebookMethod::pairwise ? 2 * all : 0;
+void check_memory(const Session& session, const QuantizeArguments& arguments,
+                  const PointsHeader& header, std::int64_t own) {
+  const auto count = static_cast<std::int64_t>(header.count);
+  const bool few = are_few(count, header.dimension, sizeof(Scalar));
+  const double all = 1.0 * sizeof(Scalar) * header.dimension * static_cast<double>(count);
+  const bool gathered = few || arguments.method == CodebookMethod::pairwise;
+  cli::check_memory(arguments, header, static_cast<std::uint64_t>(few ? count : own),
+                    gathered ? 3 * all : 0, session.processes_here());
 }
 
 template <class Scalar>
@@ -73,8 +79,7 @@ int quantize(const Session& session, const QuantizeArguments& arguments,
   Inputs<Scalar> inputs;
   session.together([&] {
     cli::check_codewords(arguments, header);
-    cli::check_memory(arguments, header, static_cast<std::uint64_t>(share.size()),
-                      gathered_bytes<Scalar>(arguments, header), session.processes_here());
+    check_memory<Scalar>(session, arguments, header, share.size());
     inputs.codewords = cli::read_codewords(arguments);
     if (!arguments.capacities.empty()) inputs.capacities = read_indices(arguments.capacities);
     cli::tell_if_cut_short(arguments.vectors);

@@ -26,6 +26,8 @@ class RankTurns {
 
   [[nodiscard]] bool own(std::size_t number) const { return rank_of(number) == own_; }
   [[nodiscard]] std::size_t rank_of(std::size_t number) const { return number % count_; }
+  /// Of one's own, how many come before.
+  [[nodiscard]] std::size_t place_of(std::size_t number) const { return number / count_; }
 
  private:
   std::size_t own_ = 0;

@@ -54,6 +54,7 @@ ADVICE = {
     "src/codebook/vectors.cpp": "Train on a part of the vectors, and encode all.",
     "src/codebook/trainer.h": _PARAMETER,
     "src/domain.cpp": _PARAMETER,
+    "src/exact/exchange_ranks.cpp": "Run all ranks on processors of one kind.",
     "src/lloyd.cpp": "It runs on one process only, and so does all else that is not said to take `Ranks`.",
     "src/mpi/kept.h": "Whoever started the ranks ended them, and what has been reached is kept: run the same "
                       "command again.",
@@ -170,6 +171,8 @@ CANNOT_BE_PROVOKED = {
     ("src/cli/volume_mask.cpp", " (of two .npy, one is in C order, the other in Fortran order): several "
                                 "processes need both alike"): _MPI,
     ("src/mpi/session.h", "out of memory"): "needs a machine without any left",
+    ("src/exact/exchange_ranks.cpp", "ranks have come to search apart: processors differ too much"):
+        "needs processors of different kinds",
     ("src/mpi/results.h", ": what several processes write together goes into .npy"): _MPI,
     ("src/mpi/shared_file.cpp", ": cannot be opened by all ranks: "): "needs machines that do not see the same "
                                                                   "files",
