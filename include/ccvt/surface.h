@@ -140,7 +140,7 @@ CCVT_EXPORT SurfaceSamples sample_surface(const TriangleMesh& mesh, Index sites,
 ///   .ply              x, y, z, nx, ny, nz, radius, capacity, weight, triangle, u, v
 ///   .vtp, .vtk        points with the arrays normal, radius, capacity, weight, triangle, uv
 ///   .csv, .txt        the columns of .ply
-///   .npy              the sites alone, (#sites, 3)
+///   .npy              the sites alone, (#sites, 3), float64
 ///
 /// u and v are the barycentric coordinates of the second and the third corner. Throws InvalidInput
 /// when there are no samples, or not as many of all.

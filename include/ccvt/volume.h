@@ -227,7 +227,7 @@ CCVT_EXPORT VolumeSamples sample_volume(Ranks& ranks, const DensityLayers& densi
 ///   .vtp        VTK XML poly data, binary: points with the arrays radius, capacity, weight
 ///   .vtk        the same in the legacy format
 ///   .csv, .txt  a header line, then x, y, z, radius, capacity, weight; in D dimensions x0, x1, …
-///   .npy        the sites alone, (#sites, D)
+///   .npy        the sites alone, (#sites, D), float64
 ///
 /// Numbers are float64 when the samples were computed in that, or when float32 would move a site
 /// by more than a thousandth of the mean radius; else float32, in text with as many digits as that

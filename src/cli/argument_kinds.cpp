@@ -202,6 +202,11 @@ void add_box(CLI::App& app, std::vector<double>& box, const std::string& descrip
           ""));
 }
 
+void describe_samples(CLI::App& app) {
+  auto* const output = app.get_option("--output");
+  output->description(output->get_description() + "; .npy has the sites alone, in float64");
+}
+
 std::vector<std::string> reversed_arguments(int argc, const char* const* argv) {
   // What is a number to C, such as nan, is --box's to refuse.
   const auto is_number = [](const char* text) {

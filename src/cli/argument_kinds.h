@@ -80,6 +80,9 @@ void add_run(CLI::App& app, CommonArguments& common);
 void add_common(CLI::App& app, CommonArguments& common, io::Extensions extensions,
                 const std::string& default_scalar, const std::string& default_until = "blue-noise");
 
+/// Has --output say what samples of volumes and surfaces lose in some files. After add_common().
+void describe_samples(CLI::App& app);
+
 /// The arguments, last one first, with all numbers that follow --box made its one value: CLI11
 /// would take the file after them for a number, and "-.5" for an option.
 std::vector<std::string> reversed_arguments(int argc, const char* const* argv);

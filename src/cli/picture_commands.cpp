@@ -71,6 +71,7 @@ CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
   add_parsed(*command, "--mask-type", arguments.mask_layout, parse_voxel_type,
              "Of a .raw --mask, if it is not --type", "TYPE");
   add_common(*command, arguments, io::kSampleFiles, "float32");
+  describe_samples(*command);
   add_checkpoint(*command, arguments);
   add_output(*command, "--preview", arguments.preview,
              "Draw the field along its three axes, with the samples over it", io::kPictureFiles);

@@ -78,6 +78,7 @@ CLI::App* add_surface(CLI::App& app, SurfaceArguments& arguments) {
                          text(arguments.normal_weight) + "]",
                      "W", {.least = 0, .most = 100});
   add_common(*command, arguments, io::kSampleFiles, "float32");
+  describe_samples(*command);
   auto* const preview = add_output(*command, "--preview", arguments.preview,
                                    "Draw the surface with the samples on it", io::kPictureFiles);
   add_parsed(

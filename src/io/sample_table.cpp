@@ -281,18 +281,14 @@ void check(const SampleTable& table) {
 void write_sample_table(const std::filesystem::path& path, const SampleTable& table) {
   check(table);
   const std::string extension = extension_of(path);
+  if (extension == ".npy") return write_points(path, table.sites);
   const bool text = extension == ".csv" || extension == ".txt";
-  if (!text && extension != ".npy" && table.sites.rows() > 3) {
+  if (!text && table.sites.rows() > 3) {
     throw InvalidInput(path.string() + ": samples of " + std::to_string(table.sites.rows()) +
                        " dimensions go into .csv, .txt or .npy");
   }
   const bool wide =
       table.scalar == ScalarType::float64 || needs_double(table) || leaves_float(table);
-  if (extension == ".npy") {
-    const Eigen::Map<const Eigen::MatrixXd> sites = table.sites.eigen();
-    wide ? write_points(path, table.sites) : write_points(path, sites.cast<float>().eval());
-    return;
-  }
   wide ? write_as<double>(path, table) : write_as<float>(path, table);
 }
 
