@@ -267,14 +267,14 @@ Training train_codebook_from(const Eigen::DenseBase<Derived>& vectors,
 ///     auto [codebook, codes_of_own, summary] =
 ///         ccvt::train_codebook(ranks, ccvt::view_points(own), 256);
 ///
-/// Up to 2^18 vectors of all ranks that take no more than 64 MB are gathered on all of them. More
-/// stay where they are; samples of them are gathered on all ranks: those no larger that levels are
-/// trained on, and that seeds come from; for
-/// `exact` what pairs exchange before the first assignment, 32 a codeword or 8192 vectors, all of
-/// them where there are not twice as many; and 1024 a codeword where codebooks are bred. For
-/// `pairwise` all vectors are gathered. on_iteration and cancelled of each rank are asked after an
-/// iteration; where one wants to end, all do; `exact` then proves an assignment, however long that
-/// takes, and nobody is asked while codebooks are bred.
+/// Up to 2^18 vectors of all ranks, of 64 MB at the most, are gathered on all of them. More stay
+/// where they are, but samples of them are gathered: those that seeds come from, and those that
+/// levels are trained on, up to the same size; for `exact` what pairs exchange before the first
+/// assignment, 32 a codeword or 8192 vectors, all of them where there are not twice as many; and
+/// 1024 a codeword where codebooks are bred. For `pairwise` all vectors are gathered. on_iteration
+/// and cancelled of each rank are asked after an iteration; where one wants to end, all do; `exact`
+/// then proves an assignment, however long that takes, and nobody is asked while codebooks are
+/// bred.
 template <class Scalar>
 CCVT_EXPORT Training train_codebook(Ranks& ranks, PointsView<Scalar> own, Index codewords,
                                     const CodebookOptions& options = {});

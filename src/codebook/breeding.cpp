@@ -14,7 +14,6 @@
 #include "codebook/share.h"
 #include "exact/assignment.h"
 #include "geometry/squares.h"
-#include "parallel/bytes.h"
 #include "parallel/rank_turns.h"
 #include "random.h"
 #include "streams.h"
@@ -339,14 +338,12 @@ void Breeder::share(std::vector<Candidate>& brood) const {
     message.put(brood[k].weights);
     message.put(brood[k].energy);
   }
-  const std::vector<Ranks::Bytes> of_ranks = breeding_.ranks->gather(message.bytes);
-  std::vector<ByteReader> readers(of_ranks.begin(), of_ranks.end());
-  for (std::size_t k = 0; k < brood.size(); ++k) {
-    ByteReader& reader = readers[turns.rank_of(k)];
-    reader.get(brood[k].sites);
-    reader.get(brood[k].weights);
-    brood[k].energy = reader.get<double>();
-  }
+  read_in_turns(*breeding_.ranks, message.bytes, brood.size(),
+                [&](std::size_t k, ByteReader& reader) {
+                  reader.get(brood[k].sites);
+                  reader.get(brood[k].weights);
+                  brood[k].energy = reader.get<double>();
+                });
 }
 
 void Breeder::add_seedings() {

@@ -99,12 +99,11 @@ std::vector<double> sums_in_turns(Ranks& ranks, const CellSums<Scalar>& own,
   const std::size_t width = own.width();
   std::vector<double> sums(mine.size() * width, 0.0);
   own.add(mine, sums);
-  const std::vector<Ranks::Bytes> of_ranks = ranks.gather(std::as_bytes(std::span(sums)));
-  std::vector<ByteReader> readers(of_ranks.begin(), of_ranks.end());
   std::vector<double> all(cells.size() * width);
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    readers[turns.rank_of(k)].get(std::span(all).subspan(k * width, width));
-  }
+  read_in_turns(ranks, std::as_bytes(std::span(sums)), cells.size(),
+                [&](std::size_t k, ByteReader& reader) {
+                  reader.get(std::span(all).subspan(k * width, width));
+                });
   return all;
 }
 

@@ -13,7 +13,6 @@
 #include "geometry/as_matrix.h"
 #include "geometry/squares.h"
 #include "kernels/products.h"
-#include "parallel/loops.h"
 #include "random.h"
 #include "streams.h"
 

@@ -56,7 +56,7 @@ void CellBounds::select(SiteNumber site, std::span<const double> weights,
                         std::vector<SiteNumber>& near) const {
   near.clear();
   const double own = weights[site];
-  const auto bounds = std::span(bounds_).subspan(turns_.place_of(site) * count(), count());
+  const std::span<const double> bounds = of(site);
   for (const SiteNumber j : sites_below(count())) {
     const double constant = own - weights[j];
     const double rounding = 1e-14 * (std::abs(own) + std::abs(weights[j]) + std::abs(bounds[j]));

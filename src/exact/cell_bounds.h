@@ -57,6 +57,9 @@ class CellBounds {
   [[nodiscard]] std::span<double> of(SiteNumber site) {
     return std::span(bounds_).subspan(turns_.place_of(site) * count(), count());
   }
+  [[nodiscard]] std::span<const double> of(SiteNumber site) const {
+    return std::span(bounds_).subspan(turns_.place_of(site) * count(), count());
+  }
   /// The sites, in `near`, that some point of the cell may prefer, under these weights, besides the
   /// cell's own.
   void select(SiteNumber site, std::span<const double> weights,

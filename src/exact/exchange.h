@@ -53,8 +53,8 @@ class ExchangeGraph {
 
   /// Moves points along shortest paths until no site has too many. Each costs O(E log E) with E
   /// edges that searches see, and O(n D) for each point that moves, at worst. The edges of a site
-  /// are bounded in O(n D) a point, or a point that came where bounds are kept.
-  /// Ranks that the arena divides loops among share the work, unless each has points of its own.
+  /// are bounded in O(n D) a point, or a point that came where bounds are kept. Ranks that the
+  /// arena divides loops among share the work, unless each has points of its own.
   void settle(const Arena& arena = Arena(1));
   /// How many points went their way so far.
   [[nodiscard]] std::int64_t augmentations() const { return augmentations_; }
@@ -157,7 +157,7 @@ class ExchangeGraph {
   void bound_all_edges(const Arena& arena);
   void bound_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
   void find_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
-  void find_costs(SiteNumber site);
+  void find_costs(SiteNumber site, Scratch& scratch);
   [[nodiscard]] static double about(std::size_t edges, Scratch& scratch);
   static void keep_nearest(std::size_t edges, Scratch& scratch);
   void set_edges(SiteNumber site, Scratch& scratch);

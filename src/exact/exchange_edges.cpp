@@ -26,12 +26,12 @@ std::size_t moves_kept(Index members) {
 }  // namespace
 
 /// What the points of a cell cost where they are, unless it is known.
-void ExchangeGraph::find_costs(SiteNumber site) {
+void ExchangeGraph::find_costs(SiteNumber site, Scratch& scratch) {
   Cell& cell = cells_[site];
   if (cell.costed) return;
-  costs_.squared(cell.members, site, scratch_.own);
+  costs_.squared(cell.members, site, scratch.own);
   for (std::size_t k = 0; k < cell.members.size(); ++k) {
-    own_cost_[cell.members[k]] = scratch_.own[k];
+    own_cost_[cell.members[k]] = scratch.own[k];
   }
   cell.costed = true;
 }
@@ -42,10 +42,11 @@ void ExchangeGraph::find_edges(SiteNumber site, std::size_t edges, Scratch& scra
   scratch.edges.clear();
   scratch.rest = kNone;
   if (cell.members.empty()) return;
+  if (kept_ == nullptr) find_costs(site, scratch);
   const std::span<const double> bounds =
       kept_ != nullptr ? kept_->include(site, cell.members, costs_, scratch.costs)
                        : costs_.bounds(site, cell.members, scratch.costs);
-  cell.costed |= kept_ != nullptr;
+  cell.costed = true;
   std::vector<double>& reduced = scratch.reduced;
   reduced.resize(cells_.size());
   std::transform(bounds.begin(), bounds.end(), weights_.begin(), reduced.begin(),
@@ -109,7 +110,7 @@ void ExchangeGraph::set_edges(SiteNumber site, Scratch& scratch) {
   std::vector<Edge>& others = scratch.edges;
   std::sort(others.begin(), others.end());
   // What was weighed stays so.
-  scratch.weighed.assign(cell.to.empty() ? 0 : cells_.size(), kNotWeighed);
+  scratch.weighed.assign(cells_.size(), kNotWeighed);
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
     scratch.weighed[cell.to[slot]] = cell.weighed[slot];
   }
@@ -120,7 +121,7 @@ void ExchangeGraph::set_edges(SiteNumber site, Scratch& scratch) {
   for (std::size_t slot = 0; slot < others.size(); ++slot) {
     const auto& [reduced, to, bound] = others[slot];
     cell.to[slot] = to;
-    cell.weighed[slot] = scratch.weighed.empty() ? kNotWeighed : scratch.weighed[to];
+    cell.weighed[slot] = scratch.weighed[to];
     cell.bound[slot] = is_weighed(cell, slot) ? moves_of(cell, slot).cheapest.front().cost : bound;
     if (slot % kPage == 0) cell.page[slot / kPage] = reduced;
   }
@@ -186,7 +187,7 @@ void ExchangeGraph::choose_slots(SiteNumber site, std::size_t slot, std::size_t 
 void ExchangeGraph::weigh_own(SiteNumber site) {
   Cell& cell = cells_[site];
   ++cell.weighings;
-  find_costs(site);
+  find_costs(site, scratch_);
   std::vector<SiteNumber>& sites = scratch_.others;
   sites.clear();
   for (const std::size_t slot : slots_) sites.push_back(cell.to[slot]);

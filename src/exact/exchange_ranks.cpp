@@ -168,11 +168,9 @@ void ExchangeGraph::bound_all_in_turns(const Arena& arena) {
   for (const ByteWriter& of_cell : messages) {
     if (!of_cell.bytes.empty()) message.put(of_cell.bytes);
   }
-  const std::vector<Ranks::Bytes> bytes = sharing_->gather(message.bytes);
-  std::vector<ByteReader> readers(bytes.begin(), bytes.end());
-  for (const SiteNumber s : sites_below(cells_.size())) {
-    if (cells_[s].size > 0) readers[turns_.rank_of(s)].get(messages[s].bytes);
-  }
+  read_in_turns(*sharing_, message.bytes, cells_.size(), [&](std::size_t k, ByteReader& reader) {
+    if (cells_[k].size > 0) reader.get(messages[k].bytes);
+  });
   for_cells([&](SiteNumber s, Scratch& own) {
     ByteReader reader(messages[s].bytes);
     get_edges(reader, own);

@@ -36,8 +36,8 @@ struct Inputs {
   std::vector<Index> capacities;
 };
 
-/// Throws InvalidInput unless all ranks on this machine have memory to train. Where all have all
-/// vectors, they gather them: these take as much again as they come.
+/// Throws InvalidInput unless all ranks on this machine have memory to train. Vectors that all
+/// ranks gather are there three times meanwhile: what one sends, what comes, and what is kept.
 template <class Scalar>
 void check_memory(const Session& session, const QuantizeArguments& arguments,
                   const PointsHeader& header, std::int64_t own) {

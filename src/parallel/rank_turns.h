@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
+#include <vector>
 
 #include "ccvt/ranks.h"
 #include "parallel/arena.h"
+#include "parallel/bytes.h"
 #include "parallel/rank_part.h"
 
 namespace ccvt {
@@ -33,5 +36,18 @@ class RankTurns {
   std::size_t own_ = 0;
   std::size_t count_ = 1;
 };
+
+/// Each rank has written what it found of its own, one after the other: calls read(number, reader)
+/// for 0..count - 1, with what its rank has written of it next.
+template <class Read>
+void read_in_turns(Ranks& ranks, std::span<const std::byte> own, std::size_t count,
+                   const Read& read) {
+  const RankTurns turns(&ranks);
+  const std::vector<Ranks::Bytes> of_ranks = ranks.gather(own);
+  std::vector<ByteReader> readers(of_ranks.begin(), of_ranks.end());
+  for (std::size_t number = 0; number < count; ++number) {
+    read(number, readers[turns.rank_of(number)]);
+  }
+}
 
 }  // namespace ccvt
