@@ -108,6 +108,40 @@ TEST_CASE("squared distances to packs of positions, also on a torus") {
   }
 }
 
+TEST_CASE("squared distances of several positions to packs are bit for bit those of each") {
+  using ccvt::kernels::kPack;
+  using ccvt::kernels::squared_distances;
+  for (const int dimension : {1, 2, 7, 24}) {
+    const Box box = uneven_box(dimension);
+    for (const Metric& metric :
+         {Metric(dimension, Domain()), Metric(dimension, Domain::periodic(box))}) {
+      CAPTURE(dimension);
+      CAPTURE(metric.periodic());
+      const double* const extent = metric.periodic() ? metric.extent() : nullptr;
+      const auto packs = make_points<double>(Layout::random, box, 3 * kPack, 3);
+      const auto queries = make_points<double>(Layout::random, box, 9, 4);
+      for (Index count = 0; count <= queries.cols(); ++count) {
+        CAPTURE(count);
+        std::vector<std::vector<double>> squared(10, std::vector<double>(3 * kPack, -1));
+        std::vector<const double*> query;
+        std::vector<double*> out;
+        for (Index q = 0; q < count; ++q) {
+          query.push_back(queries.col(q).data());
+          out.push_back(squared[static_cast<std::size_t>(q)].data());
+        }
+        squared_distances(query.data(), count, packs.data(), 3, dimension, extent, out.data());
+        for (Index q = 0; q < count; ++q) {
+          std::vector<double> alone(3 * kPack, -2);
+          squared_distances(query[static_cast<std::size_t>(q)], packs.data(), 3, dimension, extent,
+                            alone.data());
+          CHECK(squared[static_cast<std::size_t>(q)] == alone);
+        }
+        CHECK(squared[static_cast<std::size_t>(count)] == std::vector<double>(3 * kPack, -1));
+      }
+    }
+  }
+}
+
 TEST_CASE_TEMPLATE("squared distances to scattered points, bit for bit", Scalar, float, double) {
   for (const int dimension : {1, 2, 7, 8, 9, 16, 37}) {
     CAPTURE(dimension);
@@ -161,6 +195,28 @@ TEST_CASE_TEMPLATE("rows as streams, relative to a centre, bit for bit", Scalar,
         }
         CHECK(same);
       }
+    }
+  }
+}
+
+TEST_CASE("scattered points relative to a centre, one after the other, bit for bit") {
+  for (const int dimension : {1, 3, 7, 8, 9, 16, 61}) {
+    CAPTURE(dimension);
+    const auto points = make_points<double>(Layout::random, uneven_box(dimension), 5, 3);
+    const auto centre = make_points<double>(Layout::random, uneven_box(dimension), 1, 4);
+    std::vector<const double*> rows;
+    for (Index count = 0; count <= 5; ++count) {
+      const auto size = static_cast<std::size_t>(count * dimension);
+      std::vector<float> block(size + 1, -1);
+      ccvt::kernels::centred_points(rows.data(), count, dimension, centre.data(), 0.7,
+                                    block.data());
+      for (std::size_t k = 0; k < size; ++k) {
+        const auto d = static_cast<Index>(k) % dimension;
+        const double x = rows[k / static_cast<std::size_t>(dimension)][d];
+        CHECK(block[k] == static_cast<float>((x - centre(d, 0)) * 0.7));
+      }
+      CHECK(block.back() == -1);
+      rows.push_back(points.col(4 - count % 5).data());
     }
   }
 }

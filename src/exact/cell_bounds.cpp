@@ -6,7 +6,6 @@
 
 #include "exact/distances.h"
 #include "exact/packs.h"
-#include "kernels/nearest.h"
 #include "parallel/loops.h"
 
 namespace ccvt {
@@ -83,20 +82,15 @@ double CellBounds::step(SiteNumber site, const double* to, std::span<const Point
   return growth + underflow;
 }
 
-/// From a site at `position`, whose points' own costs grew by no more than that.
-void CellBounds::follow_steps(SiteNumber site, const double* position, double growth,
-                              std::vector<double>& squared) {
+/// Of a site whose points' own costs grew by no more than that. `apart`: its squared distances to
+/// where the sites that moved were, then to where they are.
+void CellBounds::follow_steps(SiteNumber site, double growth, std::span<const double> apart) {
   const std::span<double> bounds = of(site);
   if (growth != 0) {
     for (double& bound : bounds) bound -= growth + 1e-15 * (std::abs(bound) + std::abs(growth));
   }
-  const std::size_t size = before_.size() / static_cast<std::size_t>(dimension_);
-  squared.resize(2 * size);
-  double* const before = squared.data();
-  double* const after = before + size;
-  const auto packs = static_cast<Index>(size) / kernels::kPack;
-  kernels::squared_distances(position, before_.data(), packs, dimension_, nullptr, before);
-  kernels::squared_distances(position, after_.data(), packs, dimension_, nullptr, after);
+  const auto before = apart.first(apart.size() / 2);
+  const auto after = apart.last(before.size());
   const double radius = radius_[site];
   const double share = rounding_share(dimension_);
   const double underflow = underflow_of(dimension_);
@@ -135,23 +129,34 @@ void CellBounds::follow(std::span<const double> sites, const Grouping& groups,
     to.insert(to.end(), y, y + dimension);
   }
   if (moved_.empty()) return;
-  before_ = packs_of(from, dimension);
-  after_ = packs_of(to, dimension);
-  PerWorker<std::vector<double>> squared(arena);
-  arena.for_ranges(count(), 4, [&](std::size_t begin, std::size_t end, int worker) {
-    for (const SiteNumber s : sites_between(begin, end)) {
-      if (!has(s)) continue;
-      const auto members = groups.of(s);
-      if (members.empty()) {
-        std::fill(of(s).begin(), of(s).end(), kNone);
-        radius_[s] = 0;
-        continue;
-      }
-      arena.check();
-      const double* const position = sites.data() + s * dimension;
-      const double growth = moves[s] != 0 ? step(s, position, members, points, squared[worker]) : 0;
-      follow_steps(s, position, growth, squared[worker]);
+  std::vector<double> steps = packs_of(from, dimension);
+  const std::vector<double> after = packs_of(to, dimension);
+  steps.insert(steps.end(), after.begin(), after.end());
+  std::vector<SiteNumber> cells;
+  for (const SiteNumber s : sites_below(count())) {
+    if (!has(s)) continue;
+    if (groups.of(s).empty()) {
+      std::fill(of(s).begin(), of(s).end(), kNone);
+      radius_[s] = 0;
+    } else {
+      cells.push_back(s);
     }
+  }
+  const auto position = [&](SiteNumber s) { return sites.data() + s * dimension; };
+  PerWorker<PackedDistances> distances(arena);
+  PerWorker<std::vector<double>> squared(arena);
+  arena.for_ranges(cells.size(), 4, [&](std::size_t begin, std::size_t end, int worker) {
+    const auto some = std::span(cells).subspan(begin, end - begin);
+    distances[worker].for_each(some, position, steps, dimension_, nullptr,
+                               [&](SiteNumber s, std::span<const double> apart) {
+                                 arena.check();
+                                 double growth = 0;
+                                 if (moves[s] != 0) {
+                                   growth =
+                                       step(s, position(s), groups.of(s), points, squared[worker]);
+                                 }
+                                 follow_steps(s, growth, apart);
+                               });
   });
   sites_.assign(sites.begin(), sites.end());
 }

@@ -98,8 +98,7 @@ class CellBounds {
   template <class Scalar>
   double step(SiteNumber site, const double* to, std::span<const PointNumber> members,
               PointsView<Scalar> points, std::vector<double>& squared);
-  void follow_steps(SiteNumber site, const double* position, double growth,
-                    std::vector<double>& squared);
+  void follow_steps(SiteNumber site, double growth, std::span<const double> apart);
 
   RankTurns turns_;
   bool valid_ = false;
@@ -108,11 +107,9 @@ class CellBounds {
   std::vector<double> own_costs_;
   std::vector<Index> covered_;  ///< of each point, the cell whose bounds count it
   std::vector<double> sites_;
-  // The sites that moved last, and how far; in packs, before and after.
+  // The sites that moved last, and how far.
   std::vector<SiteNumber> moved_;
   std::vector<double> length_;
-  std::vector<double> before_;
-  std::vector<double> after_;
   int dimension_ = 0;
 };
 

@@ -47,15 +47,18 @@ void CellProduct::prepare(const WeightedSites& sites, const double* centre, doub
   const std::size_t padded = (near_.size() + tile - 1) / tile * tile;
   v_.resize(padded * sites.dimension);
   c_.resize(padded);
-  float* v = v_.data();
   for (std::size_t n = 0; n < padded; ++n) {
-    const double* other = sites.at(near_[std::min(n, near_.size() - 1)]);
-    for (std::size_t d = 0; d < sites.dimension; ++d) {
-      *v++ = static_cast<float>(2 * scale_ * (other[d] - own_[d]));
-    }
     c_[n] = n < near_.size() ? static_cast<float>(constant_[n] * squared_scale)
                              : std::numeric_limits<float>::max();
   }
+  float* v = v_.data();
+  const auto position = [&](SiteNumber s) { return sites.at(s); };
+  const auto centre_some = [&](const double* const* rows, Index count, std::size_t) {
+    kernels::centred_points(rows, count, dimension_, own_, 2 * scale_, v);
+    v += std::ptrdiff_t{count} * dimension_;
+  };
+  for_rows(std::span<const SiteNumber>(near_), position, centre_some);
+  for (; v != v_.data() + v_.size(); v += dimension_) std::copy_n(v - dimension_, dimension_, v);
   // Rounding of x, v and the constant, and of a sum of dimension + 1 terms; and underflow, of v
   // times an x of at most 1.
   constexpr double kEpsilon = std::numeric_limits<float>::epsilon();

@@ -10,7 +10,6 @@
 #include "exact/grouping.h"
 #include "exact/packs.h"
 #include "geometry/squares.h"
-#include "kernels/nearest.h"
 #include "parallel/loops.h"
 
 namespace ccvt {
@@ -145,20 +144,22 @@ Grouping group_by_leader(std::span<const double> positions, std::size_t dimensio
                          std::span<const double> leaders, const Arena& arena) {
   const std::vector<double> packs = packs_of(leaders, dimension);
   const std::size_t count = leaders.size() / dimension;
+  const auto filled = static_cast<std::ptrdiff_t>(packs.size() / dimension - count);
   std::vector<Index> nearest(positions.size() / dimension);
-  PerWorker<std::vector<double>> scratch(arena);
+  std::vector<SiteNumber> all(nearest.size());
+  std::iota(all.begin(), all.end(), SiteNumber(0));
+  const auto at = [&](SiteNumber k) { return positions.data() + k * dimension; };
+  PerWorker<PackedDistances> distances(arena);
   arena.for_ranges(
       nearest.size(), kPositionsPerGrain, [&](std::size_t begin, std::size_t end, int worker) {
         arena.check();
-        std::vector<double>& squared = scratch[worker];
-        squared.resize(packs.size() / dimension);
-        for (std::size_t k = begin; k < end; ++k) {
-          kernels::squared_distances(positions.data() + k * dimension, packs.data(),
-                                     static_cast<Index>(squared.size()) / kernels::kPack,
-                                     static_cast<int>(dimension), nullptr, squared.data());
-          const auto all = squared.begin() + static_cast<std::ptrdiff_t>(count);
-          nearest[k] = static_cast<Index>(std::min_element(squared.begin(), all) - squared.begin());
-        }
+        const auto some = std::span(all).subspan(begin, end - begin);
+        distances[worker].for_each(some, at, packs, static_cast<int>(dimension), nullptr,
+                                   [&](SiteNumber k, std::span<const double> squared) {
+                                     const auto least =
+                                         std::min_element(squared.begin(), squared.end() - filled);
+                                     nearest[k] = static_cast<Index>(least - squared.begin());
+                                   });
       });
   return {nearest, count};
 }

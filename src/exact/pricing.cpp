@@ -111,12 +111,16 @@ template <class Scalar>
 auto Pricer<Scalar>::price_parts(const Task& task, std::vector<Part>& parts) const -> PriceSums {
   std::vector<Index> given;
   if (sharing() != nullptr) given = task.owners;
+  const auto centre = [](const Part& part) { return part.centre; };
+  const double* const extent = metric_.periodic() ? metric_.extent() : nullptr;
   PerWorker<Scratch> scratch(arena_);
   arena_.for_ranges(parts.size(), 4, [&](std::size_t begin, std::size_t end, int worker) {
-    for (std::size_t k = begin; k < end; ++k) {
-      arena_.check();
-      price_part(task, parts[k], scratch[worker]);
-    }
+    const auto some = std::span(parts).subspan(begin, end - begin);
+    scratch[worker].distances.for_each(some, centre, task.packs, points_.dimension, extent,
+                                       [&](Part& part, std::span<const double> apart) {
+                                         arena_.check();
+                                         price_part(task, part, apart, scratch[worker]);
+                                       });
   });
   PriceSums sums;
   for (int worker = 0; worker < arena_.threads(); ++worker) sums.add(scratch[worker].sums);
@@ -288,15 +292,22 @@ void Pricer<Scalar>::survey(const Task& task, Part& part, Scratch& scratch) cons
                 (1 + rounding_share(points_.dimension));
 }
 
+/// `apart`: squared distances between the centre and each site, where sites are looked at one by
+/// one.
 template <class Scalar>
-void Pricer<Scalar>::price_part(const Task& task, Part& part, Scratch& scratch) const {
+void Pricer<Scalar>::price_part(const Task& task, Part& part, std::span<const double> apart,
+                                Scratch& scratch) const {
   const std::span<const PointNumber> members = part.members;
   if (task.covered) {
     part.radius = task.kept->radius(part.site);
     select_known(task, part, scratch);
   } else {
     survey(task, part, scratch);
-    select_sites(task, part, scratch);
+    if (task.groups != nullptr) {
+      select_by_groups(task, part, scratch);
+    } else {
+      select_sites(task, part, apart, scratch);
+    }
   }
   CellProduct& product = scratch.product;
   if (product.near().size() == 1 && product.near()[0] == part.site) return;

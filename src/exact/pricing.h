@@ -86,8 +86,11 @@ class Pricer {
   PriceSums price_parts(const Task& task, std::vector<Part>& parts) const;
   void share_owners(std::span<const Index> given, std::vector<Index>& owners) const;
   static void keep(CellBounds& kept, const std::vector<Part>& parts);
-  void price_part(const Task& task, Part& part, Scratch& scratch) const;
-  void select_sites(const Task& task, const Part& part, Scratch& scratch) const;
+  void price_part(const Task& task, Part& part, std::span<const double> apart,
+                  Scratch& scratch) const;
+  void select_sites(const Task& task, const Part& part, std::span<const double> apart,
+                    Scratch& scratch) const;
+  void select_by_groups(const Task& task, const Part& part, Scratch& scratch) const;
   void select_known(const Task& task, const Part& part, Scratch& scratch) const;
   void raise_bounds(const Task& task, const Part& part, const CellProduct& product) const;
   void survey(const Task& task, Part& part, Scratch& scratch) const;

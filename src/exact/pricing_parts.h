@@ -7,6 +7,7 @@
 
 #include "exact/cell_bounds.h"
 #include "exact/cell_product.h"
+#include "exact/packs.h"
 #include "exact/price_sums.h"
 #include "exact/pricing.h"
 #include "exact/rivals.h"
@@ -48,10 +49,10 @@ struct Pricer<Scalar>::Part {
 
 template <class Scalar>
 struct Pricer<Scalar>::Scratch {
-  std::vector<double> squared;  ///< of the distance between the centre and each site
-  std::vector<double> least;    ///< of each site, what it costs the cell's points at least
-  std::vector<double> own;      ///< of each point, the squared distance to the centre
-  Rivals rivals;                ///< where cells are taken together
+  PackedDistances distances;
+  std::vector<double> least;  ///< of each site, what it costs the cell's points at least
+  std::vector<double> own;    ///< of each point, the squared distance to the centre
+  Rivals rivals;              ///< where cells are taken together
   std::vector<SiteNumber> near;
   CellProduct product;
   PriceSums sums;

@@ -6,36 +6,39 @@
 #include "exact/distances.h"
 #include "exact/pricing_parts.h"
 #include "geometry/squares.h"
-#include "kernels/nearest.h"
 
 namespace ccvt {
 
-/// Gives the product the sites that some point within the radius of the centre may prefer.
+/// Gives the product the sites of groups that some point may prefer, or without owners those of the
+/// part's group.
 template <class Scalar>
-void Pricer<Scalar>::select_sites(const Task& task, const Part& part, Scratch& scratch) const {
+void Pricer<Scalar>::select_by_groups(const Task& task, const Part& part, Scratch& scratch) const {
   const WeightedSites& sites = task.sites;
   const int dimension = points_.dimension;
   scratch.product.clear();
-  if (task.groups != nullptr) {
-    const auto add = [&](SiteNumber j, double squared) {
-      scratch.product.add(j, squared, squared - task.weight(j));
-    };
-    if (task.first) {
-      for (const SiteNumber j : task.groups->of(part.group)) {
-        add(j, squared_difference(part.centre, sites.at(j), dimension));
-      }
-    } else {
-      for (const auto& [j, squared] :
-           scratch.rivals.find(*task.groups, sites.weight, part.centre, dimension)) {
-        add(j, squared);
-      }
+  const auto add = [&](SiteNumber j, double squared) {
+    scratch.product.add(j, squared, squared - task.weight(j));
+  };
+  if (task.first) {
+    for (const SiteNumber j : task.groups->of(part.group)) {
+      add(j, squared_difference(part.centre, sites.at(j), dimension));
     }
-    return;
+  } else {
+    for (const auto& [j, squared] :
+         scratch.rivals.find(*task.groups, sites.weight, part.centre, dimension)) {
+      add(j, squared);
+    }
   }
-  scratch.squared.resize(task.packs.size() / sites.dimension);
-  kernels::squared_distances(
-      part.centre, task.packs.data(), static_cast<Index>(scratch.squared.size()) / kernels::kPack,
-      dimension, metric_.periodic() ? metric_.extent() : nullptr, scratch.squared.data());
+}
+
+/// Gives the product the sites that some point within the radius of the centre may prefer. `apart`:
+/// squared distances between the centre and each site.
+template <class Scalar>
+void Pricer<Scalar>::select_sites(const Task& task, const Part& part, std::span<const double> apart,
+                                  Scratch& scratch) const {
+  const WeightedSites& sites = task.sites;
+  const int dimension = points_.dimension;
+  scratch.product.clear();
   scratch.least.resize(sites.count());
   // What the farthest point pays at most for its cheapest site, and what others cost at least; a
   // little more and less than that, for the rounding of these terms.
@@ -44,7 +47,7 @@ void Pricer<Scalar>::select_sites(const Task& task, const Part& part, Scratch& s
   const double own_weight = part.weight;
   double ceiling = kNever;
   for (const SiteNumber j : sites_below(sites.count())) {
-    const double squared = scratch.squared[j];
+    const double squared = apart[j];
     const double constant = squared + own_weight - task.weight(j);
     const double reach = 2 * part.radius * std::sqrt(squared);
     const double rounding =
@@ -55,7 +58,7 @@ void Pricer<Scalar>::select_sites(const Task& task, const Part& part, Scratch& s
   }
   for (const SiteNumber j : sites_below(sites.count())) {
     if (scratch.least[j] > ceiling) continue;
-    const double squared = scratch.squared[j];
+    const double squared = apart[j];
     scratch.product.add(j, squared, squared + own_weight - task.weight(j));
   }
 }
@@ -89,9 +92,11 @@ void Pricer<Scalar>::raise_bounds(const Task& task, const Part& part,
   }
 }
 
-#define CCVT_INSTANTIATE(Scalar)                                                        \
-  template void Pricer<Scalar>::select_sites(const Task&, const Part&, Scratch&) const; \
-  template void Pricer<Scalar>::select_known(const Task&, const Part&, Scratch&) const; \
+#define CCVT_INSTANTIATE(Scalar)                                                                \
+  template void Pricer<Scalar>::select_sites(const Task&, const Part&, std::span<const double>, \
+                                             Scratch&) const;                                   \
+  template void Pricer<Scalar>::select_by_groups(const Task&, const Part&, Scratch&) const;     \
+  template void Pricer<Scalar>::select_known(const Task&, const Part&, Scratch&) const;         \
   template void Pricer<Scalar>::raise_bounds(const Task&, const Part&, const CellProduct&) const;
 
 CCVT_INSTANTIATE(float)

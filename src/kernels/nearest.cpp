@@ -162,6 +162,40 @@ HWY_INLINE void packed_distances(const double* query, const double* positions, I
   }
 }
 
+/// Queries that positions are read once for.
+constexpr Index kQueries = 4;
+
+/// The same for kQueries of them, without a torus.
+HWY_INLINE void packed_distances_of_few(const double* const* queries, const double* positions,
+                                        Index packs, int dimension, double* const* out) {
+  const hn::CappedTag<double, kPack> tag;
+  const auto lanes = static_cast<Index>(hn::Lanes(tag));
+  const double *const q0 = queries[0], *const q1 = queries[1];
+  const double *const q2 = queries[2], *const q3 = queries[3];
+  const std::ptrdiff_t end = std::ptrdiff_t{packs} * kPack;
+  for (std::ptrdiff_t first = 0; first < end; first += kPack, positions += kPack * dimension) {
+    for (Index l = 0; l < kPack; l += lanes) {
+      auto a0 = hn::Zero(tag), a1 = a0, a2 = a0, a3 = a0;
+      const double* position = positions + l;
+      for (std::ptrdiff_t d = 0; d < dimension; ++d, position += kPack) {
+        const auto at = hn::LoadU(tag, position);
+        const auto add = [&](auto& sum, const double* query) HWY_ATTR {
+          const auto difference = hn::Sub(hn::Set(tag, query[d]), at);
+          sum = hn::Add(sum, hn::Mul(difference, difference));
+        };
+        add(a0, q0);
+        add(a1, q1);
+        add(a2, q2);
+        add(a3, q3);
+      }
+      hn::StoreU(a0, tag, out[0] + first + l);
+      hn::StoreU(a1, tag, out[1] + first + l);
+      hn::StoreU(a2, tag, out[2] + first + l);
+      hn::StoreU(a3, tag, out[3] + first + l);
+    }
+  }
+}
+
 /// As many vectors as there are to eight sums, of three points at a time.
 template <class Scalar>
 HWY_INLINE void distances_of(const Scalar* const* points, Index count, int dimension,
@@ -235,6 +269,15 @@ void packed(const double* query, const double* positions, Index packs, int dimen
                    });
 }
 
+void packed_for_each(const double* const* queries, Index count, const double* positions,
+                     Index packs, int dimension, const double* extent, double* const* out) {
+  Index k = 0;
+  for (; extent == nullptr && k + kQueries <= count; k += kQueries) {
+    packed_distances_of_few(queries + k, positions, packs, dimension, out + k);
+  }
+  for (; k < count; ++k) packed(queries[k], positions, packs, dimension, extent, out[k]);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace ccvt::kernels
 HWY_AFTER_NAMESPACE();
@@ -258,6 +301,12 @@ HWY_EXPORT(packed);
 void squared_distances(const double* query, const double* positions, Index packs, int dimension,
                        const double* extent, double* out) {
   HWY_DYNAMIC_DISPATCH(packed)(query, positions, packs, dimension, extent, out);
+}
+
+HWY_EXPORT(packed_for_each);
+void squared_distances(const double* const* queries, Index count, const double* positions,
+                       Index packs, int dimension, const double* extent, double* const* out) {
+  HWY_DYNAMIC_DISPATCH(packed_for_each)(queries, count, positions, packs, dimension, extent, out);
 }
 
 HWY_EXPORT(float32_distances);

@@ -28,6 +28,11 @@ constexpr Index kPack = 8;
 void squared_distances(const double* query, const double* positions, Index packs, int dimension,
                        const double* extent, double* out);
 
+/// The same bits for each of `count` queries, in out[k] for the k-th: positions are read once for
+/// several.
+void squared_distances(const double* const* queries, Index count, const double* positions,
+                       Index packs, int dimension, const double* extent, double* const* out);
+
 /// The squared distances from `query` to `count` points of `dimension` values each: bit for bit
 /// squared_difference() of geometry/squares.h.
 template <class Scalar>

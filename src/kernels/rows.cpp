@@ -111,6 +111,23 @@ void rows_of_double(const double* const* rows, Index count, Index width, int dim
   centred_streams(rows, count, width, dimension, centre_of, scale, block, stride);
 }
 
+void points_of_double(const double* const* rows, Index count, int dimension,
+                      const double* centre_of, double scale, float* block) {
+  const hn::ScalableTag<double> wide;
+  const hn::Rebind<float, decltype(wide)> narrow;
+  const auto factor = hn::Set(wide, scale);
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(wide));
+  for (std::ptrdiff_t k = 0; k < count; ++k, block += dimension) {
+    const double* const x = rows[k];
+    std::ptrdiff_t d = 0;
+    for (; d + lanes <= dimension; d += lanes) {
+      const auto from_centre = hn::Sub(hn::LoadU(wide, x + d), hn::LoadU(wide, centre_of + d));
+      hn::StoreU(hn::DemoteTo(narrow, hn::Mul(from_centre, factor)), narrow, block + d);
+    }
+    for (; d < dimension; ++d) block[d] = static_cast<float>((x[d] - centre_of[d]) * scale);
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace ccvt::kernels
 HWY_AFTER_NAMESPACE();
@@ -131,6 +148,12 @@ template <>
 void centred_rows(const double* const* rows, Index count, Index width, int dimension,
                   const double* centre, double scale, float* block, Index stride) {
   HWY_DYNAMIC_DISPATCH(rows_of_double)(rows, count, width, dimension, centre, scale, block, stride);
+}
+
+HWY_EXPORT(points_of_double);
+void centred_points(const double* const* rows, Index count, int dimension, const double* centre,
+                    double scale, float* block) {
+  HWY_DYNAMIC_DISPATCH(points_of_double)(rows, count, dimension, centre, scale, block);
 }
 
 }  // namespace ccvt::kernels

@@ -14,4 +14,8 @@ template <class Scalar>
 void centred_rows(const Scalar* const* rows, Index count, Index width, int dimension,
                   const double* centre, double scale, float* block, Index stride);
 
+/// The same numbers one point after the other: block[k * dimension + d] for k < count.
+void centred_points(const double* const* rows, Index count, int dimension, const double* centre,
+                    double scale, float* block);
+
 }  // namespace ccvt::kernels
