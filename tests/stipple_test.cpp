@@ -78,6 +78,30 @@ Points<double> scattered(Index count, double side) {
 
 TEST_SUITE_BEGIN("stipple");
 
+TEST_CASE_TEMPLATE("no dot lies on blank paper", Scalar, float, double) {
+  // Two black squares, far apart: with an odd number of dots, one has points of both.
+  Image image = constant_image(300, 100, 1);
+  const auto value = [&](double x, double y) -> float& {
+    return image.values[static_cast<std::size_t>(std::floor(y) * image.width + std::floor(x))];
+  };
+  for (int y = 30; y < 70; ++y) {
+    for (int x = 10; x < 50; ++x) value(x, y) = value(x + 240, y) = 0;
+  }
+  for (const Index sites : {3, 5, 101}) {
+    CAPTURE(sites);
+    const auto stippling = stipple<Scalar>(image, sites);
+    CHECK(stippling.put_back == 1);
+    CHECK(stippling.farthest_put_back > 90);
+    CHECK(stippling.farthest_put_back < 130);
+    for (Index dot = 0; dot < sites; ++dot) {
+      CHECK(value(double{stippling.dots(0, dot)}, double{stippling.dots(1, dot)}) == 0);
+    }
+  }
+  const auto dark = stipple<Scalar>(test_picture(), 100);
+  CHECK(dark.put_back == 0);
+  CHECK(dark.farthest_put_back == 0);
+}
+
 TEST_CASE("a written picture comes back to 8 bits") {
   const TemporaryDirectory directory;
   const Image image = test_picture();

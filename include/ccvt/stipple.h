@@ -39,6 +39,10 @@ struct Stippling {
   Columns<Scalar> dots;
   double dot_radius = 0;
   Summary summary;
+  /// Dots on pixels that are not dark at all, as between two letters, were moved to the nearest of
+  /// their own points: how many, and how far at most, in pixels.
+  Index put_back = 0;
+  double farthest_put_back = 0;
 };
 
 /// How dark each pixel is, row by row: (1 - value)^gamma, or value^gamma when inverted. Values are
@@ -49,9 +53,9 @@ CCVT_EXPORT std::vector<float> darkness(const Image& image, bool invert = false,
                                         int threads = 1);
 
 /// Draws sites * points_per_site points from the darkness of `image` and tessellates them in
-/// Euclidean space: the sites are the dots. Throws InvalidInput when no pixel is dark, when
-/// `sites` is less than 1, and for bad options; Cancelled when the run is cancelled before all
-/// points are drawn.
+/// Euclidean space: the sites are the dots, but for those put back. Throws InvalidInput when no
+/// pixel is dark, when `sites` is less than 1, and for bad options; Cancelled when the run is
+/// cancelled before all points are drawn.
 template <class Scalar = float>
 CCVT_EXPORT Stippling<Scalar> stipple(const Image& image, Index sites,
                                       const StippleOptions& options = {});

@@ -163,9 +163,10 @@ int finish(const CommonArguments& common, Publication& outputs, const Summary& s
   const int status = publish(outputs);
   warn(common.quiet, summary.warnings);
   if (!common.quiet && put_back && put_back->sites > 0) {
-    print("put back: " + std::to_string(put_back->sites) +
-          " sites lay where the density is 0, and are now on the nearest point of their cells, up "
-          "to " +
+    const char* const where = common.command == "stipple" ? " dots lay where the picture is blank"
+                                                          : " sites lay where the density is 0";
+    print("put back: " + std::to_string(put_back->sites) + where +
+          ", and are now on the nearest point of their cells, up to " +
           text(put_back->farthest, 3) + " away\n");
   }
   if (!common.quiet) print(summary.brief() + "\n");

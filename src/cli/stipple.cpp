@@ -31,7 +31,8 @@ int stipple_file(const StippleArguments& arguments) {
   });
 
   Publication outputs;
-  write_summary(arguments, stippling.summary);
+  const PutBack put_back{stippling.put_back, stippling.farthest_put_back};
+  write_summary(arguments, stippling.summary, put_back);
   const std::string extension = lower_extension(arguments.output);
   if (extension == ".svg") {
     write_svg(arguments.output, stippling);
@@ -40,7 +41,7 @@ int stipple_file(const StippleArguments& arguments) {
   } else {
     write_points(arguments.output, stippling.dots);
   }
-  const int status = finish(arguments, outputs, stippling.summary);
+  const int status = finish(arguments, outputs, stippling.summary, put_back);
   kept.end(stippling.summary);
   return status;
 }

@@ -57,6 +57,8 @@ py::dict stipple_image(const Image& image, Index dots, StippleOptions options, L
   result["width"] = made.width;
   result["height"] = made.height;
   result["dot_radius"] = made.dot_radius;
+  result["put_back"] = made.put_back;
+  result["farthest_put_back"] = made.farthest_put_back;
   result["summary"] = dict_of(made.summary);
   return result;
 }

@@ -1,15 +1,18 @@
 #include "ccvt/stipple.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "ccvt/density.h"
 #include "ccvt/domain.h"
 #include "ccvt/problem.h"
+#include "ccvt/region.h"
 #include "ccvt/solver.h"
 #include "number_text.h"
 #include "parallel/arena.h"
@@ -33,6 +36,25 @@ void require_pixels(const Image& image) {
   throw InvalidInput("image: has " + std::to_string(image.values.size()) + " values for " +
                      std::to_string(image.width) + " x " + std::to_string(image.height) +
                      " pixels; needs one value for each");
+}
+
+/// Moves dots on paper that is to stay blank to the nearest of their points.
+template <class Scalar>
+void put_back(const Points<Scalar>& points, const std::vector<Index>& owners,
+              std::span<const float> dark, Stippling<Scalar>& stippling) {
+  const auto pixel = [](double x, int count) {
+    return static_cast<std::size_t>(std::clamp(x, 0.0, count - 1.0));
+  };
+  const Region inked = [&](std::span<const double> dot) {
+    const std::size_t x = pixel(dot[0], stippling.width);
+    const std::size_t y = pixel(dot[1], stippling.height);
+    return dark[y * static_cast<std::size_t>(stippling.width) + x] > 0;
+  };
+  const std::span<Scalar> dots(stippling.dots.data(),
+                               static_cast<std::size_t>(stippling.dots.size()));
+  const PutBack moved = detail::put_back(view_points(points), owners, dots, inked, Domain());
+  stippling.put_back = moved.sites;
+  stippling.farthest_put_back = moved.farthest;
 }
 
 }  // namespace
@@ -97,6 +119,7 @@ Stippling<Scalar> stipple(const Image& image, Index sites, const StippleOptions&
     solver.run();
     result.dots = solver.sites();
     result.summary = solver.summary();
+    put_back(sampled, solver.owners(), dark, result);
   }
   result.dot_radius = options.dot_radius > 0 ? options.dot_radius
                                              : dot_radius_for(view_points(result.dots), image.width,

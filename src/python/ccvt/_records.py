@@ -268,6 +268,9 @@ class Stippling:
         Of the picture.
     dot_radius : float
         At which the dots cover as much as the picture's ink would.
+    put_back : int
+        Dots on pixels that are not dark at all, as between two letters, that were put on the nearest
+        of their own points, up to `farthest_put_back` pixels away.
     summary : Summary
     """
 
@@ -276,6 +279,8 @@ class Stippling:
     height: int
     dot_radius: float
     summary: Summary
+    put_back: int = 0
+    farthest_put_back: float = 0.0
 
     def __repr__(self) -> str:
         return f"<Stippling: {len(self.sites)} dots of radius {self.dot_radius:.3g}>"
