@@ -1,6 +1,7 @@
 #include "ccvt/solver.h"
 
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "checks.h"
@@ -12,6 +13,22 @@ template <class Scalar>
 struct Solver<Scalar>::Implementation : Run<Scalar> {
   using Run<Scalar>::Run;
 };
+
+namespace {
+
+/// The run, which is between two iterations: not in the middle of one, where Options::cancelled is
+/// asked.
+template <class Implementation>
+Implementation& resting(const char* function,
+                        const std::unique_ptr<Implementation>& implementation) {
+  Implementation& run = whole("solver", implementation);
+  if (!run.stop.asks()) return run;
+  throw InvalidInput(std::string(function) +
+                     ": is called by Options::cancelled, which is asked in the middle of an "
+                     "iteration; it may be called by on_iteration");
+}
+
+}  // namespace
 
 template <class Scalar>
 Solver<Scalar>::Solver(Problem<Scalar> problem, Options options)
@@ -30,18 +47,19 @@ Solver<Scalar>::~Solver() {}  // NOLINT: where Implementation is complete
 
 template <class Scalar>
 bool Solver<Scalar>::step() {
-  return whole("solver", implementation_).step();
+  return resting("Solver::step", implementation_).step();
 }
 
 template <class Scalar>
 void Solver<Scalar>::run() {
-  while (whole("solver", implementation_).step()) {
+  while (resting("Solver::run", implementation_).step()) {
   }
 }
 
 template <class Scalar>
 void Solver<Scalar>::cancel() {
   Implementation& run = whole("solver", implementation_);
+  if (run.stop.asks()) return run.stop.wish();
   if (!run.record.ended()) {
     run.stop.enter();
     run.end_for_now(Termination::cancelled);
@@ -50,12 +68,12 @@ void Solver<Scalar>::cancel() {
 
 template <class Scalar>
 void Solver<Scalar>::save(const std::filesystem::path& file) const {
-  whole("solver", implementation_).save(file);
+  resting("Solver::save", implementation_).save(file);
 }
 
 template <class Scalar>
 void Solver<Scalar>::load(const std::filesystem::path& file) {
-  whole("solver", implementation_).load(file);
+  resting("Solver::load", implementation_).load(file);
 }
 
 template <class Scalar>
@@ -65,7 +83,7 @@ Columns<Scalar> Solver<Scalar>::site_columns() const {
 
 template <class Scalar>
 std::vector<Index> Solver<Scalar>::owners() const {
-  return whole("solver", implementation_).owners();
+  return resting("Solver::owners", implementation_).owners();
 }
 
 template <class Scalar>

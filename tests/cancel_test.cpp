@@ -6,19 +6,25 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <stdexcept>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "ccvt/ccvt.h"
 #include "parallel/arena.h"
 #include "support/generate.h"
+#include "support/message.h"
 
 namespace ccvt::test {
 namespace {
 
 TEST_SUITE_BEGIN("cancel");
+
+namespace fs = std::filesystem;
 
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
@@ -106,6 +112,44 @@ TEST_CASE("tessellate: initial owners stay when a run is cancelled or late from 
   const auto late = tessellate(problem, {.time_limit = 1e-9});
   CHECK(late.owners == owners);
   CHECK(late.summary.termination == Termination::time_limit);
+}
+
+TEST_CASE("a solver called by Options::cancelled is cancelled, or refuses") {
+  const auto points = sample_uniform<double>(Box::unit(2), 20'000, 6);
+  using Use = std::function<void(Solver<double>&)>;
+  const fs::path file = fs::temp_directory_path() / "ccvt_cancel_test.ccvt";
+  const std::vector<std::pair<const char*, Use>> uses = {
+      {"cancel", [](Solver<double>& solver) { solver.cancel(); }},
+      {"step", [](Solver<double>& solver) { solver.step(); }},
+      {"run", [](Solver<double>& solver) { solver.run(); }},
+      {"owners", [](Solver<double>& solver) { static_cast<void>(solver.owners()); }},
+      {"save", [&](Solver<double>& solver) { solver.save(file); }},
+      {"load", [&](Solver<double>& solver) { solver.load(file); }}};
+  for (const auto& use : uses) {
+    CAPTURE(use.first);
+    Solver<double>* called = nullptr;
+    Options options{.threads = 2};
+    options.cancelled = [&] {
+      if (called != nullptr) use.second(*called);
+      return false;
+    };
+    Solver<double> solver(Problem<double>(points, 100), options);
+    called = &solver;
+    const std::string name = use.first;
+    if (name == "cancel") {
+      solver.run();
+      CHECK(solver.summary().termination == Termination::cancelled);
+    } else {
+      CHECK(message_of([&] {
+              solver.run();
+            }).starts_with("Solver::" + name + ": is called by Options::cancelled"));
+      CHECK(!fs::exists(file));
+      called = nullptr;
+      solver.run();
+      CHECK(solver.summary().termination != Termination::running);
+    }
+    CHECK(capacity_error(solver.owners(), 100) == 0);
+  }
 }
 
 TEST_CASE("tessellate: too many points for a start of their own are dealt out near by") {

@@ -66,6 +66,16 @@ TEST_CASE("error examples: points and problems") {
          Problem<float>(points, 2).set_initial_owners({0, 0, 0, 0, 1, 1, 1, 2});
        },
        "initial_owners[7] is 2: it must be in 0..1"},
+      {[&] {
+         const Solver<float>* called = nullptr;
+         Solver<float> solver(Problem<float>(points, 2), {.cancelled = [&] {
+                                return called != nullptr && called->owners().empty();
+                              }});
+         called = &solver;
+         solver.run();
+       },
+       "Solver::owners: is called by Options::cancelled, which is asked in the middle of an "
+       "iteration; it may be called by on_iteration"},
       {[&] { energy(points, flat, owners); }, "sites: have 3 coordinates, points have 2"},
       {[&] {
          const Points<double> far = Points<double>::Constant(2, 8, 1e200);

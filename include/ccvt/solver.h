@@ -19,7 +19,9 @@ namespace ccvt {
 ///     while (solver.step()) draw(solver.sites());
 ///
 /// The points behind the problem must outlive the solver. Not thread-safe; several solvers may
-/// run at the same time.
+/// run at the same time. Options::on_iteration may call any of this. Options::cancelled, which is
+/// asked in the middle of an iteration, may call cancel(), which is then as if it returned true,
+/// sites() and summary(); the others throw InvalidInput there.
 template <class Scalar>
 class CCVT_EXPORT Solver {
  public:

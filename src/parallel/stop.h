@@ -43,7 +43,7 @@ class Stop {
     const auto now = Clock::now();
     if (!wished_) {
       late_ = now >= deadline_;
-      wished_ = late_ || (cancelled_ && cancelled_());
+      wished_ = late_ || asked();
       latest_ = now + patience_;
     }
     if (wished_ && now >= latest_) stop_ = true;
@@ -56,6 +56,10 @@ class Stop {
     requested();
     return wished_;
   }
+  /// Whether the callback is being asked: whatever called check() is half done.
+  [[nodiscard]] bool asks() const { return asks_; }
+  /// Of the callback while it is asked: whatever it says, it has said yes.
+  void wish() { wish_ = true; }
   /// Whether it was the time that ended it.
   [[nodiscard]] bool late() const { return late_; }
 
@@ -107,6 +111,19 @@ class Stop {
   }
 
  private:
+  bool asked() {
+    if (!cancelled_) return false;
+    struct Asking {
+      explicit Asking(bool& asks) : asks_(asks) { asks_ = true; }
+      ~Asking() { asks_ = false; }
+      Asking(const Asking&) = delete;
+      Asking& operator=(const Asking&) = delete;
+      bool& asks_;
+    } const asking(asks_);
+    const bool yes = cancelled_();
+    return yes || wish_;
+  }
+
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds kInterval{20};
 
@@ -118,6 +135,8 @@ class Stop {
   Clock::time_point latest_ = {};
   std::chrono::milliseconds patience_{0};
   bool wished_ = false;
+  bool wish_ = false;
+  bool asks_ = false;
   bool late_ = false;
   bool asking_ = false;
   bool limited_ = false;
