@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "io/formats.h"
 #include "io/ply_file.h"
+#include "io/polygons.h"
 #include "number_text.h"
 
 namespace ccvt::io {
@@ -129,8 +131,20 @@ void MeshParts::add_face(const InputFile& file, std::span<const Index> face) {
   if (corners.size() / 3 + face.size() > kMost) {
     file.fail(concat("has more than ", kMost, " triangles, which is the most supported"));
   }
+  if (face.size() > 3) fans_.push_back({corners.size(), face.size() - 2});
   for (std::size_t k = 2; k < face.size(); ++k) {
     corners.insert(corners.end(), {face[0], face[k - 1], face[k]});
+  }
+}
+
+void MeshParts::divide_concave_faces() {
+  std::vector<Index> face;
+  for (const Fan& fan : fans_) {
+    const auto triangles = std::span(corners).subspan(fan.first, 3 * fan.triangles);
+    face.assign(triangles.begin(), triangles.begin() + 2);
+    for (std::size_t k = 2; k < triangles.size(); k += 3) face.push_back(triangles[k]);
+    const std::vector<Index> divided = divide_concave(face, coordinates);
+    std::copy(divided.begin(), divided.end(), triangles.begin());
   }
 }
 
@@ -146,6 +160,7 @@ TriangleMesh read_mesh(const std::filesystem::path& path, const std::string& den
   }
   io::MeshParts parts =
       extension == ".obj" ? io::read_obj(path, density) : io::read_ply_mesh(path, density);
+  parts.divide_concave_faces();
   TriangleMesh mesh;
   mesh.vertices = Columns<double>(3, std::ssize(parts.coordinates) / 3);
   std::copy(parts.coordinates.begin(), parts.coordinates.end(), mesh.vertices.data());

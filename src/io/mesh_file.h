@@ -19,6 +19,15 @@ struct MeshParts {
   /// The triangles of a face, around its first corner: three corners or more. Throws when they
   /// become too many to be numbered.
   void add_face(const InputFile& file, std::span<const Index> face);
+  /// When all vertices are known: other triangles for faces that such fans do not fit.
+  void divide_concave_faces();
+
+ private:
+  struct Fan {
+    std::size_t first;  ///< of `corners`
+    std::size_t triangles;
+  };
+  std::vector<Fan> fans_;  ///< of several triangles
 };
 
 /// `density`: the colour that is the density; empty: none.

@@ -203,7 +203,7 @@ class Mesh(NamedTuple):
 
 
 def read_mesh(path: Path, density: str = "") -> Mesh:
-    """Reads a triangle mesh: .ply and .obj. Polygons become fans of triangles.
+    """Reads a triangle mesh: .ply and .obj. Polygons become triangles.
 
     Parameters
     ----------
