@@ -63,6 +63,9 @@ function(ccvt_compile_settings target)
   # contract wherever the instruction set has one, so without this flag the bits of a result would
   # depend on the processor that the code was compiled for, or dispatched to.
   target_compile_options(${target} PRIVATE -ffp-contract=off)
+  # Flags of a project that this is a part of reach it too. With -ffast-math no NaN is found in what
+  # is given, and sums change their order; and types and exceptions are needed at run time.
+  target_compile_options(${target} PRIVATE -fno-fast-math -frtti -fexceptions)
 
   # Kernels take long to compile, once for each instruction set. What had SSSE3 or SSE4 but no AVX2
   # was sold until 2013: one number at a time serves there, of which compilers make SSE2. Sanitized

@@ -46,16 +46,19 @@ class Coordinates {
   [[nodiscard]] const double* end() const { return data() + size(); }
 
   /// A view, valid while this object lives and keeps its size; of a temporary, a copy.
-  [[nodiscard]] Eigen::Map<const Eigen::VectorXd> eigen() const& { return {data(), size()}; }
-  [[nodiscard]] Eigen::Map<Eigen::VectorXd> eigen() & { return {data(), size()}; }
+  [[nodiscard]] Eigen::Map<const Eigen::VectorXd> eigen() const& { return {data(), count()}; }
+  [[nodiscard]] Eigen::Map<Eigen::VectorXd> eigen() & { return {data(), count()}; }
   [[nodiscard]] Eigen::VectorXd eigen() const&& { return *this; }
   operator Eigen::VectorXd() const {  // NOLINT: a copy is harmless
-    return Eigen::Map<const Eigen::VectorXd>(data(), size());
+    return Eigen::Map<const Eigen::VectorXd>(data(), count());
   }
 
   friend bool operator==(const Coordinates&, const Coordinates&) = default;
 
  private:
+  /// Eigen's numbers may be of any type: EIGEN_DEFAULT_DENSE_INDEX_TYPE.
+  [[nodiscard]] Eigen::Index count() const { return static_cast<Eigen::Index>(size()); }
+
   std::vector<double> values_;
 };
 
@@ -91,14 +94,16 @@ class Columns {
   [[nodiscard]] Scalar* data() { return values_.data(); }
 
   /// Views, valid while this object lives and keeps its size; of a temporary, copies.
-  [[nodiscard]] Eigen::Map<const Matrix> eigen() const& { return {data(), rows_, cols()}; }
-  [[nodiscard]] Eigen::Map<Matrix> eigen() & { return {data(), rows_, cols()}; }
-  [[nodiscard]] Matrix eigen() const&& { return Eigen::Map<const Matrix>(data(), rows_, cols()); }
+  [[nodiscard]] Eigen::Map<const Matrix> eigen() const& { return {data(), height(), width()}; }
+  [[nodiscard]] Eigen::Map<Matrix> eigen() & { return {data(), height(), width()}; }
+  [[nodiscard]] Matrix eigen() const&& {
+    return Eigen::Map<const Matrix>(data(), height(), width());
+  }
   [[nodiscard]] Eigen::Map<const Column> col(std::ptrdiff_t column) const& {
-    return {data() + column * rows_, rows_};
+    return {data() + column * rows_, height()};
   }
   [[nodiscard]] Column col(std::ptrdiff_t column) const&& {
-    return Eigen::Map<const Column>(data() + column * rows_, rows_);
+    return Eigen::Map<const Column>(data() + column * rows_, height());
   }
   /// A copy: `Eigen::Matrix3Xf sites = samples.sites;`
   template <int Rows, int Cols>
@@ -114,6 +119,10 @@ class Columns {
   }
 
  private:
+  // As Eigen counts.
+  [[nodiscard]] Eigen::Index height() const { return static_cast<Eigen::Index>(rows_); }
+  [[nodiscard]] Eigen::Index width() const { return static_cast<Eigen::Index>(cols()); }
+
   std::ptrdiff_t rows_ = 0;
   std::vector<Scalar> values_;
 };

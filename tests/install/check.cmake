@@ -3,8 +3,9 @@
 #         -D COMPILER= -D NM= -D PARALLEL= -P check.cmake
 # installed     what BINARY_DIR built, installed to a prefix that is then moved; CMake, pkg-config
 # configured    FetchContent, configured only
-# sub_project   FetchContent, with a shared library compiled for this very processor; then that
-#               library installed, and its symbols (Debug has the -g that tests/abi/check.sh needs)
+# sub_project   FetchContent, with a shared library compiled for this very processor, by a project
+#               whose flags it does not share; then that library installed, and its symbols (Debug
+#               has the -g that tests/abi/check.sh needs)
 # flags         the first of them under some sets of flags; flags.sh has more, for both
 
 # Debug, since that compiles fastest.
@@ -111,7 +112,7 @@ elseif(WAY STREQUAL "sub_project")
   # Kernels for one instruction set, as that compiles fastest.
   consume(sub_project -D CCVT_SOURCE_DIR=${SOURCE_DIR} -D BUILD_SHARED_LIBS=ON
     -D CCVT_INSTALL=ON -D CCVT_PARALLEL=${PARALLEL}
-    "-DCMAKE_CXX_FLAGS=-DHWY_COMPILE_ONLY_STATIC -march=native -O1")
+    "-DCMAKE_CXX_FLAGS=-DHWY_COMPILE_ONLY_STATIC -march=native -O1 -ffast-math -fno-rtti")
   install_and_consume(${WORK_DIR}/sub_project shared)
   file(GLOB_RECURSE shared_library ${WORK_DIR}/shared/*/libccvt.so)
   run(${CMAKE_COMMAND} -D LIBRARY=${shared_library} -D NM=${NM} -P ${consumer}/symbols.cmake)

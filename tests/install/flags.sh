@@ -28,12 +28,13 @@ flag_sets=(
   "g++ -O1 -DEIGEN_MAX_ALIGN_BYTES=64 -march=native"
   "g++ -O1 -DEIGEN_DONT_VECTORIZE"
   "g++ -O2 -ffast-math -march=native"
+  "g++ -O1 -fno-rtti -DEIGEN_DEFAULT_DENSE_INDEX_TYPE=int"
   "g++ -O1 -fsanitize=address -D_GLIBCXX_ASSERTIONS -march=native"
 )
 if [ -n "$short" ]; then flag_sets=("${flag_sets[@]:0:1}" "${flag_sets[@]:2:1}" "${flag_sets[@]: -1}"); fi
 if [ -z "$short" ] && grep -qw avx512f /proc/cpuinfo; then flag_sets+=("g++ -O2 -march=x86-64-v4"); fi
 if [ -z "$short" ] && command -v clang++ >/dev/null; then
-  flag_sets+=("clang++ -O1 -march=native" "clang++ -O1 -fsanitize=address -march=native")
+  flag_sets+=("clang++ -O1 -march=native" "clang++ -O1 -fno-rtti -DEIGEN_DEFAULT_DENSE_INDEX_TYPE=int" "clang++ -O1 -fsanitize=address -march=native")
 fi
 
 failed=0
