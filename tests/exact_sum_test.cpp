@@ -52,7 +52,7 @@ TEST_CASE("exact_sum: neither order nor parts change it") {
   std::vector<double> ascending = terms;
   std::sort(ascending.begin(), ascending.end());
   CHECK(sum_of(ascending) == expected);
-  for (const std::size_t parts : {2, 7, 100}) {
+  for (const std::size_t parts : {2U, 7U, 100U}) {
     std::vector<ExactSum> part(parts);
     for (std::size_t k = 0; k < terms.size(); ++k) part[k * k % parts].add(terms[k]);
     ExactSum all;

@@ -178,6 +178,10 @@ TEST_CASE("mistyped commands and options: what was likely meant") {
       {"sample --points", "unknown argument '--points'; see ccvt sample --help"},
       {"--versoin", "unknown argument '--versoin'; did you mean --version? See ccvt --help"},
       {"sample -", "unknown argument '-'; see ccvt sample --help"},
+      {"--sites 5 sample",
+       "'--sites' stands before the command; options follow it; see ccvt sample --help"},
+      {"tessellate -- p.csv --sites 5",
+       "what follows '--' is taken for files; options go before it; see ccvt tessellate --help"},
   };
   for (const Case& c : cases) {
     CAPTURE(c.line);

@@ -217,6 +217,13 @@ TEST_CASE("numbers are read from tables of one column and arrays of one extent")
   CHECK(message_of([&] { read_numbers(directory / "d.npy"); }).find("has 2 numbers a row") !=
         std::string::npos);
   put(directory / "e.csv", "1\nx\n");
+  // Names of coordinates say nothing here.
+  put(directory / "f.csv", "x\n4\n5\n");
+  CHECK(read_numbers(directory / "f.csv") == std::vector<double>{4, 5});
+  put(directory / "g.csv", "x,mass\n9,1\n9,1000\n");
+  CHECK(message_of([&] {
+          read_numbers(directory / "g.csv");
+        }).ends_with("g.csv: has 2 numbers a row (x, mass); there must be one"));
   CHECK(message_of([&] { read_numbers(directory / "e.csv"); }).find("e.csv") != std::string::npos);
 }
 

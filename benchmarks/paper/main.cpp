@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "ccvt/io.h"
 #include "ccvt/types.h"
@@ -110,7 +111,10 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    throw ccvt::InvalidInput(std::string(error.what()) + "; see ccvt-bench --help");
+    const std::vector<std::string> unknown = app.remaining(true);
+    const std::string wrong =
+        unknown.empty() ? error.what() : "unknown argument '" + unknown[0] + "'";
+    throw ccvt::InvalidInput(wrong + "; see ccvt-bench --help");
   }
   if (!report->parsed()) {
     if (arguments.scale.quick) arguments.scale.repetitions = 1;

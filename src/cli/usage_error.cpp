@@ -39,11 +39,15 @@ std::vector<std::string> names_of_options(const CLI::App& command) {
 
 /// What was typed instead of an option or a command, and what is likely to have been meant.
 std::string unknown_word(const CLI::App& app, const CLI::App* command, const std::string& word) {
+  if (word == "--") return "what follows '--' is taken for files; options go before it";
   const bool option = word.starts_with("-");
   const std::string typed = before(word, "=");
   const std::string meant =
       likely_meant(typed, option ? names_of_options(command == nullptr ? app : *command)
                                  : names_of_commands(app));
+  if (command != nullptr && option && meant == typed) {
+    return "'" + typed + "' stands before the command; options follow it";
+  }
   std::string text = "unknown argument '" + word + "'";
   if (command == nullptr && !option) {
     text = "unknown command '" + word + "'";

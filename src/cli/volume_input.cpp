@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <string>
 
+#include "cli/outputs.h"
 #include "cli/standard_streams.h"
 #include "cli/values.h"
 
@@ -30,6 +31,11 @@ bool has_limits(const ValueMap& map) {
 }  // namespace
 
 VolumeHeader inspect_input(const std::filesystem::path& file, const VolumeLayout& layout) {
+  if (lower_extension(file) == ".raw" && (layout.shape.empty() || !layout.type)) {
+    throw InvalidInput(
+        with_names_of_streams(file.string()) +
+        ": is a raw file; needs a shape of 3 numbers and a type: --shape X,Y,Z --type TYPE");
+  }
   VolumeHeader header = inspect_volume(file, layout);
   if (is_from_stream(file) && header.data_file != file) {
     throw InvalidInput(with_names_of_streams(file.string()) +

@@ -40,10 +40,16 @@ std::vector<double> read_numbers(const std::filesystem::path& path) {
     std::vector<double> numbers = read_npy_vector(path);
     if (!numbers.empty()) return numbers;
   }
+  // Those of all columns, whichever of them would be coordinates of points.
   const PointsHeader header = inspect_points(path);
-  if (header.dimension != 1) {
-    throw InvalidInput(path.string() + ": has " + std::to_string(header.dimension) +
-                       " numbers a row; there must be one");
+  std::vector<std::string> names = header.columns;
+  names.insert(names.end(), header.left_out.begin(), header.left_out.end());
+  const auto numbers = static_cast<std::size_t>(header.dimension) + header.left_out.size();
+  if (numbers != 1) {
+    std::string list;
+    for (const std::string& name : names) list += (list.empty() ? " (" : ", ") + name;
+    throw InvalidInput(path.string() + ": has " + std::to_string(numbers) + " numbers a row" +
+                       (list.empty() ? "" : list + ")") + "; there must be one");
   }
   const Points<double> column = read_points<double>(path);
   return {column.data(), column.data() + column.size()};

@@ -46,7 +46,7 @@ ADVICE = {
     "src/cli/volume.cpp": _USAGE,
     "src/cli/volume_input.cpp": "Choose which values matter with `--map`, and leave cells out with "
                                 "`--mask`, a volume of the same cells. Standard input must have the "
-                                "data along with the header.",
+                                "data along with the header. A raw file does not say what is in it.",
     "src/cli/volume_mask.cpp": "The mask has the cells of the volume, at the same places; resample it, or "
                                "choose other labels.",
     "src/codebook/codebook.cpp": _PARAMETER,
@@ -127,6 +127,7 @@ ADVICE = {
     "src/relax/filling.h": "Take more sites, or a smaller `tile_sites`: each tile then has fewer points.",
     "src/relax/balance.cpp": "A mistake of the library: please report it.",
     "src/relax/mover.cpp": "A mistake of the library: please report it.",
+    "src/solver.cpp": "Return true from `Options::cancelled`, or call this from `Options::on_iteration`.",
     "src/run_checkpoint.cpp": "A checkpoint is saved from and loaded into a solver that has not ended. "
                               "What is damaged cannot be continued: remove it, and the run begins anew.",
     "src/sampling/density.cpp": "A grid has a value for each cell; of several ranks each has the layers "
