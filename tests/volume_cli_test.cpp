@@ -153,6 +153,68 @@ TEST_CASE("volume: a mask may store its axes in another order, or say less of it
   }
 }
 
+TEST_CASE("volume: a mask may store its axes in any order, and from either end") {
+  const TemporaryDirectory directory;
+  constexpr std::array kCells = {3, 4, 5};
+  constexpr std::array kSpacing = {1, 2, 3};
+  const auto inside = [](const std::array<int, 3>& cell) {
+    return (7 * cell[0] + 5 * cell[1] * cell[2] + cell[2]) % 3 == 0;
+  };
+  put(directory / "v.nii", nifti1({3, 4, 5}, 2, 8) + std::string(60, '\1'));
+  std::string expected;
+  std::array<int, 3> axes = {0, 1, 2};
+  do {
+    for (int flips = 0; flips < 8; ++flips) {
+      CAPTURE(axes);
+      CAPTURE(flips);
+      const auto reversed = [&](int axis) { return (flips >> axis & 1) != 0; };
+      std::string sizes;
+      std::string directions;
+      for (const int axis : axes) {
+        sizes += " " + std::to_string(kCells.at(static_cast<std::size_t>(axis)));
+        std::array<int, 3> step{};
+        step.at(static_cast<std::size_t>(axis)) =
+            (reversed(axis) ? -1 : 1) * kSpacing.at(static_cast<std::size_t>(axis));
+        directions += " (" + std::to_string(step[0]) + "," + std::to_string(step[1]) + "," +
+                      std::to_string(step[2]) + ")";
+      }
+      std::string origin;
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto at = static_cast<std::size_t>(axis);
+        origin += (axis > 0 ? "," : "") +
+                  std::to_string(reversed(axis) ? kSpacing.at(at) * (kCells.at(at) - 1) : 0);
+      }
+      std::string data;
+      const auto cells = [&](std::size_t which) {
+        return kCells.at(static_cast<std::size_t>(axes.at(which)));
+      };
+      for (int c = 0; c < cells(2); ++c) {
+        for (int b = 0; b < cells(1); ++b) {
+          for (int a = 0; a < cells(0); ++a) {
+            std::array<int, 3> cell{};
+            for (std::size_t which = 0; which < 3; ++which) {
+              const int along = std::array{a, b, c}.at(which);
+              const int axis = axes.at(which);
+              cell.at(static_cast<std::size_t>(axis)) =
+                  reversed(axis) ? cells(which) - 1 - along : along;
+            }
+            data += inside(cell) ? '\1' : '\0';
+          }
+        }
+      }
+      put(directory / "m.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nspace dimension: 3\nsizes:" +
+                                    sizes + "\nspace directions:" + directions +
+                                    "\nspace origin: (" + origin + ")\nencoding: raw\n\n" + data);
+      const Ran ran =
+          run(directory, "volume v.nii --mask m.nrrd --sites 12 --points-per-site 16 -q -o s.npy");
+      CHECK(ran.errors == "");
+      REQUIRE(ran.status == 0);
+      if (expected.empty()) expected = get(directory / "s.npy");
+      CHECK(get(directory / "s.npy") == expected);
+    }
+  } while (std::next_permutation(axes.begin(), axes.end()));
+}
+
 TEST_CASE("volume: a raw mask of another type, beside a raw volume and another") {
   const TemporaryDirectory directory;
   std::vector<float> values(6 * 6 * 6, 1.0F);

@@ -73,9 +73,11 @@ CLI::App* add_analyze(CLI::App& app, AnalyzeArguments& arguments) {
   add_box(*command, arguments.box,
           "The box that the points fill [the unit box; of .gadget and .hdf5 the periodic one they "
           "name]");
-  add_number<double>(*command, "--max-frequency", arguments.max_frequency,
-                     "Up to which frequency, in units of n^(1/D) in the unit box [2]", "F",
-                     {.least = 0, .most = 1000, .open_below = true});
+  add_number<double>(
+      *command, "--max-frequency", arguments.max_frequency,
+      "Up to which frequency, in units of n^(1/D) in the unit box; time grows with its "
+      "power of D [2]",
+      "F", {.least = 0, .most = 1000, .open_below = true});
   add_directory(*command, "-o,--output", arguments.output,
                 "The directory for metrics.json, report.html and the rest; made if need be")
       ->required();

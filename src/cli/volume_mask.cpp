@@ -12,7 +12,7 @@ namespace ccvt::cli {
 
 namespace {
 
-constexpr AxisOrder kSameOrder = {0, 1, 2};
+constexpr AxisOrder kSameOrder = {MaskAxis{0, false}, MaskAxis{1, false}, MaskAxis{2, false}};
 
 /// Whether a file is nothing but values; and whether it does not say where in the world they are.
 bool is_raw(const std::filesystem::path& file) { return lower_extension(file) == ".raw"; }
@@ -41,11 +41,10 @@ Eigen::Matrix3d sides_of(const Grid& grid) {
   return grid.axes.eigen() * cells.cast<double>().asDiagonal();
 }
 
-std::string shape_text(const Grid& grid, const AxisOrder& order = kSameOrder) {
+std::string shape_text(const Grid& grid) {
   std::string result;
-  for (const int axis : order) {
-    result +=
-        (result.empty() ? "" : " x ") + std::to_string(grid.shape[static_cast<std::size_t>(axis)]);
+  for (const std::int64_t cells : grid.shape) {
+    result += (result.empty() ? "" : " x ") + std::to_string(cells);
   }
   return result;
 }
@@ -58,41 +57,64 @@ std::string words_of(const std::vector<std::int64_t>& labels) {
   return words;
 }
 
-/// Which axis of b runs nearest along each of a.
+/// Which axis of b runs nearest along each of a, or against it.
 AxisOrder directions(const Grid& a, const Grid& b) {
   const Eigen::Matrix3d along =
       a.axes.eigen().colwise().normalized().transpose() * b.axes.eigen().colwise().normalized();
-  AxisOrder order = kSameOrder;
-  AxisOrder best = order;
+  std::array<int, 3> axes = {0, 1, 2};
+  AxisOrder best = kSameOrder;
   double most = -1;
   do {
     double sum = 0;
+    AxisOrder order = kSameOrder;
     for (int axis = 0; axis < 3; ++axis) {
-      sum += std::abs(along(axis, order[static_cast<std::size_t>(axis)]));
+      const int other = axes.data()[axis];
+      sum += std::abs(along(axis, other));
+      order.data()[axis] = {other, along(axis, other) < 0};
     }
     if (sum > most + 1e-9) best = order;
     most = std::max(most, sum);
-  } while (std::next_permutation(order.begin(), order.end()));
+  } while (std::next_permutation(axes.begin(), axes.end()));
   return best;
+}
+
+/// The same cells, their axes in that order.
+Grid reordered(const Grid& grid, const AxisOrder& order) {
+  Grid result = grid;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [from, reversed] = order.data()[axis];
+    const std::int64_t cells = grid.shape[static_cast<std::size_t>(from)];
+    const Eigen::Vector3d step = grid.axes.col(from);
+    result.shape[static_cast<std::size_t>(axis)] = cells;
+    result.axes.eigen().col(axis) = reversed ? Eigen::Vector3d(-step) : step;
+    if (reversed) result.origin.eigen() += step * static_cast<double>(cells - 1);
+  }
+  return result;
 }
 
 /// The values of a mask, in the order of the volume that has these axes of it.
 std::vector<std::uint8_t> reordered(const std::vector<std::uint8_t>& mask, const Grid& grid,
                                     const AxisOrder& order) {
-  const auto cells = [&](int axis) {
-    return static_cast<std::size_t>(grid.shape[static_cast<std::size_t>(axis)]);
-  };
-  const std::array<std::size_t, 3> strides = {1, cells(0), cells(0) * cells(1)};
-  const auto [a, b, c] = order;
-  const std::size_t steps[] = {strides[static_cast<std::size_t>(a)],
-                               strides[static_cast<std::size_t>(b)],
-                               strides[static_cast<std::size_t>(c)]};
+  const auto cells = [&](int axis) { return grid.shape[static_cast<std::size_t>(axis)]; };
+  const std::array<std::int64_t, 3> strides = {1, cells(0), cells(0) * cells(1)};
+  std::array<std::int64_t, 3> count{};
+  std::array<std::int64_t, 3> step{};
+  std::int64_t first = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto [axis, reversed] = order.data()[a];
+    const std::int64_t stride = strides.data()[axis];
+    count.data()[a] = cells(axis);
+    step.data()[a] = reversed ? -stride : stride;
+    if (reversed) first += stride * (cells(axis) - 1);
+  }
   std::vector<std::uint8_t> result;
   result.reserve(mask.size());
-  for (std::size_t k = 0; k < cells(c); ++k) {
-    for (std::size_t j = 0; j < cells(b); ++j) {
-      const std::size_t row = j * steps[1] + k * steps[2];
-      for (std::size_t i = 0; i < cells(a); ++i) result.push_back(mask[row + i * steps[0]]);
+  for (std::int64_t k = 0; k < count[2]; ++k) {
+    for (std::int64_t j = 0; j < count[1]; ++j) {
+      const std::int64_t row = first + j * step[1] + k * step[2];
+      for (std::int64_t i = 0; i < count[0]; ++i) {
+        result.push_back(mask[static_cast<std::size_t>(row + i * step[0])]);
+      }
     }
   }
   return result;
@@ -136,14 +158,15 @@ VolumeHeader inspect_mask(const VolumeArguments& arguments, const VolumeHeader& 
 AxisOrder order_of_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
                         const VolumeHeader& mask) {
   const AxisOrder order = directions(volume.grid, mask.grid);
-  const std::string cells = shape_text(mask.grid, order);
+  const Grid seen = reordered(mask.grid, order);
+  const std::string cells = shape_text(seen);
   if (cells != shape_text(volume.grid)) {
     throw InvalidInput(arguments.mask.string() + ": has " + cells + " cells, but " +
                        arguments.volume.string() + " has " + shape_text(volume.grid));
   }
   const double tolerance = 0.1 * volume.grid.spacing().minCoeff();
-  const Eigen::Vector3d moved = volume.grid.origin.eigen() - mask.grid.origin.eigen();
-  const Eigen::Matrix3d turned = sides_of(volume.grid) - sides_of(mask.grid)(Eigen::all, order);
+  const Eigen::Vector3d moved = volume.grid.origin.eigen() - seen.origin.eigen();
+  const Eigen::Matrix3d turned = sides_of(volume.grid) - sides_of(seen);
   if (moved.norm() > tolerance || turned.colwise().norm().sum() > tolerance) {
     throw InvalidInput(arguments.mask.string() + ": its cells are not where those of " +
                        arguments.volume.string() + " are; resample it first");

@@ -23,9 +23,14 @@ VolumeLayout layout_of_mask(const VolumeArguments& arguments);
 /// (.nii, .nrrd) counts the cells along the axes of that.
 VolumeHeader inspect_mask(const VolumeArguments& arguments, const VolumeHeader& volume);
 
-/// Which axis of the mask each axis of the volume is. Throws InvalidInput unless the mask has the
-/// cells of the volume, at the same places.
-using AxisOrder = std::array<int, 3>;
+/// Which axis of the mask each axis of the volume is, and whether from its end. Throws InvalidInput
+/// unless the mask has the cells of the volume, at the same places.
+struct MaskAxis {
+  int axis;
+  bool reversed;
+  bool operator==(const MaskAxis&) const = default;
+};
+using AxisOrder = std::array<MaskAxis, 3>;
 AxisOrder order_of_mask(const VolumeArguments& arguments, const VolumeHeader& volume,
                         const VolumeHeader& mask);
 
