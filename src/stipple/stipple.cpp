@@ -40,19 +40,25 @@ void require_pixels(const Image& image) {
 
 /// Moves dots on paper that is to stay blank to the nearest of their points.
 template <class Scalar>
-void put_back(const Points<Scalar>& points, const std::vector<Index>& owners,
+void put_back(const Points<Scalar>& points, const Solver<Scalar>& solver,
               std::span<const float> dark, Stippling<Scalar>& stippling) {
   const auto pixel = [](double x, int count) {
     return static_cast<std::size_t>(std::clamp(x, 0.0, count - 1.0));
   };
-  const Region inked = [&](std::span<const double> dot) {
-    const std::size_t x = pixel(dot[0], stippling.width);
-    const std::size_t y = pixel(dot[1], stippling.height);
-    return dark[y * static_cast<std::size_t>(stippling.width) + x] > 0;
+  const auto inked = [&](double x, double y) {
+    const std::size_t row = pixel(y, stippling.height) * static_cast<std::size_t>(stippling.width);
+    return dark[row + pixel(x, stippling.width)] > 0;
   };
+  bool all_inked = true;  // as in most photographs: then it need not be known who owns what
+  for (Index dot = 0; dot < stippling.dots.cols(); ++dot) {
+    all_inked = all_inked && inked(stippling.dots(0, dot), stippling.dots(1, dot));
+  }
+  if (all_inked) return;
   const std::span<Scalar> dots(stippling.dots.data(),
                                static_cast<std::size_t>(stippling.dots.size()));
-  const PutBack moved = detail::put_back(view_points(points), owners, dots, inked, Domain());
+  const Region region = [&](std::span<const double> dot) { return inked(dot[0], dot[1]); };
+  const PutBack moved =
+      detail::put_back(view_points(points), solver.owners(), dots, region, Domain());
   stippling.put_back = moved.sites;
   stippling.farthest_put_back = moved.farthest;
 }
@@ -119,7 +125,7 @@ Stippling<Scalar> stipple(const Image& image, Index sites, const StippleOptions&
     solver.run();
     result.dots = solver.sites();
     result.summary = solver.summary();
-    put_back(sampled, solver.owners(), dark, result);
+    put_back(sampled, solver, dark, result);
   }
   result.dot_radius = options.dot_radius > 0 ? options.dot_radius
                                              : dot_radius_for(view_points(result.dots), image.width,
