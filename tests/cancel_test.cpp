@@ -16,6 +16,7 @@
 
 #include "ccvt/ccvt.h"
 #include "parallel/arena.h"
+#include "support/files.h"
 #include "support/generate.h"
 #include "support/message.h"
 
@@ -117,7 +118,8 @@ TEST_CASE("tessellate: initial owners stay when a run is cancelled or late from 
 TEST_CASE("a solver called by Options::cancelled is cancelled, or refuses") {
   const auto points = sample_uniform<double>(Box::unit(2), 20'000, 6);
   using Use = std::function<void(Solver<double>&)>;
-  const fs::path file = fs::temp_directory_path() / "ccvt_cancel_test.ccvt";
+  const TemporaryDirectory directory;
+  const fs::path file = directory / "run.ccvt";
   const std::vector<std::pair<const char*, Use>> uses = {
       {"cancel", [](Solver<double>& solver) { solver.cancel(); }},
       {"step", [](Solver<double>& solver) { solver.step(); }},

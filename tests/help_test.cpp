@@ -179,7 +179,9 @@ TEST_CASE("mistyped commands and options: what was likely meant") {
       {"--versoin", "unknown argument '--versoin'; did you mean --version? See ccvt --help"},
       {"sample -", "unknown argument '-'; see ccvt sample --help"},
       {"--sites 5 sample",
-       "'--sites' stands before the command; options follow it; see ccvt sample --help"},
+       "'--sites' is out of place: options stand behind the command, and before any '--'; see "
+       "ccvt sample --help"},
+      {"sample --sites 5 --dim 2 -o s.csv -- --seed 3", "'--seed' is out of place: "},
       {"tessellate -- p.csv --sites 5",
        "what follows '--' is taken for files; options go before it; see ccvt tessellate --help"},
   };

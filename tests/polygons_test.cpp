@@ -103,6 +103,25 @@ TEST_CASE("concave faces are filled, and no more than that") {
   // A square with a square hole, to which a bridge leads and back.
   check_filled(turned(
       {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {1, 1}, {1, 3}, {3, 3}, {3, 1}, {1, 1}}, random));
+  // A border that touches itself from inside.
+  check_filled(turned({{0.1, 2}, {0, 0}, {4, 0}, {4, 4}, {3, 4}, {0, 0}, {1, 4}, {0, 4}}, random));
+  // Corners on straight edges, which rounding moves off these.
+  for (int trial = 0; trial < 300; ++trial) {
+    CAPTURE(trial);
+    check_filled(turned({{0, 0},
+                         {1, 0},
+                         {2, 0},
+                         {2, 1},
+                         {2, 2},
+                         {1, 2},
+                         {1, 3},
+                         {1, 4},
+                         {0, 4},
+                         {0, 3},
+                         {0, 2},
+                         {0, 1}},
+                        random));
+  }
   for (int trial = 0; trial < 50; ++trial) {
     CAPTURE(trial);
     std::vector<Eigen::Vector2d> star;

@@ -21,7 +21,8 @@ namespace ccvt {
 /// The points behind the problem must outlive the solver. Not thread-safe; several solvers may
 /// run at the same time. Options::on_iteration may call any of this. Options::cancelled, which is
 /// asked in the middle of an iteration, may call cancel(), which is then as if it returned true,
-/// sites() and summary(); the others throw InvalidInput there.
+/// sites() and summary(); step(), run(), owners(), save() and load() throw InvalidInput there, and
+/// the solver must stay where and what it is.
 template <class Scalar>
 class CCVT_EXPORT Solver {
  public:

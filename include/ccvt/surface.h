@@ -42,7 +42,8 @@ struct CCVT_EXPORT TriangleMesh {
 ///         that all vertices then must have (`v x y z red green blue`).
 ///
 /// Faces of more than three corners become fans of triangles around their first one, or, where some
-/// of these would lie outside, as in concave faces, others that fill the face. Throws
+/// of these would lie outside, as in concave faces, others that fill the face; fans still where it
+/// crosses itself. Throws
 /// InvalidInput, with one line that names file and rule, for files that are truncated, damaged or
 /// hold no triangle, and for what TriangleMesh::validate() refuses; IoError when the system
 /// refuses.

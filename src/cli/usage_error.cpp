@@ -46,7 +46,7 @@ std::string unknown_word(const CLI::App& app, const CLI::App* command, const std
       likely_meant(typed, option ? names_of_options(command == nullptr ? app : *command)
                                  : names_of_commands(app));
   if (command != nullptr && option && meant == typed) {
-    return "'" + typed + "' stands before the command; options follow it";
+    return "'" + typed + "' is out of place: options stand behind the command, and before any '--'";
   }
   std::string text = "unknown argument '" + word + "'";
   if (command == nullptr && !option) {

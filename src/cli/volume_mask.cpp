@@ -189,8 +189,8 @@ void check_mask_of_parts(const VolumeArguments& arguments, const VolumeHeader& v
   throw InvalidInput(
       arguments.mask.string() + ": its axes are stored in another order than those of " +
       arguments.volume.string() +
-      " (of two .npy, one is in C order, the other in Fortran order): several processes "
-      "need both alike");
+      " (of two .npy, one is in C order, the other in Fortran order), or from the other end: "
+      "several processes need both alike");
 }
 
 std::vector<std::uint8_t> mask_of(const VolumeArguments& arguments, const Volume& file) {

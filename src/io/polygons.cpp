@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace ccvt::io {
 
@@ -23,21 +24,17 @@ double turn(const Corner& a, const Corner& b, const Corner& c) {
 
 bool in_one_place(const Corner& a, const Corner& b) { return a.x == b.x && a.y == b.y; }
 
-/// The normals of the fan's triangles, twice their areas long.
-std::vector<Vector> fan_normals(std::span<const Index> face, std::span<const double> coordinates) {
-  const auto from_first = [&](std::size_t corner) {
-    const double* const first = &coordinates[3 * static_cast<std::size_t>(face[0])];
-    const double* const here = &coordinates[3 * static_cast<std::size_t>(face[corner])];
+/// The normal of the fan's triangle that ends at that corner, twice its area long.
+Vector fan_normal(std::span<const Index> face, std::span<const double> coordinates,
+                  std::size_t corner) {
+  const double* const first = &coordinates[3 * static_cast<std::size_t>(face[0])];
+  const auto from_first = [&](std::size_t at) {
+    const double* const here = &coordinates[3 * static_cast<std::size_t>(face[at])];
     return Vector{here[0] - first[0], here[1] - first[1], here[2] - first[2]};
   };
-  std::vector<Vector> normals;
-  for (std::size_t k = 2; k < face.size(); ++k) {
-    const Vector a = from_first(k - 1);
-    const Vector b = from_first(k);
-    normals.push_back(
-        {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]});
-  }
-  return normals;
+  const Vector a = from_first(corner - 1);
+  const Vector b = from_first(corner);
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 /// The corners as seen along the axis that the normal is nearest to, from where they turn left.
@@ -57,61 +54,109 @@ std::vector<Corner> seen_along(const Vector& normal, std::span<const Index> face
   return corners;
 }
 
-/// Whether the triangle at that corner can be cut off what is left of the polygon.
-bool is_ear(const std::vector<Corner>& corners, std::size_t at) {
-  const std::size_t count = corners.size();
-  const std::size_t before = (at + count - 1) % count;
-  const std::size_t after = (at + 1) % count;
-  const Corner& a = corners[before];
-  const Corner& b = corners[at];
-  const Corner& c = corners[after];
-  if (!(turn(a, b, c) > 0)) return false;
-  for (std::size_t k = 0; k < count; ++k) {
-    const Corner& p = corners[k];
-    if (k == before || k == at || k == after || in_one_place(p, a) || in_one_place(p, b) ||
-        in_one_place(p, c)) {
-      continue;
+/// What is left of a polygon while corners are cut off.
+class Rest {
+ public:
+  /// `margin`: twice the area of triangles that are taken for none.
+  Rest(std::vector<Corner> corners, double margin)
+      : corners_(std::move(corners)), margin_(margin) {}
+
+  /// Cuts off all corners, beginning at one of them; appends three for each triangle. False where
+  /// none of those left can be cut off.
+  bool divide(std::size_t at, std::vector<Corner>& triangles) {
+    for (std::size_t tried = 0; corners_.size() > 3;) {
+      if (tried == corners_.size()) return false;
+      at %= corners_.size();
+      if (!is_straight(at) && !is_ear(at)) {
+        ++at;
+        ++tried;
+        continue;
+      }
+      triangles.insert(triangles.end(), {corners_[before(at)], corners_[at], corners_[after(at)]});
+      corners_.erase(corners_.begin() + static_cast<std::ptrdiff_t>(at));
+      tried = 0;
     }
-    if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) return false;
+    triangles.insert(triangles.end(), corners_.begin(), corners_.end());
+    return true;
   }
-  return true;
-}
+
+ private:
+  [[nodiscard]] std::size_t before(std::size_t at) const {
+    return (at + corners_.size() - 1) % corners_.size();
+  }
+  [[nodiscard]] std::size_t after(std::size_t at) const { return (at + 1) % corners_.size(); }
+  /// On the line between its neighbours: it is cut off without area.
+  [[nodiscard]] bool is_straight(std::size_t at) const {
+    return std::abs(turn(corners_[before(at)], corners_[at], corners_[after(at)])) <= margin_;
+  }
+  /// Whether no other corner, and no side that leads through this one, is in the triangle.
+  [[nodiscard]] bool is_ear(std::size_t at) const {
+    const Corner& a = corners_[before(at)];
+    const Corner& b = corners_[at];
+    const Corner& c = corners_[after(at)];
+    if (!(turn(a, b, c) > margin_)) return false;
+    const auto in_wedge = [&](const Corner& p) {
+      return turn(a, b, p) > margin_ && turn(b, c, p) > margin_;
+    };
+    for (std::size_t k = 0; k < corners_.size(); ++k) {
+      const Corner& p = corners_[k];
+      if (k == at || in_one_place(p, a) || in_one_place(p, c)) continue;
+      if (in_one_place(p, b)) {
+        if (in_wedge(corners_[before(k)]) || in_wedge(corners_[after(k)])) return false;
+      } else if (turn(a, b, p) >= -margin_ && turn(b, c, p) >= -margin_ &&
+                 turn(c, a, p) >= -margin_) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  std::vector<Corner> corners_;
+  double margin_;
+};
 
 }  // namespace
 
 std::vector<Index> divide_concave(std::span<const Index> face,
                                   std::span<const double> coordinates) {
-  const std::vector<Vector> normals = fan_normals(face, coordinates);
+  constexpr std::array kMargins = {1e-12, 1e-9, 0.0};  // of twice the polygon's area
+  constexpr std::size_t kMostStarts = 8;
+  constexpr double kRounding = 1e-9;
+  const auto dot = [](const Vector& a, const Vector& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  };
   Vector normal{};
-  for (const Vector& one : normals) {
+  for (std::size_t k = 2; k < face.size(); ++k) {
+    const Vector one = fan_normal(face, coordinates, k);
     for (std::size_t d = 0; d < 3; ++d) normal.data()[d] += one.data()[d];
   }
-  const bool turns_back = std::any_of(normals.begin(), normals.end(), [&](const Vector& one) {
-    return one[0] * normal[0] + one[1] * normal[1] + one[2] * normal[2] < 0;
-  });
-  if (!turns_back) return {};
-  std::vector<Corner> corners = seen_along(normal, face, coordinates);
-  std::vector<Index> triangles;
-  std::size_t at = 0;
-  for (std::size_t tried = 0; corners.size() > 3;) {
-    const std::size_t count = corners.size();
-    if (tried == count) return {};
-    at %= count;
-    const std::size_t before = (at + count - 1) % count;
-    // A corner on the line between its neighbours is cut off without area.
-    const bool straight = turn(corners[before], corners[at], corners[(at + 1) % count]) == 0;
-    if (!straight && !is_ear(corners, at)) {
-      ++at;
-      ++tried;
-      continue;
-    }
-    triangles.insert(triangles.end(), {corners[before].vertex, corners[at].vertex,
-                                       corners[(at + 1) % count].vertex});
-    corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(at));
-    tried = 0;
+  bool turns_back = false;
+  for (std::size_t k = 2; k < face.size(); ++k) {
+    turns_back = turns_back || dot(fan_normal(face, coordinates, k), normal) < 0;
   }
-  for (const Corner& corner : corners) triangles.push_back(corner.vertex);
-  return triangles;
+  if (!turns_back) return {};
+  const std::vector<Corner> corners = seen_along(normal, face, coordinates);
+  double area = 0;
+  for (std::size_t k = 2; k < corners.size(); ++k) {
+    area += turn(corners[0], corners[k - 1], corners[k]);
+  }
+  std::vector<Corner> triangles;
+  for (const double margin : kMargins) {
+    for (std::size_t start = 0; start < std::min(kMostStarts, corners.size()); ++start) {
+      triangles.clear();
+      if (!Rest(corners, margin * area).divide(start, triangles)) continue;
+      // None turns back: else all of them together are larger.
+      double sum = 0;
+      for (std::size_t k = 0; k < triangles.size(); k += 3) {
+        sum += std::abs(turn(triangles[k], triangles[k + 1], triangles[k + 2]));
+      }
+      if (!(sum <= area * (1 + kRounding))) continue;
+      std::vector<Index> result;
+      for (const Corner& corner : triangles) result.push_back(corner.vertex);
+      return result;
+    }
+  }
+  return {};
 }
 
 }  // namespace ccvt::io

@@ -169,8 +169,8 @@ CANNOT_BE_PROVOKED = {
     ("src/mpi/mpi_ranks.cpp", "ranks: messages have more than 256 GB together"): _HUGE,
     ("src/mpi/kept.h", "ended by a signal; the same command, or one with other limits, goes on from "): _MPI,
     ("src/cli/standard_streams.cpp", " reads and writes files only"): _MPI,
-    ("src/cli/volume_mask.cpp", " (of two .npy, one is in C order, the other in Fortran order): several "
-                                "processes need both alike"): _MPI,
+    ("src/cli/volume_mask.cpp", " (of two .npy, one is in C order, the other in Fortran order), or from "
+                                "the other end: several processes need both alike"): _MPI,
     ("src/mpi/session.h", "out of memory"): "needs a machine without any left",
     ("src/exact/exchange_ranks.cpp", "ranks have come to search apart: processors differ too much"):
         "needs processors of different kinds",
