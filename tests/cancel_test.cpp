@@ -8,6 +8,7 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -19,6 +20,7 @@
 #include "support/files.h"
 #include "support/generate.h"
 #include "support/message.h"
+#include "support/thread_ranks.h"
 
 namespace ccvt::test {
 namespace {
@@ -151,6 +153,33 @@ TEST_CASE("a solver called by Options::cancelled is cancelled, or refuses") {
       CHECK(solver.summary().termination != Termination::running);
     }
     CHECK(capacity_error(solver.owners(), 100) == 0);
+  }
+}
+
+TEST_CASE("solvers of ranks called by Options::cancelled are cancelled together, or refuse") {
+  const Points<double> points = sample_uniform<double>(Box::unit(2), 8'000, 6);
+  for (const bool cancels : {true, false}) {
+    CAPTURE(cancels);
+    std::mutex mutex;
+    ThreadRanks(2).run([&](Ranks& ranks) {
+      const Points<double> own = points.middleCols(4'000 * ranks.rank(), 4'000);
+      Solver<double>* called = nullptr;
+      Options options{.threads = 1};
+      options.cancelled = [&] {
+        if (cancels && ranks.rank() == 0) called->cancel();
+        if (!cancels) static_cast<void>(called->owners());
+        return false;
+      };
+      Solver<double> solver(Problem<double>(ranks, view_points(own), 40), options);
+      called = &solver;
+      const std::string message = message_of([&] { solver.run(); });
+      const std::lock_guard lock(mutex);
+      if (cancels) {
+        CHECK(solver.summary().termination == Termination::cancelled);
+      } else {
+        CHECK(message.starts_with("Solver::owners: is called by Options::cancelled"));
+      }
+    });
   }
 }
 
