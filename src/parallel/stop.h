@@ -114,11 +114,11 @@ class Stop {
   bool asked() {
     if (!cancelled_) return false;
     struct Asking {
-      explicit Asking(bool& asks) : asks_(asks) { asks_ = true; }
-      ~Asking() { asks_ = false; }
+      bool& asks;
+      explicit Asking(bool& flag) : asks(flag) { asks = true; }
+      ~Asking() { asks = false; }
       Asking(const Asking&) = delete;
       Asking& operator=(const Asking&) = delete;
-      bool& asks_;
     } const asking(asks_);
     const bool yes = cancelled_();
     return yes || wish_;
