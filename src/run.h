@@ -93,6 +93,11 @@ struct Run {
   void keep_if_due();
   void tell(CheckpointRecord::Event event, double seconds, const std::string& failure = {});
   [[nodiscard]] double progress(const PassCount& done) const;
+  /// Of `stop` and `stop_of_ranks` the one that is asking Options::cancelled, or nullptr.
+  Stop* asking() {
+    if (stop.asks()) return &stop;
+    return stop_of_ranks.asks() ? &stop_of_ranks : nullptr;
+  }
 
   // Of several ranks, in run_ranks.cpp.
   [[nodiscard]] Ranks* ranks() const { return problem.ranks(); }

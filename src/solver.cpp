@@ -22,7 +22,7 @@ template <class Implementation>
 Implementation& resting(const char* function,
                         const std::unique_ptr<Implementation>& implementation) {
   Implementation& run = whole("solver", implementation);
-  if (!run.stop.asks() && !run.stop_of_ranks.asks()) return run;
+  if (run.asking() == nullptr) return run;
   throw InvalidInput(std::string(function) +
                      ": is called by Options::cancelled, which is asked in the middle of an "
                      "iteration; it may be called by on_iteration");
@@ -59,9 +59,7 @@ void Solver<Scalar>::run() {
 template <class Scalar>
 void Solver<Scalar>::cancel() {
   Implementation& run = whole("solver", implementation_);
-  for (Stop* const stop : {&run.stop, &run.stop_of_ranks}) {
-    if (stop->asks()) return stop->wish();
-  }
+  if (Stop* const asking = run.asking(); asking != nullptr) return asking->wish();
   if (!run.record.ended()) {
     run.stop.enter();
     run.end_for_now(Termination::cancelled);

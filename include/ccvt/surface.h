@@ -41,12 +41,11 @@ struct CCVT_EXPORT TriangleMesh {
 ///         continues it. Other lines are skipped. `density`: red, green or blue, the colours
 ///         that all vertices then must have (`v x y z red green blue`).
 ///
-/// Faces of more than three corners become fans of triangles around their first one, or, where some
-/// of these would lie outside, as in concave faces, others that fill the face; fans still where it
-/// crosses itself. Throws
-/// InvalidInput, with one line that names file and rule, for files that are truncated, damaged or
-/// hold no triangle, and for what TriangleMesh::validate() refuses; IoError when the system
-/// refuses.
+/// A face of more than three corners becomes a fan of triangles around its first one or, where some
+/// of these would lie outside, as in a concave face, others that fill it; the fan still where it
+/// crosses itself. Throws InvalidInput, with one line that names file and rule, for files that are
+/// truncated, damaged or hold no triangle, and for what TriangleMesh::validate() refuses; IoError
+/// when the system refuses.
 CCVT_EXPORT TriangleMesh read_mesh(const std::filesystem::path& path,
                                    const std::string& density = "");
 

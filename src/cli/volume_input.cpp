@@ -30,8 +30,10 @@ bool has_limits(const ValueMap& map) {
 
 }  // namespace
 
+bool is_raw(const std::filesystem::path& file) { return lower_extension(file) == ".raw"; }
+
 VolumeHeader inspect_input(const std::filesystem::path& file, const VolumeLayout& layout) {
-  if (lower_extension(file) == ".raw" && (layout.shape.empty() || !layout.type)) {
+  if (is_raw(file) && (layout.shape.empty() || !layout.type)) {
     throw InvalidInput(
         with_names_of_streams(file.string()) +
         ": is a raw file; needs a shape of 3 numbers and a type: --shape X,Y,Z --type TYPE");

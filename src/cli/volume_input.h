@@ -10,8 +10,11 @@
 
 namespace ccvt::cli {
 
-/// The header of a volume. Throws InvalidInput, as inspect_volume() does, and where standard
-/// input has the header, but not the data.
+/// Whether a file is nothing but values.
+bool is_raw(const std::filesystem::path& file);
+
+/// The header of a volume. Throws InvalidInput, as inspect_volume() does, naming the options that
+/// a raw file needs, and where standard input has the header, but not the data.
 VolumeHeader inspect_input(const std::filesystem::path& file, const VolumeLayout& layout);
 
 /// Calls visit(i, value) for each cell.

@@ -14,8 +14,7 @@ namespace {
 
 constexpr AxisOrder kSameOrder = {MaskAxis{0, false}, MaskAxis{1, false}, MaskAxis{2, false}};
 
-/// Whether a file is nothing but values; and whether it does not say where in the world they are.
-bool is_raw(const std::filesystem::path& file) { return lower_extension(file) == ".raw"; }
+/// Whether a file does not say where in the world its values are.
 bool has_no_place(const std::filesystem::path& file) {
   return is_raw(file) || lower_extension(file) == ".npy";
 }

@@ -46,10 +46,9 @@ std::vector<double> read_numbers(const std::filesystem::path& path) {
   names.insert(names.end(), header.left_out.begin(), header.left_out.end());
   const auto numbers = static_cast<std::size_t>(header.dimension) + header.left_out.size();
   if (numbers != 1) {
-    std::string list;
-    for (const std::string& name : names) list += (list.empty() ? " (" : ", ") + name;
     throw InvalidInput(path.string() + ": has " + std::to_string(numbers) + " numbers a row" +
-                       (list.empty() ? "" : list + ")") + "; there must be one");
+                       (names.empty() ? "" : " (" + io::list_of(names) + ")") +
+                       "; there must be one");
   }
   const Points<double> column = read_points<double>(path);
   return {column.data(), column.data() + column.size()};

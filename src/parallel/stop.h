@@ -43,7 +43,7 @@ class Stop {
     const auto now = Clock::now();
     if (!wished_) {
       late_ = now >= deadline_;
-      wished_ = late_ || asked();
+      if (late_ || asked()) wished_ = true;
       latest_ = now + patience_;
     }
     if (wished_ && now >= latest_) stop_ = true;
@@ -59,7 +59,7 @@ class Stop {
   /// Whether the callback is being asked: whatever called check() is half done.
   [[nodiscard]] bool asks() const { return asks_; }
   /// Of the callback while it is asked: whatever it says, it has said yes.
-  void wish() { wish_ = true; }
+  void wish() { wished_ = true; }
   /// Whether it was the time that ended it.
   [[nodiscard]] bool late() const { return late_; }
 
@@ -120,8 +120,7 @@ class Stop {
       Asking(const Asking&) = delete;
       Asking& operator=(const Asking&) = delete;
     } const asking(asks_);
-    const bool yes = cancelled_();
-    return yes || wish_;
+    return cancelled_();
   }
 
   using Clock = std::chrono::steady_clock;
@@ -135,7 +134,6 @@ class Stop {
   Clock::time_point latest_ = {};
   std::chrono::milliseconds patience_{0};
   bool wished_ = false;
-  bool wish_ = false;
   bool asks_ = false;
   bool late_ = false;
   bool asking_ = false;
