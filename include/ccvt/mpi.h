@@ -41,12 +41,15 @@ class MpiRanks final : public Ranks, public MessageProgress {
   [[nodiscard]] std::vector<Bytes> gather(std::span<const std::byte> own) override;
   void share(std::span<std::byte> all, std::span<const std::size_t> sizes) override;
   [[nodiscard]] std::vector<Bytes> exchange(std::vector<Bytes> to) override;
+  void exchange_parts(std::span<const std::span<const std::byte>> to,
+                      std::span<const std::span<std::byte>> from) override;
   void send(int to, Bytes message) override;
   [[nodiscard]] Bytes receive(int from) override;
+  [[nodiscard]] bool has_come(int from) override;
   void progress() noexcept override;
 
-  /// What this rank has sent since it was made: by send() and exchange() to others, and by
-  /// gather() and share(), where what it hands in counts once.
+  /// What this rank has sent since it was made: by send(), exchange() and exchange_parts() to
+  /// others, and by gather() and share(), where what it hands in counts once.
   struct Traffic {
     std::int64_t messages = 0;
     std::int64_t sent_bytes = 0;

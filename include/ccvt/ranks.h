@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <numeric>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "ccvt/export.h"
@@ -47,10 +48,29 @@ class CCVT_EXPORT Ranks {
   }
   /// Sends `to[r]` to rank r, for all; what each has sent here, by rank. `to` has one for each.
   [[nodiscard]] virtual std::vector<Bytes> exchange(std::vector<Bytes> to) = 0;
+  /// The same from where it lies to where it is wanted: `to[r]` goes to rank r, where it is as long
+  /// as that one's room for it, and what r has sent here to `from[r]`. `to[rank()]` and
+  /// `from[rank()]` are not looked at.
+  virtual void exchange_parts(std::span<const std::span<const std::byte>> to,
+                              std::span<const std::span<std::byte>> from) {
+    std::vector<Bytes> messages(to.size());
+    for (std::size_t r = 0; r < to.size(); ++r) {
+      if (std::cmp_not_equal(r, rank())) messages[r].assign(to[r].begin(), to[r].end());
+    }
+    messages = exchange(std::move(messages));
+    for (std::size_t r = 0; r < from.size(); ++r) {
+      if (std::cmp_not_equal(r, rank())) {
+        std::copy(messages[r].begin(), messages[r].end(), from[r].begin());
+      }
+    }
+  }
   /// Sends a message to another rank without waiting for it.
   virtual void send(int to, Bytes message) = 0;
   /// The next message from another rank, in the order in which that sent them. Waits for it.
   [[nodiscard]] virtual Bytes receive(int from) = 0;
+  /// Whether it is known that the next message from another rank is there, so that receive() does
+  /// not wait: a rank then takes it between two pieces of its own work.
+  [[nodiscard]] virtual bool has_come([[maybe_unused]] int from) { return false; }
 };
 
 /// What Ranks may be as well, where messages get on only while a function of theirs is called, as

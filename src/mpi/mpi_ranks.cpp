@@ -205,19 +205,37 @@ void MpiRanks::share(std::span<std::byte> all, std::span<const std::size_t> size
 
 std::vector<Ranks::Bytes> MpiRanks::exchange(std::vector<Bytes> to) {
   return on_this_rank([&] {
-    const Watch watch(traffic_.seconds);
     const auto ranks = static_cast<std::size_t>(count_);
+    const auto own = static_cast<std::size_t>(rank_);
     std::vector<std::uint64_t> sizes_out;
     for (const Bytes& message : to) sizes_out.push_back(message.size());
     std::vector<std::uint64_t> sizes(ranks);
-    MPI_Alltoall(sizes_out.data(), 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, communicator_);
+    {
+      const Watch watch(traffic_.seconds);
+      MPI_Alltoall(sizes_out.data(), 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, communicator_);
+    }
     require_possible(sizes_out);
     require_possible(sizes);
-    // All memory is there before a message is on its way: MPI must not write to what is gone.
-    std::vector<Bytes> from(sizes.begin(), sizes.end());
-    Pieces pieces(communicator_, pieces_of(sizes) + pieces_of(sizes_out));
-    const auto own = static_cast<std::size_t>(rank_);
+    std::vector<Bytes> from(ranks);
+    for (std::size_t r = 0; r < ranks; ++r) from[r].resize(r == own ? 0 : sizes[r]);
+    exchange_parts(std::vector<std::span<const std::byte>>(to.begin(), to.end()),
+                   std::vector<std::span<std::byte>>(from.begin(), from.end()));
     from[own] = std::move(to[own]);
+    return from;
+  });
+}
+
+void MpiRanks::exchange_parts(std::span<const std::span<const std::byte>> to,
+                              std::span<const std::span<std::byte>> from) {
+  on_this_rank([&] {
+    const Watch watch(traffic_.seconds);
+    const auto ranks = static_cast<std::size_t>(count_);
+    const auto own = static_cast<std::size_t>(rank_);
+    std::vector<std::uint64_t> sizes;
+    for (const auto& part : to) sizes.push_back(part.size());
+    for (const auto& part : from) sizes.push_back(part.size());
+    // All memory is there before a message is on its way: MPI must not write to what is gone.
+    Pieces pieces(communicator_, pieces_of(sizes));
     for (std::size_t k = 1; k < ranks; ++k) {
       const std::size_t r = (own + ranks - k) % ranks;
       pieces.receive(from[r], static_cast<int>(r));
@@ -229,7 +247,6 @@ std::vector<Ranks::Bytes> MpiRanks::exchange(std::vector<Bytes> to) {
       traffic_.sent_bytes += static_cast<std::int64_t>(to[r].size());
     }
     pieces.wait();
-    return from;
   });
 }
 
@@ -271,6 +288,12 @@ Ranks::Bytes MpiRanks::receive(int from) {
     }
     return bytes;
   });
+}
+
+bool MpiRanks::has_come(int from) {
+  int come = 0;
+  MPI_Iprobe(from, 0, communicator_, &come, MPI_STATUS_IGNORE);
+  return come != 0;
 }
 
 void MpiRanks::progress() noexcept {

@@ -33,24 +33,32 @@ std::vector<T> of_all(Ranks* ranks, const T& own) {
   return all;
 }
 
-/// Values of all ranks, one rank's after the other's.
+/// Values of all ranks, one rank's after the other's; of each so many, which all know.
+template <class T>
+std::vector<T> joined(Ranks* ranks, std::vector<T> own, std::vector<std::size_t> counts) {
+  if (ranks == nullptr) return own;
+  const auto before =
+      std::accumulate(counts.begin(), counts.begin() + ranks->rank(), std::ptrdiff_t{0});
+  std::vector<T> all(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
+  std::copy(own.begin(), own.end(), all.begin() + before);
+  if (all.empty()) return all;
+  for (std::size_t& bytes : counts) bytes *= sizeof(T);
+  ranks->share(std::as_writable_bytes(std::span(all)), counts);
+  return all;
+}
 template <class T>
 std::vector<T> joined(Ranks* ranks, std::vector<T> own) {
-  if (ranks == nullptr) return own;
-  const std::vector<Ranks::Bytes> parts = ranks->gather(std::as_bytes(std::span(own)));
-  std::size_t bytes = 0;
-  for (const Ranks::Bytes& part : parts) bytes += part.size();
-  own.resize(bytes / sizeof(T));
-  auto* next = reinterpret_cast<std::byte*>(own.data());
-  for (const Ranks::Bytes& part : parts) next = std::copy(part.begin(), part.end(), next);
-  return own;
+  const std::size_t count = own.size();
+  return joined(ranks, std::move(own), of_all(ranks, count));
 }
 
 /// Sums of the values of all ranks, which have as many: one by one.
 template <class T>
 std::vector<T> summed(Ranks* ranks, std::vector<T> own) {
+  if (ranks == nullptr) return own;
   const std::size_t count = own.size();
-  own = joined(ranks, std::move(own));
+  const auto all = static_cast<std::size_t>(ranks->count());
+  own = joined(ranks, std::move(own), std::vector<std::size_t>(all, count));
   for (std::size_t k = count; k < own.size(); ++k) own[k % count] += own[k];
   own.resize(count);
   return own;

@@ -48,6 +48,7 @@ struct FillingLender {
                        [](std::int64_t points) { return points != 0; });
   }
   [[nodiscard]] std::size_t load(const Schedule::Task& task) const { return task.size(); }
+  [[nodiscard]] static bool lacks(int, SiteNumber) { return true; }
   void put(ByteWriter& message, SiteNumber site, int) { filling.write(message, site); }
   void take(ByteReader& message, SiteNumber site, int) { filling.read(message, site); }
 };

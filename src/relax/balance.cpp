@@ -127,9 +127,8 @@ class FlowRounds {
       }
       if (from != SiteNumber::none()) mover.stay();
     };
-    BatchRun batches(arena_, tiles_, FillingLender<Scalar>{filling_, schedule_, left_.span()});
-    for (std::size_t b = 0; b < schedule_.batch_count(); ++b) batches.run(schedule_.batch(b), work);
-    batches.end();
+    const FillingLender<Scalar> lender{filling_, schedule_, left_.span()};
+    run_batches(arena_, tiles_, schedule_, lender, work, [] { return true; });
     Count all;
     for (int w = 0; w < arena_.threads(); ++w) {
       all.moved += counts[w].moved;

@@ -106,6 +106,20 @@ class Cells {
       out.put(std::span(stream, first));
     }
   }
+  /// The same of one place, which read_place() returns.
+  void write_place(ByteWriter& out, SiteNumber site, Index k) const {
+    out.put(k);
+    out.put(point(site, k));
+    const Scalar* from = block(site) + k;
+    for (std::size_t d = 0; d < dimension_; ++d, from += size(site)) out.put(*from);
+  }
+  Index read_place(ByteReader& in, SiteNumber site) {
+    const auto k = in.get<Index>();
+    order_.set(place(site, k), in.get<PointOfAll>());
+    Scalar* to = block(site) + k;
+    for (std::size_t d = 0; d < dimension_; ++d, to += size(site)) *to = in.get<Scalar>();
+    return k;
+  }
   void read(ByteReader& in, SiteNumber site, Index count) {
     const auto first = static_cast<std::size_t>(count);
     order_.read(in, first_[site], first);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <span>
 #include <utility>
@@ -62,56 +61,54 @@ template <class Item>
 class Homecoming {
  public:
   /// Sends them to the ranks of their sites.
-  Homecoming(const Tiling& tiling, Buffer<Item> items, const Arena& arena, Buffer<Item>& spare)
-      : own_(static_cast<std::size_t>(tiling.ranks()->rank())) {
-    const auto count = static_cast<std::size_t>(tiling.ranks()->count());
-    by_rank_ = group_by_key(
+  Homecoming(const Tiling& tiling, Buffer<Item> items, const Arena& arena, Buffer<Item>& spare) {
+    Ranks& ranks = *tiling.ranks();
+    const auto count = static_cast<std::size_t>(ranks.count());
+    const Groups<Item> by_rank = group_by_key(
         arena, std::move(items), count, [](std::size_t, const Item&) {},
         [&](const Item& item) {
           return static_cast<std::size_t>(tiling.rank_of(tiling.tile_of(item.site)));
         },
         spare);
-    messages_.resize(count);
-    for (std::size_t r = 0; r < count; ++r) {
-      const auto bytes = std::as_bytes(std::as_const(by_rank_)[r]);
-      if (r != own_) messages_[r].assign(bytes.begin(), bytes.end());
+    std::vector<ByteWriter> sizes(count);
+    for (std::size_t r = 0; r < count; ++r) sizes[r].put(std::uint64_t{by_rank[r].size()});
+    for (const Ranks::Bytes& size : exchanged(ranks, std::move(sizes))) {
+      first_.push_back(first_.back() + ByteReader(size).get<std::uint64_t>());
     }
-    messages_ = tiling.ranks()->exchange(std::move(messages_));
+    items_ = Buffer<Item>(first_.back());
+    std::vector<std::span<const std::byte>> to;
+    std::vector<std::span<std::byte>> from;
+    for (std::size_t r = 0; r < count; ++r) {
+      to.push_back(std::as_bytes(by_rank[r]));
+      from.push_back(std::as_writable_bytes(of_ranks(r, r + 1)));
+    }
+    ranks.exchange_parts(to, from);
+    const auto own = static_cast<std::size_t>(ranks.rank());
+    const std::span<const Item> stay = by_rank[own];
+    std::copy(stay.begin(), stay.end(), of_ranks(own, own + 1).begin());
   }
 
   /// Takes those of some ranks, one rank after the other, numbered from the first point of the
   /// first.
   [[nodiscard]] Buffer<Item> take(std::size_t first, std::size_t end, const Arrivals& arrivals) {
-    std::size_t all = 0;
-    for (std::size_t r = first; r < end; ++r) all += size(r);
-    Buffer<Item> items(all);
-    Item* next = items.data();
-    for (std::size_t r = first; r < end; ++r) {
-      Item* const begin = next;
-      next += size(r);
-      if (r == own_) {
-        std::copy(by_rank_[r].begin(), by_rank_[r].end(), begin);
-        by_rank_ = {};
-      } else if (begin != next) {
-        std::memcpy(begin, messages_[r].data(), messages_[r].size());
-        messages_[r] = {};
-      }
+    for (std::size_t r = first + 1; r < end; ++r) {
       const std::int64_t before = arrivals.begin_of(r).index() - arrivals.begin_of(first).index();
-      for (Item* item = begin; item != next && before > 0; ++item) {
-        item->point = PointNumber(before + item->point.index());
-      }
+      for (Item& item : of_ranks(r, r + 1)) item.point = PointNumber(before + item.point.index());
     }
-    return items;
+    if (first == 0 && end + 1 == first_.size()) return std::move(items_);
+    const std::span<const Item> some = of_ranks(first, end);
+    Buffer<Item> taken(some.size());
+    std::copy(some.begin(), some.end(), taken.begin());
+    return taken;
   }
 
  private:
-  [[nodiscard]] std::size_t size(std::size_t rank) const {
-    return rank == own_ ? by_rank_[rank].size() : messages_[rank].size() / sizeof(Item);
+  [[nodiscard]] std::span<Item> of_ranks(std::size_t begin, std::size_t end) {
+    return items_.span().subspan(first_[begin], first_[end] - first_[begin]);
   }
 
-  std::size_t own_;
-  Groups<Item> by_rank_;
-  std::vector<Ranks::Bytes> messages_;
+  std::vector<std::size_t> first_{0};  ///< of each rank's, and the end
+  Buffer<Item> items_;
 };
 
 /// Adds points that have come with their coordinates, in no order. At most so many numbers are told

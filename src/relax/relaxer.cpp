@@ -41,7 +41,7 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
     workers_[w].swapped.clear();
   }
   if (touched_tile_.empty()) touched_tile_.assign(state.tiling.count(), 1);
-  if (state.tiling.ranks() != nullptr) loans_.begin(state.sites.count());
+  if (state.tiling.ranks() != nullptr) loans_.begin(state.tiling);
   cached_passes_ = full ? 0 : cached_passes_ + 1;
   try {
     if (full) {
@@ -110,19 +110,16 @@ void Relaxer<Scalar>::run(Source&& source, const Tiling& tiling, bool full,
       if (!of_touched || touched(touched_, i, j)) visit(i, j);
     });
   };
-  BatchRun batches(arena_, tiling,
-                   RelaxedLender{state, tiling, patches_, changed_, loans_, for_pairs,
-                                 of_touched ? &touched_tile_ : nullptr});
-  for (std::size_t b = 0; b < source.batch_count() && !cancelled(); ++b) {
-    batches.run(source.batch(b), [&](const Schedule::Task& task, int w) {
-      Worker& worker = workers_[w];
-      for_pairs(task, [&](SiteNumber i, SiteNumber j) {
-        if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j)) return;
-        examine(state, worker, i, j);
-      });
+  const auto relax = [&](const Schedule::Task& task, int w) {
+    Worker& worker = workers_[w];
+    for_pairs(task, [&](SiteNumber i, SiteNumber j) {
+      if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j)) return;
+      examine(state, worker, i, j);
     });
-  }
-  batches.end();
+  };
+  const RelaxedLender lender{
+      state, tiling, patches_, changed_, loans_, for_pairs, of_touched ? &touched_tile_ : nullptr};
+  run_batches(arena_, tiling, source, lender, relax, [this] { return !cancelled(); });
 }
 
 template <class Scalar>
@@ -137,7 +134,8 @@ void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, SiteNum
   const std::int64_t exchanged = worker.swap(state.cells, patches_, state.sites, i, j);
   if (exchanged == 0) return;
   changed_[i] = changed_[j] = 1;
-  loans_.note_change(i, j);
+  loans_.note_change(i, worker.swap.moved().from_i);
+  loans_.note_change(j, worker.swap.moved().from_j);
   ++worker.count.swaps;
   worker.count.exchanged += 2 * exchanged;
   if (options_.cached_passes > 0) worker.swapped.emplace_back(i, j);
@@ -158,9 +156,10 @@ PassCount Relaxer<Scalar>::count(bool full, const Tiling& tiling) {
     cache_.insert(cache_.end(), worker.swapped.begin(), worker.swapped.end());
   }
   Ranks* const ranks = tiling.ranks();
-  count.pairs = total(ranks, count.pairs);
-  count.swaps = total(ranks, count.swaps);
-  count.exchanged = total(ranks, count.exchanged);
+  const auto totals = summed(ranks, std::vector{count.pairs, count.swaps, count.exchanged});
+  count.pairs = totals[0];
+  count.swaps = totals[1];
+  count.exchanged = totals[2];
   if (options_.cached_passes > 0) cache_ = joined(ranks, std::move(cache_));
   // Which worker met a pair is chance; the schedule must not depend on it.
   std::sort(cache_.begin(), cache_.end());

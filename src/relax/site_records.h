@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "parallel/bytes.h"
+#include "parallel/together.h"
 #include "relax/site_state.h"
 #include "schedule/tiling.h"
 
@@ -16,38 +16,31 @@ inline void share_records(const Tiling& tiling, SiteState& sites,
                           std::vector<std::uint8_t>& changed) {
   Ranks* const ranks = tiling.ranks();
   if (ranks == nullptr) return;
-  struct Records {
-    std::vector<SiteNumber> site;
-    std::vector<double> values;  ///< position, radius and energy of each
-    std::vector<std::uint8_t> compact;
-  };
   const std::size_t dimension = sites.dimension;
-  Records own;
-  for (const SiteNumber s : tiling.own_sites()) {
+  // Of each site its number and whether it is compact, position, radius and energy.
+  const std::size_t width = dimension + 3;
+  const NumberRange<SiteNumber> own = tiling.own_sites();
+  std::size_t count = 0;
+  for (const SiteNumber s : own) count += changed[s];
+  std::vector<double> records(count * width);
+  double* record = records.data();
+  for (const SiteNumber s : own) {
     if (changed[s] == 0) continue;
-    own.site.push_back(s);
-    own.values.insert(own.values.end(), sites.at(s), sites.at(s) + dimension);
-    own.values.insert(own.values.end(), {sites.radius[s], sites.energy[s]});
-    own.compact.push_back(sites.compact[s]);
+    *record++ = 2.0 * s.index() + sites.compact[s];
+    record = std::copy_n(sites.at(s), dimension, record);
+    *record++ = sites.radius[s];
+    *record++ = sites.energy[s];
   }
-  ByteWriter message;
-  message.put(own.site);
-  message.put(own.values);
-  message.put(own.compact);
+  records = joined(ranks, std::move(records));
   changed.assign(changed.size(), 0);
-  for (const Ranks::Bytes& bytes : ranks->gather(message.bytes)) {
-    ByteReader come(bytes);
-    const auto site = come.get_all<SiteNumber>();
-    const auto values = come.get_all<double>(site.size() * (dimension + 2));
-    const auto compact = come.get_all<std::uint8_t>(site.size());
-    const double* value = values.data();
-    for (std::size_t k = 0; k < site.size(); ++k, value += dimension + 2) {
-      std::copy_n(value, dimension, sites.at(site[k]));
-      sites.radius[site[k]] = value[dimension];
-      sites.energy[site[k]] = value[dimension + 1];
-      sites.compact[site[k]] = compact[k];
-      changed[site[k]] = 1;
-    }
+  for (const double* r = records.data(); r != records.data() + records.size(); r += width) {
+    const auto head = static_cast<std::int64_t>(*r);
+    const SiteNumber site(head / 2);
+    changed[site] = 1;
+    sites.compact[site] = static_cast<std::uint8_t>(head % 2);
+    std::copy_n(r + 1, dimension, sites.at(site));
+    sites.radius[site] = r[dimension + 1];
+    sites.energy[site] = r[dimension + 2];
   }
 }
 

@@ -62,6 +62,9 @@ class PairSwapper {
   Index operator()(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteState& sites, SiteNumber i,
                    SiteNumber j);
 
+  /// What the last call exchanged, if it did.
+  [[nodiscard]] const Exchange& moved() const { return moves_; }
+
   /// Whether the bounding spheres of two sites meet [5.1, eq. 7].
   [[nodiscard]] static bool spheres_meet(const Metric& metric, const SiteState& sites, SiteNumber i,
                                          SiteNumber j) {

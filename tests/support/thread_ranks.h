@@ -58,6 +58,10 @@ class ThreadRanks {
     }
     void send(int to, Bytes message) override { put(to, 0, std::move(message)); }
     [[nodiscard]] Bytes receive(int from) override { return take(from, 0); }
+    [[nodiscard]] bool has_come(int from) override {
+      const std::lock_guard lock(all_.mutex_);
+      return !all_.boxes_[static_cast<std::size_t>(rank_)][{from, 0}].empty();
+    }
     void progress() noexcept override { ++all_.progressed_; }
 
    private:
