@@ -37,10 +37,10 @@ std::vector<T> of_all(Ranks* ranks, const T& own) {
 template <class T>
 std::vector<T> joined(Ranks* ranks, std::vector<T> own, std::vector<std::size_t> counts) {
   if (ranks == nullptr) return own;
-  const auto before =
-      std::accumulate(counts.begin(), counts.begin() + ranks->rank(), std::ptrdiff_t{0});
+  const std::size_t before =
+      std::accumulate(counts.begin(), counts.begin() + ranks->rank(), std::size_t{0});
   std::vector<T> all(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
-  std::copy(own.begin(), own.end(), all.begin() + before);
+  std::copy(own.begin(), own.end(), all.begin() + static_cast<std::ptrdiff_t>(before));
   if (all.empty()) return all;
   for (std::size_t& bytes : counts) bytes *= sizeof(T);
   ranks->share(std::as_writable_bytes(std::span(all)), counts);
