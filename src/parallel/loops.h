@@ -149,12 +149,9 @@ Buffer<T> collect_together(const Arena& arena, std::size_t count, std::size_t gr
                  [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
                    body(own.begin + begin, own.begin + end, out, worker);
                  });
-  std::vector<std::size_t> sizes = of_all(ranks, found.size());
-  Buffer<T> together(std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}));
-  const auto before = std::accumulate(sizes.begin(), sizes.begin() + ranks->rank(), std::size_t{0});
-  std::copy(found.begin(), found.end(), together.begin() + before);
-  for (std::size_t& size : sizes) size *= sizeof(T);
-  ranks->share(std::as_writable_bytes(together.span()), sizes);
+  std::vector<std::size_t> counts = of_all(ranks, found.size());
+  Buffer<T> together(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
+  put_together<T>(*ranks, found.span(), std::move(counts), together.span());
   return together;
 }
 

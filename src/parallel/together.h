@@ -33,17 +33,24 @@ std::vector<T> of_all(Ranks* ranks, const T& own) {
   return all;
 }
 
-/// Values of all ranks, one rank's after the other's; of each so many, which all know.
+/// Values of all ranks, one rank's after the other's, `counts` of each: `all` has them afterwards.
+template <class T>
+void put_together(Ranks& ranks, std::span<const T> own, std::vector<std::size_t> counts,
+                  std::span<T> all) {
+  if (all.empty()) return;
+  const std::size_t before =
+      std::accumulate(counts.begin(), counts.begin() + ranks.rank(), std::size_t{0});
+  std::copy(own.begin(), own.end(), all.begin() + static_cast<std::ptrdiff_t>(before));
+  for (std::size_t& bytes : counts) bytes *= sizeof(T);
+  ranks.share(std::as_writable_bytes(all), counts);
+}
+
+/// The same, with memory for them.
 template <class T>
 std::vector<T> joined(Ranks* ranks, std::vector<T> own, std::vector<std::size_t> counts) {
   if (ranks == nullptr) return own;
-  const std::size_t before =
-      std::accumulate(counts.begin(), counts.begin() + ranks->rank(), std::size_t{0});
   std::vector<T> all(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
-  std::copy(own.begin(), own.end(), all.begin() + static_cast<std::ptrdiff_t>(before));
-  if (all.empty()) return all;
-  for (std::size_t& bytes : counts) bytes *= sizeof(T);
-  ranks->share(std::as_writable_bytes(std::span(all)), counts);
+  put_together<T>(*ranks, own, std::move(counts), all);
   return all;
 }
 template <class T>

@@ -106,6 +106,14 @@ class Cells {
       out.put(std::span(stream, first));
     }
   }
+  void read(ByteReader& in, SiteNumber site, Index count) {
+    const auto first = static_cast<std::size_t>(count);
+    order_.read(in, first_[site], first);
+    Scalar* stream = block(site);
+    for (std::size_t d = 0; d < dimension_; ++d, stream += size(site)) {
+      in.get(std::span(stream, first));
+    }
+  }
   /// The same of one place, which read_place() returns.
   void write_place(ByteWriter& out, SiteNumber site, Index k) const {
     out.put(k);
@@ -119,14 +127,6 @@ class Cells {
     Scalar* to = block(site) + k;
     for (std::size_t d = 0; d < dimension_; ++d, to += size(site)) *to = in.get<Scalar>();
     return k;
-  }
-  void read(ByteReader& in, SiteNumber site, Index count) {
-    const auto first = static_cast<std::size_t>(count);
-    order_.read(in, first_[site], first);
-    Scalar* stream = block(site);
-    for (std::size_t d = 0; d < dimension_; ++d, stream += size(site)) {
-      in.get(std::span(stream, first));
-    }
   }
 
   /// The points of a cell in their order, without their coordinates, which fill() takes from all

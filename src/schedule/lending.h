@@ -114,7 +114,6 @@ class RankBatches {
 
  private:
   enum class Role : std::uint8_t { own, lends, borrows };
-  enum class Kind : std::uint8_t { loan, back };
 
   struct Waiting;
   /// A place in the line of a tile whose tasks have to wait.
@@ -243,11 +242,11 @@ class RankBatches {
       if (!with.has_come) return false;
       const std::vector<SiteNumber> guests = sites_of(with);  // tasks may be shorter afterwards
       work_(with.tasks);
-      send(with, Kind::back, guests);
+      send(with, guests);
       return true;
     }
     if (!with.is_sent) {
-      send(with, Kind::loan, sites_of(with));
+      send(with, sites_of(with));
       with.is_sent = true;
       ++awaited(with.rank);
     }
@@ -287,9 +286,9 @@ class RankBatches {
     return any;
   }
 
-  void send(const Waiting& with, Kind kind, const std::vector<SiteNumber>& sites) {
+  void send(const Waiting& with, const std::vector<SiteNumber>& sites) {
     ByteWriter message;
-    message.put(kind);
+    message.put(with.role);
     message.put(with.batch);
     for (const SiteNumber site : sites) {
       if (!lender_.lacks(with.rank, site)) continue;
@@ -302,7 +301,8 @@ class RankBatches {
   void take(int rank) {
     const Ranks::Bytes bytes = ranks_.receive(rank);
     ByteReader message(bytes);
-    const Role role = message.get<Kind>() == Kind::loan ? Role::borrows : Role::lends;
+    // What the other one lends, this one borrows.
+    const Role role = message.get<Role>() == Role::lends ? Role::borrows : Role::lends;
     const auto batch = message.get<std::uint32_t>();
     while (!message.done()) {
       const auto site = message.get<SiteNumber>();
