@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 #include "checkpoint/digest.h"
 #include "codebook/breeding.h"
 #include "codebook/centroids.h"
+#include "codebook/dealing.h"
 #include "codebook/pairwise.h"
 #include "codebook/seeding.h"
 #include "codebook/share.h"
@@ -237,9 +237,10 @@ void Trainer<Scalar>::train() {
   }
 }
 
-/// Ends a cancelled run without another pricing: with the last owners that met the capacities, or
-/// with vectors dealt out in their order. Lloyd's may be any. Not of several ranks, whose last
-/// assignment takes the time that it takes.
+/// Ends a cancelled run without exact assignments: with the last owners that met the capacities, or
+/// with vectors dealt to the nearest codewords that have room; Lloyd's with the nearest. Of vectors
+/// that have no owners yet that is one product with all codewords, for which there is time. Not of
+/// several ranks, whose last assignment takes the time that it takes.
 template <class Scalar>
 void Trainer<Scalar>::settle_for_less() {
   stop_.off();
@@ -248,13 +249,9 @@ void Trainer<Scalar>::settle_for_less() {
     summary_.gap = 1;
     std::fill(weights_.begin(), weights_.end(), 0.0);
   }
-  const bool all = owned_ == source_.count();
-  if (options_.method == CodebookMethod::lloyd && all) return;
+  if (options_.method == CodebookMethod::lloyd) return own_nearest(source_);
   owners_ = std::move(met_);
-  if (!owners_.empty()) return;
-  for (const SiteNumber s : sites_below(problem_.site_count())) {
-    std::fill_n(std::back_inserter(owners_), problem_.capacities()[s], s.index());
-  }
+  if (owners_.empty()) owners_ = deal_to_nearest(vectors_, sites_, problem_.capacities(), arena_);
 }
 
 /// Ends with an exact assignment if there is time for it.

@@ -15,6 +15,15 @@ namespace {
 
 /// What owners lack that do not meet the capacities.
 constexpr double kUnmet = std::numeric_limits<double>::infinity();
+/// So many rounds without a smaller gap, and rounding leaves no smaller one.
+constexpr int kIdleRounds = 4;
+
+/// Only differences of weights count, and these lose digits where all are far from 0: paths from
+/// one of two groups of points to the other, far away, lower the weights of all.
+void bring_near_zero(std::vector<double>& weights) {
+  const double highest = *std::max_element(weights.begin(), weights.end());
+  for (double& weight : weights) weight -= highest;
+}
 
 }  // namespace
 
@@ -94,6 +103,7 @@ template <class Scalar>
 auto ExactAssignment<Scalar>::improve(std::span<const double> sites, std::vector<double>& weights,
                                       std::vector<Index>& owners) -> Round {
   std::vector<Index> given = owners;
+  bring_near_zero(weights);
   CellBounds* const kept = kept_ ? &*kept_ : nullptr;
   const bool followed = kept_ && kept_->cover(owners);
   const Prices prices = pricer_.price({sites, weights}, owners, kept);
@@ -126,11 +136,30 @@ Certificate ExactAssignment<Scalar>::solve(std::span<const double> sites,
                                            std::vector<double>& weights,
                                            std::vector<Index>& owners) {
   certificate_ = {};
-  // What proves owners optimal is to owe nothing to what found them.
-  while (improve(sites, weights, owners) != Round::optimal) {
+  struct Best {
+    std::vector<Index> owners;
+    std::vector<double> weights;
+    Certificate certificate;
+  } best;
+  best.certificate.gap = kUnmet;
+  for (int idle = 0; idle < kIdleRounds;) {
+    std::vector<Index> given = owners;
+    std::vector<double> weights_given = weights;
+    if (improve(sites, weights, owners) == Round::optimal) return certificate_;
+    // What proves owners optimal is to owe nothing to what found them.
     if (kept_) kept_->invalidate();
+    if (certificate_.gap < best.certificate.gap) {
+      best = {std::move(given), std::move(weights_given), certificate_};
+      idle = 0;
+    } else if (best.certificate.gap < kUnmet) {
+      ++idle;
+    }
   }
-  return certificate_;
+  owners = std::move(best.owners);
+  weights = std::move(best.weights);
+  best.certificate.rounds = certificate_.rounds;
+  best.certificate.augmentations = certificate_.augmentations;
+  return certificate_ = best.certificate;
 }
 
 template class ExactAssignment<float>;

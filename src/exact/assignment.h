@@ -57,7 +57,8 @@ class ExactAssignment {
   /// the weights are to the best ones, the fewer points have to go along paths.
   Round improve(std::span<const double> sites, std::vector<double>& weights,
                 std::vector<Index>& owners);
-  /// Rounds until the owners are proved optimal, but for rounding, or within the gap.
+  /// Rounds until the owners are proved optimal, but for rounding, or within the gap; or until
+  /// further ones do not bring the gap down, which rounding may keep above what is expected of it.
   Certificate solve(std::span<const double> sites, std::vector<double>& weights,
                     std::vector<Index>& owners);
 

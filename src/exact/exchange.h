@@ -167,7 +167,8 @@ class ExchangeGraph {
   void weigh_own(SiteNumber site);
   void keep_cheapest(SiteNumber site, std::size_t slot, std::span<double> least, double slack);
   Move find_nearest(const Cell& cell, std::size_t count, std::span<double> least, double slack);
-  static void set_weighed(Cell& cell, std::size_t slot);
+  [[nodiscard]] std::size_t moves_kept(SiteNumber site) const;
+  void set_weighed(SiteNumber site, std::size_t slot);
   void choose_slots(SiteNumber site, std::size_t slot, std::size_t most);
   double find_path(SiteNumber source, const Arena& arena);
   [[nodiscard]] bool settled(SiteNumber site) const { return limit_[site] == -kNone; }
@@ -184,7 +185,7 @@ class ExchangeGraph {
   void move(const Mover& mover);
   void remove(const Mover& mover);
   void insert(const Mover& mover);
-  void add_move(Cell& cell, std::size_t slot, const Move& move);
+  void add_move(SiteNumber site, std::size_t slot, const Move& move);
   void lower_rest(Cell& cell, double own, std::span<const double> squared);
   void lower_rest(Cell& cell, const Mover& mover, double before, double own);
   [[nodiscard]] std::size_t slots_of_each() const;

@@ -220,7 +220,7 @@ void ExchangeGraph::weigh_together(SiteNumber site, std::size_t slot) {
       moves.beyond = std::min(moves.beyond, cheapest[count]);
       cheapest.resize(count);
     }
-    set_weighed(cell, chosen);
+    set_weighed(site, chosen);
   }
 }
 
