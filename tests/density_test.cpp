@@ -167,9 +167,16 @@ TEST_CASE("parts of the Hilbert curve, strung together, are the curve") {
         std::vector<std::int64_t> along;
         std::vector<std::int64_t> in_rows;
         curve.visit(part, level, [&](std::int64_t cell) { along.push_back(cell); });
-        curve.visit_rows(part, level, [&](std::int64_t first, std::int64_t count) {
-          for (std::int64_t i = 0; i < count; ++i) in_rows.push_back(first + i);
-        });
+        bool same_places = true;
+        curve.visit_rows(
+            part, level, [&](std::int64_t first, std::int64_t count, std::int64_t place) {
+              for (std::int64_t i = 0; i < count; ++i) {
+                in_rows.push_back(first + i);
+                same_places = same_places && curve.cell(part, level, place + i) == first + i;
+              }
+            });
+        CHECK(same_places);
+        CHECK(curve.cells(part, level) == std::ssize(in_rows));
         cells.insert(cells.end(), along.begin(), along.end());
         CHECK(std::is_sorted(in_rows.begin(), in_rows.end()));
         std::sort(along.begin(), along.end());

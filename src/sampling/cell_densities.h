@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -25,14 +26,21 @@ class CellDensities {
                       grid_.values);
   }
 
-  /// Calls visit(cell, density) for adjacent cells.
-  template <class Visit>
-  void visit_row(std::int64_t first, std::int64_t count, const Visit& visit) const {
+  /// The densities of as many adjacent cells as `out` has room for.
+  void row(std::int64_t first, std::span<double> out) const {
+    const std::int64_t begin = first - first_;
     std::visit(
         [&](const auto& values) {
-          for (std::int64_t k = first - first_; k < first - first_ + count; ++k) {
-            const bool masked = !grid_.mask.empty() && grid_.mask.data()[k] == 0;
-            visit(k + first_, masked ? 0.0 : density(values.data()[k]));
+          const auto* const from = values.data() + begin;
+          if (!grid_.mask.empty()) {
+            const auto* const mask = grid_.mask.data() + begin;
+            for (std::size_t k = 0; k < out.size(); ++k) {
+              out[k] = mask[k] == 0 ? 0.0 : density(from[k]);
+            }
+          } else if (grid_.map) {
+            for (std::size_t k = 0; k < out.size(); ++k) out[k] = density(from[k]);
+          } else {
+            for (std::size_t k = 0; k < out.size(); ++k) out[k] = static_cast<double>(from[k]);
           }
         },
         grid_.values);

@@ -39,7 +39,17 @@ struct Refused {
   std::int64_t cell = none;
 
   void add(std::int64_t other) { cell = std::min(cell, other); }
+  /// Adjacent cells.
+  void add(std::int64_t first, std::span<const double> densities) {
+    bool all = true;
+    for (const double density : densities) all &= is_density(density);
+    if (all) return;
+    const auto bad = std::find_if_not(densities.begin(), densities.end(), is_density);
+    add(first + (bad - densities.begin()));
+  }
 };
+
+double sum(std::span<const double> row) { return std::accumulate(row.begin(), row.end(), 0.0); }
 
 /// `plain`: values are densities as they are.
 void require_total(const DensityGrid& grid, std::span<const double> masses, bool plain) {
@@ -111,20 +121,38 @@ std::vector<double> DensityParts::own_masses(const DensityGrid& grid,
                                              const CellDensities& densities,
                                              const Arena& arena) const {
   std::vector<double> masses(own_.size());
+  std::vector<std::size_t> in_memory(own_.size());
+  std::iota(in_memory.begin(), in_memory.end(), std::size_t{0});
+  const auto part = [&](std::size_t k) -> const HilbertCurve::Part& { return parts_[own_[k]]; };
+  std::sort(in_memory.begin(), in_memory.end(),
+            [&](std::size_t a, std::size_t b) { return part(a).index < part(b).index; });
   PerWorker<Refused> refused(arena);
+  PerWorker<std::vector<double>> rows(arena);
+  // Of parts that lie side by side, whole rows: in those of single parts, memory would not be read
+  // in its order (512^3 values: 2.4 s, not .65).
+  const auto add_rows = [&](std::span<const std::size_t> run, int worker) {
+    std::vector<double>& row = rows[worker];
+    curve_.visit_rows(part(run.front()), std::ssize(run), level_,
+                      [&](std::int64_t first, std::int64_t count, std::int64_t) {
+                        row.resize(static_cast<std::size_t>(count));
+                        densities.row(first, row);
+                        refused[worker].add(first, row);
+                        const std::size_t side = std::size_t{1} << level_;
+                        for (std::size_t p = 0; p < run.size(); ++p) {
+                          const std::span<const double> rest = std::span(row).subspan(p * side);
+                          masses[run[p]] += sum(rest.first(std::min(side, rest.size())));
+                        }
+                      });
+  };
   arena.for_ranges(masses.size(), 64, [&](std::size_t begin, std::size_t end, int worker) {
-    HilbertCurve curve = curve_;
-    for (std::size_t k = begin; k < end; ++k) {
-      double sum = 0;
-      curve.visit_rows(parts_[own_[k]], level_, [&](std::int64_t first, std::int64_t count) {
-        double row = 0;
-        densities.visit_row(first, count, [&](std::int64_t cell, double density) {
-          if (!is_density(density)) refused[worker].add(cell);
-          row += density;
-        });
-        sum += row;
-      });
-      masses[k] = sum;
+    while (begin < end) {
+      std::size_t next = begin + 1;
+      while (next < end &&
+             curve_.follows(part(in_memory[next]), part(in_memory[next - 1]), level_)) {
+        ++next;
+      }
+      add_rows(std::span(in_memory).subspan(begin, next - begin), worker);
+      begin = next;
     }
   });
   Refused first;

@@ -10,6 +10,7 @@
 #include "sampling/cell_fill.h"
 #include "sampling/density_parts.h"
 #include "sampling/mass.h"
+#include "sampling/part_walk.h"
 #include "streams.h"
 
 namespace ccvt {
@@ -34,20 +35,22 @@ class DrawParts {
   /// workers at the same time.
   void operator()(std::size_t part, int worker, std::span<const double> targets, Scalar* out) {
     auto& own = tools_[worker];
-    if (!own) own.emplace(Tools{{grid_, densities_, origin_, stratified_}, parts_.curve()});
+    if (!own) {
+      own.emplace(Tools{{grid_, densities_, origin_, stratified_},
+                        {parts_.curve(), parts_.level(), densities_}});
+    }
     Random random(seed_, streams::density_place + part);
-    const auto along_curve = [&](const auto& f) {
-      own->curve.visit(parts_[part], parts_.level(),
-                       [&](std::int64_t cell) { f(cell, densities_(cell)); });
-    };
-    deal_to_cells(targets, along_curve,
-                  [&](std::int64_t cell, Index hits) { out = own->fill(cell, hits, random, out); });
+    deal_to_cells(
+        targets, [&](const auto& visit) { own->walk(parts_[part], visit); },
+        [&](std::int64_t place, Index hits) {
+          out = own->fill(own->walk.cell(place), hits, random, out);
+        });
   }
 
  private:
   struct Tools {
     CellFill<Scalar> fill;
-    HilbertCurve curve;
+    PartWalk walk;
   };
 
   const DensityGrid& grid_;

@@ -59,20 +59,51 @@ class HilbertCurve {
   /// The same for the cells of a part.
   template <class Visit>
   void visit(const Part& part, int level, const Visit& visit) {
-    level = std::min(level, bits_);
-    if (level == 0) return visit(part.index);
+    if (limited(level) == 0) return visit(part.index);
     for (std::size_t a = 0; a < axes_.size(); ++a) {
       position_[a] = part.index / axes_[a].stride % axes_[a].cells;
     }
-    cube(level - 1, 0, part.entry, part.direction, part.index,
+    cube(limited(level) - 1, 0, part.entry, part.direction, part.index,
          [&](std::int64_t index, std::uint64_t, std::uint64_t, unsigned) { visit(index); });
   }
 
-  /// Calls visit(index, cells) for each row of adjacent cells of a part, in the order of memory.
+  /// Axes of more than one cell.
+  [[nodiscard]] unsigned dimensions() const { return dimensions_; }
+  /// That of a part which is the whole curve, if `level` is above it.
+  [[nodiscard]] int limited(int level) const { return std::min(level, bits_); }
+
+  /// Calls visit(index, cells, place) for each row of adjacent cells of a part, in the order of
+  /// memory; `place`: of the first of them, in that order, in a whole cube of side
+  /// 2^limited(level).
   template <class Visit>
-  void visit_rows(const Part& part, int level, const Visit& visit) {
-    if (axes_.empty()) return visit(part.index, std::int64_t{1});
-    rows(axes_.size() - 1, std::int64_t{1} << std::min(level, bits_), part.index, visit);
+  void visit_rows(const Part& part, int level, const Visit& visit) const {
+    visit_rows(part, 1, level, visit);
+  }
+  /// The same for so many parts, one behind the other along the first axis, as one.
+  template <class Visit>
+  void visit_rows(const Part& first, std::int64_t parts, int level, const Visit& visit) const {
+    if (axes_.empty()) return visit(first.index, std::int64_t{1}, std::int64_t{0});
+    rows({side(level), parts}, axes_.size() - 1, first.index, 0, visit);
+  }
+  /// Whether a part of a level lies behind another, along the first axis.
+  [[nodiscard]] bool follows(const Part& part, const Part& other, int level) const {
+    return !axes_.empty() && part.index - other.index == side(level) &&
+           part.index % axes_[0].cells != 0;
+  }
+  /// How many cells a part of a level has.
+  [[nodiscard]] std::int64_t cells(const Part& part, int level) const {
+    std::int64_t cells = 1;
+    for (const Axis& axis : axes_) cells *= count(axis, side(level), part.index);
+    return cells;
+  }
+  /// The cell at a place, in the order of memory, of the cube that is a part of a level.
+  [[nodiscard]] std::int64_t cell(const Part& part, int level, std::int64_t place) const {
+    std::int64_t cell = part.index;
+    for (const Axis& axis : axes_) {
+      cell += place % side(level) * axis.stride;
+      place /= side(level);
+    }
+    return cell;
   }
 
  private:
@@ -81,12 +112,27 @@ class HilbertCurve {
     std::int64_t stride;
   };
 
+  [[nodiscard]] std::int64_t side(int level) const { return std::int64_t{1} << limited(level); }
+
+  // Of cells along an axis, `most` or as many as there are.
+  static std::int64_t count(const Axis& axis, std::int64_t most, std::int64_t index) {
+    return std::min(most, axis.cells - index / axis.stride % axis.cells);
+  }
+
+  struct Cubes {
+    std::int64_t side;
+    std::int64_t along_first;
+  };
+
   template <class Visit>
-  void rows(std::size_t a, std::int64_t side, std::int64_t index, const Visit& visit) const {
+  void rows(const Cubes& cubes, std::size_t a, std::int64_t index, std::int64_t place,
+            const Visit& visit) const {
     const Axis& axis = axes_[a];
-    const std::int64_t count = std::min(side, axis.cells - index / axis.stride % axis.cells);
-    if (a == 0) return visit(index, count);
-    for (std::int64_t i = 0; i < count; ++i) rows(a - 1, side, index + i * axis.stride, visit);
+    if (a == 0) return visit(index, count(axis, cubes.side * cubes.along_first, index), place);
+    const std::int64_t rows_here = count(axis, cubes.side, index);
+    for (std::int64_t i = 0; i < rows_here; ++i) {
+      rows(cubes, a - 1, index + i * axis.stride, (place + i) * cubes.side, visit);
+    }
   }
 
   // A cube in the curve's orientation: `entry` is the corner where the curve enters, and

@@ -110,8 +110,7 @@ void project(const DensityGrid& grid, std::array<Projection, 3>& result) {
   for (Eigen::Index k = 0; k < z; ++k) {
     for (Eigen::Index j = 0; j < y; ++j) {
       const std::int64_t first = (k * y + j) * x;
-      densities.visit_row(first, x,
-                          [&](std::int64_t cell, double density) { row[cell - first] = density; });
+      densities.row(first, std::span(row.data(), row.data() + x));
       if (shows_layer[k]) front.sums.col(j) += row;
       if (shows_row[j]) top.sums.col(k) += row;
       for (Eigen::Index i = 0; i < x; ++i) {
