@@ -75,7 +75,16 @@ TEST_CASE("A run that a time limit ends leaves its result, and goes on when it i
   check_goes_on(directory, whole);
 }
 
-TEST_CASE("So does one that Ctrl-C ends") {
+TEST_CASE("One that ends before anything can be kept says so") {
+  const TemporaryDirectory directory;
+  const Ran ran = run(directory, kLine + "--checkpoint run --time-limit 1e-6");
+  CHECK(ran.status == 0);
+  CHECK(ran.errors.find("ccvt: run: nothing is kept there, for the run ended before its first "
+                        "iteration\n") != std::string::npos);
+  CHECK(fs::is_empty(directory / "run"));
+}
+
+TEST_CASE("A run that Ctrl-C ends goes on too") {
   const TemporaryDirectory directory;
   const Whole whole(directory);
   REQUIRE(catch_in_time(whole.seconds / 2, [&](const auto& delay) {

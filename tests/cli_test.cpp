@@ -352,7 +352,7 @@ TEST_CASE("bad input: one line, status 2, nothing written") {
       {tessellate + "--capacities three.csv", {"three.csv", "line 1"}},
       {tessellate + "--periodic", {"--periodic", "--box"}},
       {tessellate + "--box 0 0 1", {"--box", "3 numbers", "4 are needed"}},
-      {tessellate + "--box 0 0 1 0", {"--box", "dimension 1"}},
+      {tessellate + "--box 0 0 1 0", {"--box", "dimension 2"}},
       {tessellate + "--box 0 0 1 inf", {"--box", "'inf'"}},
       {tessellate + "--box nan 0 1 1", {"--box", "'nan'"}},
       {"tessellate p.csv --sites 3 --box -o e.csv", {"--box", "'-o'"}},

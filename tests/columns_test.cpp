@@ -205,6 +205,17 @@ TEST_CASE("columns: the program takes the coordinates of a table, and says what 
         "ccvt: s.csv: coordinates are x, y, z; left out: radius, capacity, weight; --columns says "
         "otherwise\n");
   CHECK(get(directory / "named.csv") == get(directory / "plain.csv"));
+  put(directory / "yx.csv", "Y,x\n2,1\n5,4\n8,7\n");
+  CHECK(run(directory, "tessellate yx.csv --sites 2 -o yx_out.csv").errors ==
+        "ccvt: yx.csv: coordinates are x, Y, in this order; --columns says otherwise\n");
+  CHECK(run(directory, "tessellate yx.csv --columns Y,x --sites 2 -o yx_out.csv").errors == "");
+  put(directory / "xy.csv", "x,Y\n2,1\n5,4\n8,7\n");
+  CHECK(run(directory, "tessellate xy.csv --initial-sites xy.csv -o xy_out.csv").errors == "");
+  CHECK(run(directory, "tessellate xy.csv --initial-sites yx.csv -o xy_out.csv").errors ==
+        "ccvt: yx.csv: coordinates are x, Y, in this order\n");
+  put(directory / "names.csv", "id,lon,lat\n1,2,1\n2,5,4\n3,8,7\n");
+  CHECK(run(directory, "tessellate names.csv --sites 2 -o names_out.csv").errors ==
+        "ccvt: names.csv: coordinates are id, lon, lat, in this order; --columns says otherwise\n");
   CHECK(run(directory, "tessellate s.csv --sites 2 -q -o quiet.csv").errors == "");
   const Ran chosen = run(directory, "tessellate s.csv --columns x,y,z --sites 2 -o chosen.csv");
   CHECK(chosen.errors == "");

@@ -327,6 +327,11 @@ TEST_CASE("thin says what files of another kind do not carry") {
   CHECK(told("n.csv -o q.txt").empty());
   CHECK(told("q.ply -o r.csv") == "ccvt: q.ply: " + lost + ".csv\n");  // a count
   CHECK(told("q.npy -o r.csv").empty());
+  put(directory / "plain.csv", "0,0\n1,0\n0,1\n");
+  CHECK(told("plain.csv -o r.txt") ==
+        "ccvt: the last column written says how many points each one stands for; it is no "
+        "coordinate\n");
+  CHECK(told("plain.csv -o r.npy").empty());
 }
 
 TEST_CASE("thin refuses what it cannot do, in one line, and leaves files alone") {

@@ -314,6 +314,7 @@ TEST_CASE("tessellate warns of float points that are too coarse where they are")
 
 TEST_CASE("volume: mistakes get one line, status 2 and no file") {
   const TemporaryDirectory directory;
+  put(directory / "vast.raw", "x");
   put(directory / "v.nii", half_bright());
   put(directory / "m.nii", nifti1({16, 16, 7}, 2, 8) + std::string(16 * 16 * 7, '\1'));
   std::string moved = nifti1({16, 16, 8}, 2, 8) + std::string(16 * 16 * 8, '\1');
@@ -345,6 +346,8 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
   check("v.nii --mask l.nii --mask-type uint8", "--mask-type: needs a .raw file for --mask");
   check("v.nii --interpolation cubic", "'cubic' is not one of constant, linear");
   check("none.nii", "there is no such file");
+  check("vast.raw --shape 100000,100000,100000 --type uint8",
+        "vast.raw: 1000000000000000 cells would need 909.5 TiB of memory, but this machine has ");
   check("v.nii --map window:5,5", "LO less than HI");
   check("v.nii --map window:5", "needs 2, with commas");
   check("v.nii --map gamma:0", "above 0");

@@ -194,8 +194,8 @@ TEST_CASE("tessellate: what is wrong with masses is said in a line") {
   put(directory / "five.csv", "x,m\n1,2\n2,2\n3,5\n4,6\n5,5\n");
   CHECK(said("five.csv --mass-column m --sites 4 --mass-method whole") ==
         "ccvt: error: five.csv: masses[3] is 6, more than the capacity of site 0, 5 (too heavy: 1 "
-        "point): whole points must fit, as they do with n <= 3; the method resampled shares heavy "
-        "points among sites\n");
+        "point): whole points must fit, as they do with at most 3 sites; the method resampled "
+        "shares heavy points among sites\n");
   CHECK(said("five.csv --mass-column m --sites 2 --shares-out s.csv")
             .find("--shares-out: needs --mass-method resampled") != std::string::npos);
   std::string masses = "-1\n";

@@ -390,11 +390,12 @@ TEST_CASE("bad input is refused in one line") {
   CHECK(said(std::vector<double>(10, 0x1p330), 3).find("masses: they sum to 2.1") == 0);
   CHECK(with(5, 30) ==
         "masses[5] is 30, more than the capacity of site 0, 16 (too heavy: 1 point): whole points "
-        "must fit, as they do with n <= 1; the method resampled shares heavy points among sites");
+        "must fit, as they do with at most 1 site; the method resampled shares heavy points among "
+        "sites");
   CHECK(said(masses, 11) ==
         "masses[0] is 2, more than the capacity of site 0, 1.81818 (too heavy: 10 points): whole "
-        "points must fit, as they do with n <= 10; the method resampled shares heavy points among "
-        "sites");
+        "points must fit, as they do with at most 10 sites; the method resampled shares heavy "
+        "points among sites");
   CHECK(said(masses, 0) == "sites: is 0; must be at least 1");
   MassOptions options;
   options.points_per_site = 0;

@@ -120,9 +120,13 @@ void KeptRun::end(const Summary& summary) const {
   if (how == Termination::stable || how == Termination::blue_noise ||
       how == Termination::energy_tolerance) {
     fs::remove(file_, ignored);
-  } else if (!quiet_ && fs::exists(file_, ignored)) {
-    std::cerr << one_line("ccvt: the same command, or one with other limits, goes on from " +
-                          directory_.string());
+  } else if (!quiet_) {
+    std::cerr << one_line(fs::exists(file_, ignored)
+                              ? "ccvt: the same command, or one with other limits, goes on from " +
+                                    directory_.string()
+                              : "ccvt: " + directory_.string() +
+                                    ": nothing is kept there, for the run ended before "
+                                    "its first iteration");
   }
 }
 

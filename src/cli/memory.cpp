@@ -33,6 +33,14 @@ constexpr double kMostWithBounds = 5792;
 /// What encoding holds of a vector beside its coordinates.
 constexpr double kEncodingVector = 64;
 
+void require_memory(const std::string& would_need, double needed) {
+  const auto pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES));
+  const auto page = static_cast<double>(::sysconf(_SC_PAGESIZE));
+  if (pages > 0 && page > 0 && needed > pages * page) {
+    throw InvalidInput(would_need + ", but this machine has " + bytes_text(pages * page));
+  }
+}
+
 }  // namespace
 
 std::string check_bytes(const std::string& what, std::uint64_t points, int dimension, double needed,
@@ -48,12 +56,15 @@ std::string check_bytes(const std::string& what, std::uint64_t points, int dimen
     throw InvalidInput(would_need + ", and are more than the " + std::to_string(most) +
                        " points supported" + by);
   }
-  const auto pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES));
-  const auto page = static_cast<double>(::sysconf(_SC_PAGESIZE));
-  if (pages > 0 && page > 0 && needed > pages * page) {
-    throw InvalidInput(would_need + ", but this machine has " + bytes_text(pages * page));
-  }
+  require_memory(would_need, needed);
   return bytes_text(needed);
+}
+
+void check_cells(const std::filesystem::path& volume, std::uint64_t cells, std::uint64_t bytes) {
+  const auto needed = static_cast<double>(bytes);
+  require_memory(volume.string() + ": " + std::to_string(cells) + " cells would need " +
+                     bytes_text(needed) + " of memory",
+                 needed);
 }
 
 std::string check_memory(Index sites, Index points_per_site, int dimension,

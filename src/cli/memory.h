@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 #include "ccvt/types.h"
@@ -22,6 +23,10 @@ std::string check_memory(Index sites, Index points_per_site, int dimension,
 /// The same for any need.
 std::string check_bytes(const std::string& what, std::uint64_t points, int dimension, double needed,
                         std::uint64_t processes = 1);
+
+/// Throws InvalidInput when the cells of a volume, in so many bytes, are more than the machine has
+/// memory for.
+void check_cells(const std::filesystem::path& volume, std::uint64_t cells, std::uint64_t bytes);
 
 /// Vectors of a file. Mapped ones take no memory.
 struct VectorsHeld {

@@ -114,26 +114,28 @@ Box make_box(const std::vector<double>& numbers, int dimension, const std::strin
   Box box{bounds.head(dimension), bounds.tail(dimension)};
   for (int i = 0; i < dimension; ++i) {
     if (box.lower[i] < box.upper[i]) continue;
-    throw InvalidInput("--box: dimension " + std::to_string(i) + " goes from " +
+    throw InvalidInput("--box: dimension " + std::to_string(i + 1) + " goes from " +
                        text(box.lower[i]) + " to " + text(box.upper[i]) +
                        "; the upper bound must be above the lower one");
   }
   return box;
 }
 
-void tell_left_out(const std::filesystem::path& path, const PointsHeader& header, bool quiet,
-                   const std::string& used) {
+void tell_columns(const std::filesystem::path& path, const PointsHeader& header, bool quiet,
+                  const std::string& used, const std::string& advice) {
   std::vector<std::string> left_out = header.left_out;
   std::erase(left_out, used);
-  if (quiet || left_out.empty()) return;
-  std::cerr << one_line("ccvt: " + path.string() + ": coordinates are " + few_of(header.columns) +
-                        "; left out: " + few_of(left_out) + "; --columns says otherwise");
+  if (quiet || (left_out.empty() && !header.doubtful)) return;
+  std::string told = path.string() + ": coordinates are " + few_of(header.columns);
+  if (header.doubtful) told += ", in this order";
+  if (!left_out.empty()) told += "; left out: " + few_of(left_out);
+  std::cerr << one_line("ccvt: " + told + advice);
 }
 
 PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptions& options,
                               bool quiet) {
   PointsHeader header = inspect_points(path, options);
-  tell_left_out(path, header, quiet);
+  tell_columns(path, header, quiet);
   return header;
 }
 

@@ -28,11 +28,18 @@ Options make_options(const CommonArguments& common, const Options& defaults, Ind
 /// has `dimension` dimensions, those of the points in `file`, of positive extent.
 Box make_box(const std::vector<double>& numbers, int dimension, const std::string& file);
 
-/// Points of `dimension` dimensions: fixed or initial sites, called `what` in messages. Throws
-/// InvalidInput where the file's have another number.
+/// Says on standard error, unless `quiet`, which columns are coordinates where others are left out,
+/// or it is in doubt. `used` is another column that is not left out.
+void tell_columns(const std::filesystem::path& path, const PointsHeader& header, bool quiet,
+                  const std::string& used = "",
+                  const std::string& advice = "; --columns says otherwise");
+
+/// Points of `dimension` dimensions: fixed or initial sites, called `what` in messages, of which
+/// tell_columns() tells unless `quiet`. Throws InvalidInput where the file's have another number.
 template <class Scalar>
-Points<Scalar> read_sites(const std::filesystem::path& path, const std::string& what,
-                          int dimension) {
+Points<Scalar> read_sites(const std::filesystem::path& path, const std::string& what, int dimension,
+                          bool quiet) {
+  tell_columns(path, inspect_points(path), quiet, "", "");
   Points<Scalar> sites = read_points<Scalar>(path);
   if (sites.rows() != dimension) {
     throw InvalidInput(path.string() + ": " + what + " have " + std::to_string(sites.rows()) +
@@ -42,12 +49,7 @@ Points<Scalar> read_sites(const std::filesystem::path& path, const std::string& 
   return sites;
 }
 
-/// Says on standard error which columns are left out, if any are, unless `quiet`. `used` is another
-/// column that is not left out.
-void tell_left_out(const std::filesystem::path& path, const PointsHeader& header, bool quiet,
-                   const std::string& used = "");
-
-/// inspect_points(), and tells what is left out.
+/// inspect_points(), and tells which columns are coordinates.
 PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptions& options,
                               bool quiet);
 

@@ -37,8 +37,8 @@ int sample(const SampleArguments& arguments) {
   Problem<Scalar> problem(points, arguments.sites, arguments.threads);
   problem.set_domain(arguments.periodic ? Domain::periodic(box) : Domain::euclidean(box));
   if (!arguments.fixed_sites.empty()) {
-    const auto fixed =
-        read_sites<Scalar>(arguments.fixed_sites, "fixed sites", arguments.dimension);
+    const auto fixed = read_sites<Scalar>(arguments.fixed_sites, "fixed sites", arguments.dimension,
+                                          arguments.quiet);
     blame(arguments.fixed_sites, [&] {
       check_inside<Scalar>(fixed);
       problem.set_fixed_sites(fixed);

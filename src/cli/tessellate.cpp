@@ -40,11 +40,13 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
   Points<Scalar> mapped_fixed_sites;
   Index sites = arguments.sites;
   if (!arguments.initial_sites.empty()) {
-    initial_sites = read_sites<Scalar>(arguments.initial_sites, "initial sites", header.dimension);
+    initial_sites = read_sites<Scalar>(arguments.initial_sites, "initial sites", header.dimension,
+                                       arguments.quiet);
     sites = static_cast<Index>(initial_sites.cols());
   }
   if (!arguments.fixed_sites.empty()) {
-    fixed_sites = read_sites<Scalar>(arguments.fixed_sites, "fixed sites", header.dimension);
+    fixed_sites =
+        read_sites<Scalar>(arguments.fixed_sites, "fixed sites", header.dimension, arguments.quiet);
   }
   Points<Scalar> points = read_points<Scalar>(arguments.points, arguments.reading);
   const std::optional<LinearMap> map = make_map(arguments, points);
@@ -146,7 +148,7 @@ int run_tessellate(const TessellateArguments& arguments) {
   const bool has_masses = check_masses(arguments);
   check_outputs(arguments);
   const auto [reading, header] = inspect_beside_masses(arguments);
-  tell_left_out(arguments.points, header, arguments.quiet, arguments.mass.column);
+  tell_columns(arguments.points, header, arguments.quiet, arguments.mass.column);
   TessellateArguments chosen = arguments;
   chosen.reading = reading;
   if (has_masses) {

@@ -72,6 +72,15 @@ Thinning thin_cloud(const ThinArguments& arguments, const PointCloud& cloud, Ind
   });
 }
 
+/// In a table of text without a header the column that is added has no name either.
+void tell_of_counts(const ThinArguments& arguments, const PointsHeader& header) {
+  if (arguments.quiet || !header.columns.empty()) return;
+  if (kind_of(arguments.points) != ".csv" || kind_of(arguments.output) != ".csv") return;
+  std::cerr << one_line(
+      "ccvt: the last column written says how many points each one stands for; it is no "
+      "coordinate");
+}
+
 /// Points that count for another than they would without normals.
 std::string turned_text(const Thinning& result, bool equal_counts) {
   if (result.turned == 0) return "";
@@ -121,6 +130,7 @@ int run_thin(const ThinArguments& arguments) {
   if (!arguments.owners_out.empty()) write_owners(arguments.owners_out, result.owners);
   write_summary(arguments, result.summary);
   write_point_cloud(arguments.output, cloud, result.chosen, result.counts);
+  tell_of_counts(arguments, header);
   if (!arguments.quiet) print(closing_line(result, arguments.equal_counts));
   return finish(arguments, outputs, result.summary);
 }

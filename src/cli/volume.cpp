@@ -21,6 +21,7 @@ int sample(const VolumeArguments& arguments, const VolumeHeader& header,
            const std::optional<VolumeHeader>& mask_header) {
   const KeptRun kept(arguments);
   const std::uint64_t mask_bytes = mask_header ? header.cells() + mask_header->bytes() : 0;
+  check_cells(arguments.volume, header.cells(), header.bytes() + mask_bytes);
   const std::string needed = check_memory(arguments.sites, arguments.points_per_site, 3,
                                           sizeof(Scalar), header.bytes() + mask_bytes);
   if (!arguments.quiet) print("needs about " + needed + " of memory\n");

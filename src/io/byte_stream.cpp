@@ -110,6 +110,10 @@ void ByteStream::skip(std::uint64_t count) {
 }
 
 void ByteStream::expect_end() {
+  if (!inflater_) {
+    if (left_ == 0) return;
+    file_.fail("is too long: there are " + std::to_string(left_) + " bytes behind its data");
+  }
   unsigned char more = 0;
   if (read_some(&more, 1) != 0) file_.fail("is too long: there are bytes behind its data");
 }

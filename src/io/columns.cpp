@@ -102,8 +102,11 @@ TableColumns choose_columns(const InputFile& file, const std::vector<std::string
   TableColumns columns;
   columns.at =
       wanted.empty() ? coordinates_among(file, names) : find_wanted(file, wanted, names, count);
-  if (columns.at.empty()) columns.at = all_of(count);
+  const bool unknown = columns.at.empty();
+  if (unknown) columns.at = all_of(count);
   if (names.empty()) return columns;
+  columns.doubtful =
+      wanted.empty() && (unknown || !std::is_sorted(columns.at.begin(), columns.at.end()));
   std::vector<bool> chosen(count, false);
   for (const std::size_t at : columns.at) {
     chosen[at] = true;

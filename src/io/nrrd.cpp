@@ -294,7 +294,15 @@ void place(const InputFile& file, const Header& header, Grid& grid) {
         "'space directions' instead");
   }
   const std::string& origin = header.value("space origin");
-  if (!origin.empty()) grid.origin = header.vector("space origin", origin);
+  if (!origin.empty()) {
+    grid.origin = header.vector("space origin", origin);
+  } else if (const std::string& mins = header.value("axis mins", "axismins"); !mins.empty()) {
+    for (const std::string_view entry : header.three("axis mins", mins)) {
+      if (entry == "nan" || entry == "NaN" || header.number("axis mins", entry) == 0) continue;
+      file.fail("field 'axis mins': " + io::quoted(entry) +
+                " may be a border of cells or the middle of one; give 'space origin' instead");
+    }
+  }
 }
 
 }  // namespace

@@ -179,8 +179,12 @@ PointsHeader inspect_points(const std::filesystem::path& path, const ReadOptions
   TextRows rows(path);
   if (!rows.next()) rows.fail_file("has no points");
   io::TableColumns columns = text_columns(rows, options);
-  return {ScalarType::float64, columns.dimension(), 1 + rows.count_lines(),
-          std::move(columns.names), std::move(columns.left_out)};
+  return {.scalar = ScalarType::float64,
+          .dimension = columns.dimension(),
+          .count = 1 + rows.count_lines(),
+          .columns = std::move(columns.names),
+          .left_out = std::move(columns.left_out),
+          .doubtful = columns.doubtful};
 }
 
 namespace {

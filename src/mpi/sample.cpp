@@ -44,7 +44,8 @@ int sample(const Session& session, const SampleArguments& arguments) {
     points = sample_uniform_part<Scalar>(box, all, share.begin, share.end, arguments.seed,
                                          arguments.distribution, arguments.threads);
     if (arguments.fixed_sites.empty()) return;
-    fixed = cli::read_sites<Scalar>(arguments.fixed_sites, "fixed sites", arguments.dimension);
+    fixed = cli::read_sites<Scalar>(arguments.fixed_sites, "fixed sites", arguments.dimension,
+                                    arguments.quiet);
     cli::blame(arguments.fixed_sites, [&] { cli::check_inside<Scalar>(fixed); });
   });
   Problem<Scalar> problem(session.ranks(), view_points(points), arguments.sites, arguments.threads);

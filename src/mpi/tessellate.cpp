@@ -48,7 +48,7 @@ Inputs<Scalar> read_inputs(const Session& session, const Session::Share& share,
   read.points = read_points<Scalar>(arguments.points, share.of(arguments.reading));
   const auto sites = [&](const std::filesystem::path& file, const char* what) {
     return file.empty() ? Points<Scalar>(header.dimension, 0)
-                        : cli::read_sites<Scalar>(file, what, header.dimension);
+                        : cli::read_sites<Scalar>(file, what, header.dimension, arguments.quiet);
   };
   read.initial_sites = sites(arguments.initial_sites, "initial sites");
   read.fixed_sites = sites(arguments.fixed_sites, "fixed sites");

@@ -87,8 +87,9 @@ void require_room(const MassInputs& inputs, std::span<const double> masses, bool
                         " (too heavy: " + std::to_string(heavy) +
                         (heavy == 1 ? " point" : " points") + "): whole points must fit";
   if (equal) {
-    message += ", as they do with n <= " +
-               std::to_string(static_cast<Index>(inputs.total / *heaviest * kRounding));
+    const auto most = static_cast<Index>(inputs.total / *heaviest * kRounding);
+    message +=
+        ", as they do with at most " + std::to_string(most) + (most == 1 ? " site" : " sites");
   }
   throw InvalidInput(message + "; the method resampled shares heavy points among sites");
 }
