@@ -1,10 +1,7 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
-#include <numeric>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "ccvt/export.h"
@@ -27,7 +24,7 @@ class CCVT_EXPORT Ranks {
   Ranks() = default;
   Ranks(const Ranks&) = delete;
   Ranks& operator=(const Ranks&) = delete;
-  virtual ~Ranks() = default;
+  virtual ~Ranks();
 
   /// In 0..count() - 1.
   [[nodiscard]] virtual int rank() const = 0;
@@ -37,40 +34,21 @@ class CCVT_EXPORT Ranks {
   [[nodiscard]] virtual std::vector<Bytes> gather(std::span<const std::byte> own) = 0;
   /// The same where all know how much each hands in, `sizes[r]` bytes of rank r, and have room for
   /// it: `all` has them one rank's after the other's, each its own before, and all afterwards.
-  virtual void share(std::span<std::byte> all, std::span<const std::size_t> sizes) {
-    const auto own = static_cast<std::size_t>(rank());
-    const std::size_t before =
-        std::accumulate(sizes.begin(), sizes.begin() + rank(), std::size_t{0});
-    std::byte* next = all.data();
-    for (const Bytes& part : gather(all.subspan(before, sizes[own]))) {
-      next = std::copy(part.begin(), part.end(), next);
-    }
-  }
+  virtual void share(std::span<std::byte> all, std::span<const std::size_t> sizes);
   /// Sends `to[r]` to rank r, for all; what each has sent here, by rank. `to` has one for each.
   [[nodiscard]] virtual std::vector<Bytes> exchange(std::vector<Bytes> to) = 0;
   /// The same from where it lies to where it is wanted: `to[r]` goes to rank r, where it is as long
   /// as that one's room for it, and what r has sent here to `from[r]`. `to[rank()]` and
   /// `from[rank()]` are not looked at.
   virtual void exchange_parts(std::span<const std::span<const std::byte>> to,
-                              std::span<const std::span<std::byte>> from) {
-    std::vector<Bytes> messages(to.size());
-    for (std::size_t r = 0; r < to.size(); ++r) {
-      if (std::cmp_not_equal(r, rank())) messages[r].assign(to[r].begin(), to[r].end());
-    }
-    messages = exchange(std::move(messages));
-    for (std::size_t r = 0; r < from.size(); ++r) {
-      if (std::cmp_not_equal(r, rank())) {
-        std::copy(messages[r].begin(), messages[r].end(), from[r].begin());
-      }
-    }
-  }
+                              std::span<const std::span<std::byte>> from);
   /// Sends a message to another rank without waiting for it.
   virtual void send(int to, Bytes message) = 0;
   /// The next message from another rank, in the order in which that sent them. Waits for it.
   [[nodiscard]] virtual Bytes receive(int from) = 0;
   /// Whether it is known that the next message from another rank is there, so that receive() does
   /// not wait: a rank then takes it between two pieces of its own work.
-  [[nodiscard]] virtual bool has_come([[maybe_unused]] int from) { return false; }
+  [[nodiscard]] virtual bool has_come(int from);
 };
 
 /// What Ranks may be as well, where messages get on only while a function of theirs is called, as
@@ -80,7 +58,7 @@ class CCVT_EXPORT MessageProgress {
   MessageProgress() = default;
   MessageProgress(const MessageProgress&) = delete;
   MessageProgress& operator=(const MessageProgress&) = delete;
-  virtual ~MessageProgress() = default;
+  virtual ~MessageProgress();
 
   /// Lets what has been sent get on, and waits for nothing. Called after each piece of work by the
   /// thread that did it: on one that may not call the others it does nothing.
