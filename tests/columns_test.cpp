@@ -215,7 +215,7 @@ TEST_CASE("columns: the program takes the coordinates of a table, and says what 
         "ccvt: yx.csv: coordinates are x, Y, in this order\n");
   put(directory / "names.csv", "id,lon,lat\n1,2,1\n2,5,4\n3,8,7\n");
   CHECK(run(directory, "tessellate names.csv --sites 2 -o names_out.csv").errors ==
-        "ccvt: names.csv: coordinates are id, lon, lat, in this order; --columns says otherwise\n");
+        "ccvt: names.csv: coordinates are id, lon, lat; --columns says otherwise\n");
   CHECK(run(directory, "tessellate s.csv --sites 2 -q -o quiet.csv").errors == "");
   const Ran chosen = run(directory, "tessellate s.csv --columns x,y,z --sites 2 -o chosen.csv");
   CHECK(chosen.errors == "");

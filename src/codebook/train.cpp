@@ -28,6 +28,9 @@
 namespace ccvt {
 namespace {
 
+/// To give vectors codewords when training was cancelled before that.
+constexpr std::chrono::milliseconds kTimeToDeal{2000};
+
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
@@ -238,20 +241,34 @@ void Trainer<Scalar>::train() {
 }
 
 /// Ends a cancelled run without exact assignments: with the last owners that met the capacities, or
-/// with vectors dealt to the nearest codewords that have room; Lloyd's with the nearest. Of vectors
-/// that have no owners yet that is one product with all codewords, for which there is time. Not of
+/// with vectors dealt to the nearest codewords that have room; Lloyd's with what they had last, or
+/// with the nearest. Where that would take too long vectors are dealt out in their order. Not of
 /// several ranks, whose last assignment takes the time that it takes.
 template <class Scalar>
 void Trainer<Scalar>::settle_for_less() {
-  stop_.off();
   summary_.termination = Termination::cancelled;
   if (options_.method == CodebookMethod::exact) {
     summary_.gap = 1;
     std::fill(weights_.begin(), weights_.end(), 0.0);
   }
-  if (options_.method == CodebookMethod::lloyd) return own_nearest(source_);
-  owners_ = std::move(met_);
-  if (owners_.empty()) owners_ = deal_to_nearest(vectors_, sites_, problem_.capacities(), arena_);
+  stop_.allow(kTimeToDeal);
+  try {
+    if (options_.method == CodebookMethod::lloyd) {
+      own_nearest(source_);
+    } else if (met_.empty()) {
+      owners_ = deal_to_nearest(vectors_, sites_, problem_.capacities(), arena_);
+    } else {
+      owners_ = std::move(met_);
+    }
+  } catch (const Stopped&) {
+    owners_.clear();
+    for (const SiteNumber s : sites_below(problem_.site_count())) {
+      owners_.insert(owners_.end(), static_cast<std::size_t>(problem_.capacities()[s]), s.index());
+    }
+    summary_.warnings.push_back(
+        "training ended before vectors had codewords: they were dealt out in their order");
+  }
+  stop_.off();
 }
 
 /// Ends with an exact assignment if there is time for it.

@@ -15,8 +15,10 @@ namespace {
 
 /// What owners lack that do not meet the capacities.
 constexpr double kUnmet = std::numeric_limits<double>::infinity();
-/// So many rounds without a smaller gap, and rounding leaves no smaller one.
+/// After so many rounds that do not bring the gap down to this share, rounding leaves no smaller
+/// one.
 constexpr int kIdleRounds = 4;
+constexpr double kSmallerGap = 0.9;
 
 /// Only differences of weights count, and these lose digits where all are far from 0: paths from
 /// one of two groups of points to the other, far away, lower the weights of all.
@@ -142,19 +144,17 @@ Certificate ExactAssignment<Scalar>::solve(std::span<const double> sites,
     Certificate certificate;
   } best;
   best.certificate.gap = kUnmet;
-  for (int idle = 0; idle < kIdleRounds;) {
+  for (int idle = 0; idle < kIdleRounds; ++idle) {
     std::vector<Index> given = owners;
     std::vector<double> weights_given = weights;
     if (improve(sites, weights, owners) == Round::optimal) return certificate_;
     // What proves owners optimal is to owe nothing to what found them.
     if (kept_) kept_->invalidate();
-    if (certificate_.gap < best.certificate.gap) {
-      best = {std::move(given), std::move(weights_given), certificate_};
-      idle = 0;
-    } else if (best.certificate.gap < kUnmet) {
-      ++idle;
-    }
+    if (!(certificate_.gap < best.certificate.gap)) continue;
+    if (certificate_.gap < kSmallerGap * best.certificate.gap) idle = -1;
+    best = {std::move(given), std::move(weights_given), certificate_};
   }
+  if (best.owners.empty()) return certificate_;
   owners = std::move(best.owners);
   weights = std::move(best.weights);
   best.certificate.rounds = certificate_.rounds;

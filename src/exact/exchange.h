@@ -74,7 +74,7 @@ class ExchangeGraph {
   struct Moves {
     std::vector<Move> cheapest;
     Move beyond = {kNone, 0};
-    std::size_t kept = 1;  ///< next time
+    std::size_t kept = 1;  ///< next time; how many are known changes no result
   };
   struct Cell {
     Index size = 0;                    ///< of all ranks

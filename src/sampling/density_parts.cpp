@@ -137,7 +137,7 @@ std::vector<double> DensityParts::own_masses(const DensityGrid& grid,
                         row.resize(static_cast<std::size_t>(count));
                         densities.row(first, row);
                         refused[worker].add(first, row);
-                        const std::size_t side = std::size_t{1} << level_;
+                        const std::size_t side = std::size_t{1} << curve_.limited(level_);
                         for (std::size_t p = 0; p < run.size(); ++p) {
                           const std::span<const double> rest = std::span(row).subspan(p * side);
                           masses[run[p]] += sum(rest.first(std::min(side, rest.size())));
