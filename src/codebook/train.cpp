@@ -265,7 +265,7 @@ void Trainer<Scalar>::settle_for_less() {
     for (const SiteNumber s : sites_below(problem_.site_count())) {
       owners_.insert(owners_.end(), static_cast<std::size_t>(problem_.capacities()[s]), s.index());
     }
-    summary_.warnings.push_back(
+    summary_.warnings.emplace_back(
         "training ended before vectors had codewords: they were dealt out in their order");
   }
   stop_.off();

@@ -23,6 +23,9 @@ constexpr int kMostFillings = 100;
 constexpr double kHop = 1;
 constexpr double kShortHop = 0.5;
 constexpr std::size_t kManyPoints = 16;
+/// Homes of which each worker knows what was gathered, 1 MB with about 60 others each: sites near
+/// each other look at the same ones (300,000 points in space, a tenth chosen: 9 s without, 5 with).
+constexpr std::size_t kRecent = 512;
 
 /// At the squared distance, below the squared reach.
 double weight(double squared, double reach) {
@@ -57,7 +60,8 @@ Repulsion<Scalar>::Repulsion(const Homes<Scalar>& homes, std::vector<Place> chos
       taken_(homes.home_of.size(), 0),
       first_in_(homes.count(), SiteNumber::none()),
       next_in_(homes.count(), SiteNumber::none()),
-      is_restless_(homes.count(), 0) {
+      is_restless_(homes.count(), 0),
+      recent_(arena, Recent(kRecent)) {
   for (const SiteNumber s : sites_below(chosen_.size())) enter(s, chosen_[s]);
 }
 
@@ -104,45 +108,54 @@ double Repulsion<Scalar>::repelled(Place place, SiteNumber site) const {
   return sum;
 }
 
-/// The chosen points, but for that of `site`, that may repel what is in a home.
+/// The chosen points that may repel what is in a home.
 template <class Scalar>
-void Repulsion<Scalar>::gather(SiteNumber home, SiteNumber site, Others& others) const {
+auto Repulsion<Scalar>::gather(SiteNumber home, Recent& recent) const -> const Others& {
+  Gathered& slot = recent[home % kRecent];
+  Others& others = slot.others;
+  if (slot.home == home && slot.time == time_) return others;
+  slot.home = home;
+  slot.time = time_;
   const std::size_t dimension = homes_.dimension();
+  others.sites.clear();
   others.coordinates.clear();
   others.reach.clear();
   for_each_near(home, [&](SiteNumber other, SiteNumber near) {
-    if (other == site) return;
     const Scalar* const there = at(other);
     const double reach = homes_.reach_of(home, near);
     const double farthest = (homes_.centres.radius[home] + reach) * (1 + 1e-12);
     if (squared_distance(there, homes_.centres.at(home), dimension) > farthest * farthest) return;
+    others.sites.push_back(other);
     others.coordinates.insert(others.coordinates.end(), there, there + dimension);
     others.reach.push_back(reach);
   });
+  return others;
 }
 
-/// What others repel there; or `most`, or more, where it is that much.
+/// What others than `site` repel there; or `most`, or more, where it is that much.
 template <class Scalar>
-double Repulsion<Scalar>::repelled_by(const Others& others, const Scalar* at, double most) const {
+double Repulsion<Scalar>::repelled_by(const Others& others, SiteNumber site, const Scalar* at,
+                                      double most) const {
   double sum = 0;
   const double* other = others.coordinates.data();
-  for (const double reach : others.reach) {
+  for (std::size_t k = 0; k < others.sites.size(); ++k, other += homes_.dimension()) {
+    const double reach = others.reach[k];
     const double squared = squared_distance(at, other, homes_.dimension());
-    if (squared < reach * reach) sum += weight(squared, reach);
+    if (!(squared < reach * reach) || others.sites[k] == site) continue;
+    sum += weight(squared, reach);
     if (sum >= most) break;
-    other += homes_.dimension();
   }
   return sum;
 }
 
 /// Appends the place in a home where least would be repelled, if one is free.
 template <class Scalar>
-void Repulsion<Scalar>::weigh_gap(SiteNumber home, Others& others, std::vector<Gap>& gaps) const {
-  gather(home, SiteNumber::none(), others);
+void Repulsion<Scalar>::weigh_gap(SiteNumber home, Recent& recent, std::vector<Gap>& gaps) const {
+  const Others& others = gather(home, recent);
   Gap gap{std::numeric_limits<double>::infinity(), Place::none()};
   for (const Place place : homes_.places(home)) {
     if (taken_[place] != 0) continue;
-    const double sum = repelled_by(others, homes_.at(place), gap.repelled);
+    const double sum = repelled_by(others, SiteNumber::none(), homes_.at(place), gap.repelled);
     if (sum < gap.repelled) gap = {sum, place};
   }
   if (gap.place != Place::none()) gaps.push_back(gap);
@@ -150,7 +163,7 @@ void Repulsion<Scalar>::weigh_gap(SiteNumber home, Others& others, std::vector<G
 
 /// Appends the best move of a site, if it has one.
 template <class Scalar>
-void Repulsion<Scalar>::weigh(SiteNumber site, Others& others, std::vector<Move>& moves) const {
+void Repulsion<Scalar>::weigh(SiteNumber site, Recent& recent, std::vector<Move>& moves) const {
   const std::size_t dimension = homes_.dimension();
   const Place from = chosen_[site];
   const SiteNumber own = homes_.home_of[from];
@@ -162,15 +175,15 @@ void Repulsion<Scalar>::weigh(SiteNumber site, Others& others, std::vector<Move>
   double least = before * (1 - kLeastGain);
   Place best = Place::none();
   for (const SiteNumber home : homes_.near[own]) {
-    if (!quotas_.allow(own, home)) continue;
     const double farthest = (homes_.centres.radius[home] + hop) * (1 + 1e-12);
     if (squared_distance(at, homes_.centres.at(home), dimension) > farthest * farthest) continue;
-    gather(home, site, others);
+    if (!quotas_.allow(own, home)) continue;
+    const Others& others = gather(home, recent);
     for (const Place place : homes_.places(home)) {
       if (taken_[place] != 0) continue;
       const Scalar* const there = homes_.at(place);
       if (squared_distance(there, at, dimension) > hop * hop) continue;
-      const double sum = repelled_by(others, there, least);
+      const double sum = repelled_by(others, site, there, least);
       if (sum >= least) continue;
       least = sum;
       best = place;
@@ -205,14 +218,15 @@ bool Repulsion<Scalar>::make(const Move& move, double least_gain) {
 template <class Scalar>
 void Repulsion<Scalar>::round() {
   ++rounds_;
-  const std::vector<SiteNumber> looking = std::exchange(restless_, {});
+  ++time_;
+  std::vector<SiteNumber> looking = std::exchange(restless_, {});
+  std::sort(looking.begin(), looking.end());  // numbers are in the order of space
   for (const SiteNumber s : looking) is_restless_[s] = 0;
-  PerWorker<Others> scratch(arena_);
   Buffer<Move> moves =
       collect<Move>(arena_, looking.size(), kSitesPerGrain,
                     [&](std::size_t begin, std::size_t end, std::vector<Move>& out, int worker) {
                       for (std::size_t k = begin; k < end; ++k)
-                        weigh(looking[k], scratch[worker], out);
+                        weigh(looking[k], recent_[worker], out);
                     });
   std::sort(moves.begin(), moves.end(), by_gain);
   for (const Move& move : moves) {
@@ -227,10 +241,10 @@ void Repulsion<Scalar>::round() {
 /// The sites that are repelled most jump to the places where they would be least. Whether any did.
 template <class Scalar>
 bool Repulsion<Scalar>::fill_gaps() {
-  PerWorker<Others> scratch(arena_);
+  ++time_;
   Buffer<Gap> gaps = collect_by_site<Gap>(
       arena_, homes_.count(), kSitesPerGrain,
-      [&](SiteNumber home, std::vector<Gap>& out, int w) { weigh_gap(home, scratch[w], out); });
+      [&](SiteNumber home, std::vector<Gap>& out, int w) { weigh_gap(home, recent_[w], out); });
   std::sort(gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) {
     return a.repelled != b.repelled ? a.repelled < b.repelled : a.place < b.place;
   });

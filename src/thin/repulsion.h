@@ -60,18 +60,28 @@ class Repulsion {
   };
   /// Chosen points that may repel what is in a home.
   struct Others {
+    std::vector<SiteNumber> sites;
     std::vector<double> coordinates;
     std::vector<double> reach;
   };
+  /// Those of a home, as long as nothing has moved since.
+  struct Gathered {
+    SiteNumber home = SiteNumber::none();
+    int time = 0;
+    Others others;
+  };
+  /// Of the homes that a worker looked at last: sites near each other look at the same ones.
+  using Recent = std::vector<Gathered>;
 
   [[nodiscard]] const Scalar* at(SiteNumber site) const {
     return at_.data() + site * homes_.dimension();
   }
-  [[nodiscard]] double repelled_by(const Others& others, const Scalar* at, double most) const;
+  [[nodiscard]] double repelled_by(const Others& others, SiteNumber site, const Scalar* at,
+                                   double most) const;
   [[nodiscard]] double repelled(Place place, SiteNumber site) const;
-  void gather(SiteNumber home, SiteNumber site, Others& others) const;
-  void weigh(SiteNumber site, Others& others, std::vector<Move>& moves) const;
-  void weigh_gap(SiteNumber home, Others& others, std::vector<Gap>& gaps) const;
+  const Others& gather(SiteNumber home, Recent& recent) const;
+  void weigh(SiteNumber site, Recent& recent, std::vector<Move>& moves) const;
+  void weigh_gap(SiteNumber home, Recent& recent, std::vector<Gap>& gaps) const;
   void round();
   bool fill_gaps();
   bool make(const Move& move, double least_gain);
@@ -91,6 +101,8 @@ class Repulsion {
   std::vector<SiteNumber> next_in_;   ///< by site: another one in the same home
   std::vector<SiteNumber> restless_;  ///< sites that may have a move
   std::vector<std::uint8_t> is_restless_;
+  PerWorker<Recent> recent_;
+  int time_ = 0;  ///< when sites may have moved
   std::int64_t moves_ = 0;
   std::int64_t jumps_ = 0;
   int rounds_ = 0;
