@@ -79,8 +79,8 @@ TEST_CASE("One that ends before anything can be kept says so") {
   const TemporaryDirectory directory;
   const Ran ran = run(directory, kLine + "--checkpoint run --time-limit 1e-6");
   CHECK(ran.status == 0);
-  CHECK(ran.errors.find("ccvt: run: nothing is kept there, for the run ended before its first "
-                        "iteration\n") != std::string::npos);
+  CHECK(ran.errors.find("ccvt: run: nothing is kept there: the same command begins anew\n") !=
+        std::string::npos);
   CHECK(fs::is_empty(directory / "run"));
 }
 

@@ -121,12 +121,11 @@ void KeptRun::end(const Summary& summary) const {
       how == Termination::energy_tolerance) {
     fs::remove(file_, ignored);
   } else if (!quiet_) {
-    std::cerr << one_line(fs::exists(file_, ignored)
-                              ? "ccvt: the same command, or one with other limits, goes on from " +
-                                    directory_.string()
-                              : "ccvt: " + directory_.string() +
-                                    ": nothing is kept there, for the run ended before "
-                                    "its first iteration");
+    const std::string there = directory_.string();
+    std::cerr << one_line(
+        fs::exists(file_, ignored)
+            ? "ccvt: the same command, or one with other limits, goes on from " + there
+            : "ccvt: " + there + ": nothing is kept there: the same command begins anew");
   }
 }
 
