@@ -76,9 +76,10 @@ struct PointsHeader {
   std::vector<std::string> columns = {};
   /// Its other columns, where nobody said which are coordinates.
   std::vector<std::string> left_out = {};
-  /// Nobody said which are, and all are taken for them, by whatever names; or they are in another
-  /// order than in the file.
-  bool doubtful = false;
+  /// Nobody said which are, and names do not tell: all columns are taken.
+  bool unknown = false;
+  /// Their names put them in another order than the file has.
+  bool reordered = false;
   /// Of particles: the extents of the periodic box, from 0, that they fill; empty when the file
   /// says nothing of one.
   std::vector<double> box = {};

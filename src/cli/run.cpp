@@ -125,12 +125,10 @@ void tell_columns(const std::filesystem::path& path, const PointsHeader& header,
                   const std::string& used, const std::string& advice) {
   std::vector<std::string> left_out = header.left_out;
   std::erase(left_out, used);
-  if (quiet || (left_out.empty() && !header.doubtful)) return;
-  const std::string first = header.columns[0];
-  const bool named = first == "x" || first == "X" || first == "x0" || first == "X0";
-  if (!named && advice.empty()) return;  // all columns, and nobody can say otherwise
+  const bool to_be_named = header.unknown && !header.columns.empty() && !advice.empty();
+  if (quiet || (left_out.empty() && !header.reordered && !to_be_named)) return;
   std::string told = path.string() + ": coordinates are " + few_of(header.columns);
-  if (header.doubtful && named) told += ", in this order";
+  if (header.reordered) told += ", in this order";
   if (!left_out.empty()) told += "; left out: " + few_of(left_out);
   std::cerr << one_line("ccvt: " + told + advice);
 }

@@ -29,8 +29,8 @@ Options make_options(const CommonArguments& common, const Options& defaults, Ind
 Box make_box(const std::vector<double>& numbers, int dimension, const std::string& file);
 
 /// Says on standard error, unless `quiet`, which columns are coordinates where others are left out,
-/// or it is in doubt. `used` is another column that is not left out; `advice`: what may be done,
-/// without which nothing is said of all columns being taken.
+/// they are reordered, or their names do not tell. `used` is another column that is not left out;
+/// `advice`: what may be done, without which nothing is said of names that do not tell.
 void tell_columns(const std::filesystem::path& path, const PointsHeader& header, bool quiet,
                   const std::string& used = "",
                   const std::string& advice = "; --columns says otherwise");

@@ -19,6 +19,7 @@
 #include "exact/grouping.h"
 #include "exact/move_costs.h"
 #include "exact/pricing.h"
+#include "exact/weighted_sites.h"
 #include "number_text.h"
 #include "numbers.h"
 #include "parallel/alike.h"
@@ -307,11 +308,9 @@ Training Trainer<Scalar>::run(const Columns<double>* codewords) {
     const auto own = owners_.begin() + static_cast<std::ptrdiff_t>(problem_.first_own_point());
     owners_ = std::vector<Index>(own, own + problem_.points().count);
   }
-  // Weights count by their differences only.
-  const double highest = *std::max_element(weights_.begin(), weights_.end());
+  bring_near_zero(weights_);
   Coordinates weights = Coordinates::constant(n, 0);
-  std::transform(weights_.begin(), weights_.end(), weights.data(),
-                 [&](double weight) { return weight - highest; });
+  std::copy(weights_.begin(), weights_.end(), weights.data());
   Codebook codebook(Eigen::Map<const Eigen::MatrixXd>(sites_.data(), vectors_.dimension, n),
                     std::move(weights));
   sum_up(codebook);

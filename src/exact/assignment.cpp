@@ -8,6 +8,7 @@
 
 #include "ccvt/capacity.h"
 #include "cell_sizes.h"
+#include "exact/weighted_sites.h"
 #include "parallel/together.h"
 
 namespace ccvt {
@@ -19,13 +20,6 @@ constexpr double kUnmet = std::numeric_limits<double>::infinity();
 /// one.
 constexpr int kIdleRounds = 4;
 constexpr double kSmallerGap = 0.9;
-
-/// Only differences of weights count, and these lose digits where all are far from 0: paths from
-/// one of two groups of points to the other, far away, lower the weights of all.
-void bring_near_zero(std::vector<double>& weights) {
-  const double highest = *std::max_element(weights.begin(), weights.end());
-  for (double& weight : weights) weight -= highest;
-}
 
 }  // namespace
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "numbers.h"
 
@@ -21,5 +23,12 @@ struct WeightedSites {
   std::span<const double> weight;
   std::size_t dimension;
 };
+
+/// Makes the highest weight 0. Only their differences count, and these lose digits where all are
+/// far from 0: paths from one of two groups of points to the other, far away, lower all.
+inline void bring_near_zero(std::vector<double>& weights) {
+  const double highest = *std::max_element(weights.begin(), weights.end());
+  for (double& weight : weights) weight -= highest;
+}
 
 }  // namespace ccvt

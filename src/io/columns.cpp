@@ -102,11 +102,10 @@ TableColumns choose_columns(const InputFile& file, const std::vector<std::string
   TableColumns columns;
   columns.at =
       wanted.empty() ? coordinates_among(file, names) : find_wanted(file, wanted, names, count);
-  const bool unknown = columns.at.empty();
-  if (unknown) columns.at = all_of(count);
+  columns.unknown = columns.at.empty();
+  if (columns.unknown) columns.at = all_of(count);
   if (names.empty()) return columns;
-  columns.doubtful =
-      wanted.empty() && (unknown || !std::is_sorted(columns.at.begin(), columns.at.end()));
+  columns.reordered = wanted.empty() && !std::is_sorted(columns.at.begin(), columns.at.end());
   std::vector<bool> chosen(count, false);
   for (const std::size_t at : columns.at) {
     chosen[at] = true;

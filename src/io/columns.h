@@ -13,8 +13,8 @@ struct TableColumns {
   std::vector<std::size_t> at;        ///< from 0
   std::vector<std::string> names;     ///< of them; empty where columns have none
   std::vector<std::string> left_out;  ///< names of the others, where the names alone decided
-  /// All that have names nobody knows, or known ones in another order than the file has.
-  bool doubtful = false;
+  bool unknown = false;    ///< all are taken, for nobody said which, and their names do not tell
+  bool reordered = false;  ///< by their names
 
   /// Of the points.
   [[nodiscard]] int dimension() const { return static_cast<int>(at.size()); }

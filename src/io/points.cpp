@@ -184,7 +184,8 @@ PointsHeader inspect_points(const std::filesystem::path& path, const ReadOptions
           .count = 1 + rows.count_lines(),
           .columns = std::move(columns.names),
           .left_out = std::move(columns.left_out),
-          .doubtful = columns.doubtful};
+          .unknown = columns.unknown,
+          .reordered = columns.reordered};
 }
 
 namespace {
