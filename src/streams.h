@@ -3,8 +3,10 @@
 #include <cstdint>
 
 /// All random streams of one seed: each is used for one thing, so that points and what is done with
-/// them may share a seed. Those with room have 2^32 more behind them, for parts of the work.
+/// them may share a seed. Those with room have as many behind them, for parts of the work.
 namespace ccvt::streams {
+
+constexpr std::uint64_t room = std::uint64_t{1} << 32;
 
 // The solver.
 constexpr std::uint64_t initial_sites = 1;
@@ -31,6 +33,7 @@ constexpr std::uint64_t density_place = 0x73616d72'00000000ULL;
 constexpr std::uint64_t function_tabulate = 0x73616d73'00000000ULL;
 constexpr std::uint64_t density_deal = 0x73616d74'00000000ULL;
 constexpr std::uint64_t surface = 0x73616d75'00000000ULL;
+constexpr std::uint64_t density_far_mass = 0x73617000'00000000ULL;  ///< with 2^40 behind it
 
 // Metrics, with room.
 constexpr std::uint64_t integration_places = 0x696e7467'00000000ULL;

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,7 @@
 #include "random.h"
 #include "sampling/hilbert.h"
 #include "sampling/mass.h"
+#include "streams.h"
 
 using ccvt::Box;
 using ccvt::DensityGrid;
@@ -216,11 +219,55 @@ TEST_CASE("sorted draws are ascending, independent and even up to both ends") {
   }
 }
 
+TEST_CASE("sorted draws are counted over more bins than a row has") {
+  const std::int64_t count = 2'500'000;
+  const ccvt::SortedDraws one(3, count, ccvt::Arena(1));
+  const ccvt::SortedDraws two(3, count, ccvt::Arena(2));
+  std::vector<double> bin;
+  std::int64_t total = 0;
+  bool numbered = true;
+  for (std::size_t b = 0; b < one.bins(); ++b) {
+    numbered = numbered && one.before(b) == total && two.before(b) == total;
+    one.open(b, bin);
+    total += std::ssize(bin);
+  }
+  CHECK(numbered);
+  CHECK(total == count);
+}
+
+TEST_CASE("of more than 2^32 draws each group gets those of its share, with their numbers") {
+  constexpr std::int64_t half = std::int64_t{1} << 32;
+  const std::vector<double> masses{half + 10, 20, half - 40, 10};  // one for each draw
+  const ccvt::StratifiedDraws draws(5, 2 * half);
+  const std::vector<std::size_t> groups{1, 3};
+  std::vector<std::int64_t> first(4, -1);
+  ccvt::deal(ccvt::Shares(masses), groups, draws, ccvt::Arena(1),
+             [&](std::size_t g, int, std::int64_t number, std::span<const double> targets) {
+               first[g] = number;
+               REQUIRE(std::ssize(targets) == static_cast<std::ptrdiff_t>(masses[g]));
+               for (std::size_t k = 0; k < targets.size(); ++k) CHECK(std::floor(targets[k]) == k);
+             });
+  CHECK(first == std::vector<std::int64_t>{-1, half + 10, -1, 2 * half - 10});
+}
+
+TEST_CASE("no bin has the random numbers of another, or of the places in a part") {
+  std::set<std::uint64_t> first;
+  constexpr std::uint64_t far = std::uint64_t{1} << 32;
+  for (const std::uint64_t bin : {std::uint64_t{0}, far - 1, far, far + 1, far << 7, far << 8}) {
+    first.insert(ccvt::random_of_bin(7, bin).next());
+  }
+  first.insert(ccvt::Random(7, ccvt::streams::density_place).next());
+  first.insert(ccvt::Random(7, ccvt::streams::density_place + 1).next());
+  CHECK(first.size() == 8);
+}
+
 TEST_CASE("draws at the ends of groups and cells go to those with mass") {
   struct Fixed {  // one draw a bin
     std::vector<double> values;
     [[nodiscard]] std::size_t bins() const { return values.size(); }
-    [[nodiscard]] static Index before(std::size_t bin) { return static_cast<Index>(bin); }
+    [[nodiscard]] static std::int64_t before(std::size_t bin) {
+      return static_cast<std::int64_t>(bin);
+    }
     void open(std::size_t bin, std::vector<double>& draws) const { draws = {values[bin]}; }
   };
   const std::vector<double> masses{0, 1, 0, 0, 1, 2, 0};
@@ -229,7 +276,7 @@ TEST_CASE("draws at the ends of groups and cells go to those with mass") {
   const auto groups = [&](const std::vector<double>& draws) {
     Hits found(masses.size());
     ccvt::deal(masses, Fixed{draws}, ccvt::Arena(1),
-               [&](std::size_t g, int, Index, std::span<const double> targets) {
+               [&](std::size_t g, int, std::int64_t, std::span<const double> targets) {
                  for (const double target : targets) CHECK(target >= 0);
                  found[g] += static_cast<Index>(targets.size());
                });
@@ -246,7 +293,9 @@ TEST_CASE("draws at the ends of groups and cells go to those with mass") {
           for (std::size_t i = 0; i < masses.size(); ++i)
             f(static_cast<std::int64_t>(i), masses[i]);
         },
-        [&](std::int64_t cell, Index n) { found[static_cast<std::size_t>(cell)] += n; });
+        [&](std::int64_t cell, std::int64_t n) {
+          found[static_cast<std::size_t>(cell)] += static_cast<Index>(n);
+        });
     return found;
   };
   CHECK(cells({0, 1, 2, 3}) == Hits{0, 1, 0, 0, 1, 2, 0});

@@ -277,6 +277,18 @@ TEST_CASE("ranks: what is wrong with a density is thrown on all, in the words of
   });
   REQUIRE(refused.size() == 1);
   CHECK(refused.begin()->starts_with("layers: rank 1 of 2 has "));
+  const auto many = messages_of(2, [&](Ranks& ranks) {
+    Part part(grid.density(values), values, {}, ranks);
+    (void)ccvt::sample_density<float>(ranks, part.density, 4294967295);
+  });
+  CHECK(many ==
+        std::set<std::string>{"count: is 4294967295, but 2 ranks have at most 4294967294 points"});
+  const auto of_sites = messages_of(2, [&](Ranks& ranks) {
+    Part part(grid.density(values), values, {}, ranks);
+    (void)ccvt::sample_volume<float>(ranks, part.density, 1 << 30, volume_options(1));
+  });
+  REQUIRE(of_sites.size() == 1);
+  CHECK(of_sites.begin()->ends_with(" points; at most 4294967294 are supported"));
   const auto cut = messages_of(2, [&](Ranks& ranks) {
     Part part(grid.density(values), values, {}, ranks);
     if (ranks.rank() == 1) part.values.pop_back();

@@ -97,17 +97,17 @@ CCVT_EXPORT void fill_density(const DensityGrid& grid, std::uint64_t seed, Densi
                               int threads, std::span<double> coordinates,
                               const std::function<bool()>& cancelled);
 /// The same for a rank's points, by all ranks together.
-CCVT_EXPORT void check_density(Ranks& ranks, const DensityLayers& density, Index count,
+CCVT_EXPORT void check_density(Ranks& ranks, const DensityLayers& density, std::int64_t count,
                                std::size_t scalar_bytes);
-CCVT_EXPORT void fill_density(Ranks& ranks, const DensityLayers& density, Index count,
+CCVT_EXPORT void fill_density(Ranks& ranks, const DensityLayers& density, std::int64_t count,
                               std::uint64_t seed, DensitySampling sampling, int threads,
                               std::span<float> coordinates);
-CCVT_EXPORT void fill_density(Ranks& ranks, const DensityLayers& density, Index count,
+CCVT_EXPORT void fill_density(Ranks& ranks, const DensityLayers& density, std::int64_t count,
                               std::uint64_t seed, DensitySampling sampling, int threads,
                               std::span<double> coordinates);
 /// Of so many points, the first one of a rank.
-inline Index first_of_rank(Index count, int rank, int ranks) {
-  return static_cast<Index>(std::int64_t{count} * rank / ranks);
+inline std::int64_t first_of_rank(std::int64_t count, int rank, int ranks) {
+  return count * rank / ranks;
 }
 CCVT_EXPORT void fill_function(const DensityFunction& density, double maximum, const Box& box,
                                std::uint64_t seed, DensitySampling sampling, int threads,
@@ -163,16 +163,17 @@ Eigen::Matrix<Scalar, Dimension, Eigen::Dynamic> sample_density(
 /// from count * r / R, rounded down, up to those of the next. All ranks call this together, each
 /// with its layers of the same density. A rank draws the points in its layers, about a million at a
 /// time, and sends each to the rank that it is of; it holds no other layers and no other points.
-/// For white points each rank counts all draws, with 4 bytes for 16 of them. Throws InvalidInput,
-/// on all ranks, as sample_density() does, and when the layers are not those of layers_of_rank().
+/// For white points each rank counts all draws, with 4 bytes for 16 of them. There may be 2^40
+/// points in all, and 2^31 - 1 for each rank. Throws InvalidInput, on all ranks, when there are
+/// more, as sample_density() does, and when the layers are not those of layers_of_rank().
 template <class Scalar = double>
-Points<Scalar> sample_density(Ranks& ranks, const DensityLayers& density, Index count,
+Points<Scalar> sample_density(Ranks& ranks, const DensityLayers& density, std::int64_t count,
                               std::uint64_t seed = 0,
                               DensitySampling sampling = DensitySampling::stratified,
                               int threads = 0) {
   detail::check_density(ranks, density, count, sizeof(Scalar));
-  const Index first = detail::first_of_rank(count, ranks.rank(), ranks.count());
-  const Index end = detail::first_of_rank(count, ranks.rank() + 1, ranks.count());
+  const std::int64_t first = detail::first_of_rank(count, ranks.rank(), ranks.count());
+  const std::int64_t end = detail::first_of_rank(count, ranks.rank() + 1, ranks.count());
   Points<Scalar> points(density.grid.box.dimension(), end - first);
   detail::fill_density(ranks, density, count, seed, sampling, threads,
                        std::span<Scalar>(points.data(), static_cast<std::size_t>(points.size())));

@@ -215,8 +215,8 @@ CCVT_EXPORT VolumeSamples sample_volume(const DensityGrid& density, Index sites,
                                         const VolumeOptions& options = {});
 
 /// The same by all ranks together, to the bit; each has its layers of the density, its share of the
-/// points, and all samples. `points` and `owners`, where they are kept, are those of
-/// sample_density() on this rank. Drawing is not cancelled.
+/// points, at most 2^31 - 1 of 2^40 in all, and all samples. `points` and `owners`, where they are
+/// kept, are those of sample_density() on this rank. Drawing is not cancelled.
 template <class Scalar = float>
 CCVT_EXPORT VolumeSamples sample_volume(Ranks& ranks, const DensityLayers& density, Index sites,
                                         const VolumeOptions& options = {});

@@ -10,7 +10,6 @@
 #include "ccvt/solver.h"
 #include "cli/outputs.h"
 #include "commands.h"
-#include "numbers.h"
 #include "results.h"
 
 namespace ccvt::mpi {
@@ -18,21 +17,13 @@ namespace {
 
 using cli::SampleArguments;
 
-void check_count(Index sites, Index points_per_site) {
-  const std::int64_t all = std::int64_t{sites} * points_per_site;
-  if (all <= kMostPointsOfAll) return;
-  throw InvalidInput("--sites " + std::to_string(sites) + ": with --points-per-site " +
-                     std::to_string(points_per_site) + " there are " + std::to_string(all) +
-                     " points, but at most " + std::to_string(kMostPointsOfAll) + " are supported");
-}
-
 template <class Scalar>
 int sample(const Session& session, const SampleArguments& arguments) {
   const Kept kept(session, arguments);
   const bool particles = makes_particles(arguments);
   const ParticleOptions load = particle_options(arguments.particles);
   const std::int64_t all = std::int64_t{arguments.sites} * arguments.points_per_site;
-  session.together([&] { check_count(arguments.sites, arguments.points_per_site); });
+  session.together([&] { Session::check_count(arguments.sites, arguments.points_per_site); });
   const Session::Share share = session.share(all);
   const Box box = Box::unit(arguments.dimension);
   Points<Scalar> points;

@@ -5,6 +5,8 @@
 #include <thread>
 
 #include "cli/memory.h"
+#include "number_text.h"
+#include "numbers.h"
 
 namespace ccvt::mpi {
 
@@ -20,6 +22,14 @@ int Session::count_here() {
 int Session::own_threads() const {
   const auto processors = static_cast<int>(std::thread::hardware_concurrency());
   return std::max(1, processors / ranks_here_);
+}
+
+void Session::check_count(Index sites, Index points_per_site) {
+  const std::int64_t all = std::int64_t{sites} * points_per_site;
+  if (all <= kMostPointsOfAll) return;
+  throw InvalidInput(concat("--sites ", sites, ": with --points-per-site ", points_per_site,
+                            " there are ", all, " points, but at most ", kMostPointsOfAll,
+                            " are supported"));
 }
 
 cli::RankFigures Session::figures() const {

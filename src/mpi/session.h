@@ -78,6 +78,9 @@ class Session {
     cli::check_memory(what, on_machine(own), dimension, scalar_bytes, on_machine(other_bytes),
                       processes_here());
   }
+  /// Throws InvalidInput where --sites and --points-per-site make more points than all ranks
+  /// together may have.
+  static void check_count(Index sites, Index points_per_site);
   /// Ranks on this machine.
   [[nodiscard]] std::uint64_t processes_here() const {
     return static_cast<std::uint64_t>(ranks_here_);

@@ -63,9 +63,7 @@ Headers check(const Session& session, const VolumeArguments& arguments) {
 void check_memory(const Session& session, const VolumeArguments& arguments, const Headers& headers,
                   const LayerRange& layers, std::size_t scalar_bytes) {
   const std::int64_t all = std::int64_t{arguments.sites} * arguments.points_per_site;
-  if (all > INT32_MAX) {
-    cli::check_memory(arguments.sites, arguments.points_per_site, 3, scalar_bytes);
-  }
+  Session::check_count(arguments.sites, arguments.points_per_site);
   const std::uint64_t cells = headers.cells_of(layers.end - layers.begin);
   const std::uint64_t of_mask = headers.mask ? 1 + bytes_of(headers.mask->type) : 0;
   session.check_memory(

@@ -44,11 +44,11 @@ class CellFill {
   }
 
   /// Points of the density of one cell, one behind the other in memory; returns where they end.
-  Scalar* operator()(std::int64_t cell, Index hits, Random& random, Scalar* out) {
+  Scalar* operator()(std::int64_t cell, std::int64_t hits, Random& random, Scalar* out) {
     cell_position(cell, grid_.shape, position_);
     const std::size_t dimension = position_.size();
     if (hits == 1 || !jittered_) {
-      for (Index k = 0; k < hits; ++k) {
+      for (std::int64_t k = 0; k < hits; ++k) {
         for (std::size_t d = 0; d < dimension; ++d) put(d, random.uniform());
         out = store(cell, out);
       }
@@ -142,7 +142,7 @@ class CellFill {
   }
 
   // All cells have the same shape, and adjacent ones similar numbers of points.
-  const Strata& strata(Index hits) {
+  const Strata& strata(std::int64_t hits) {
     auto& strata = strata_.data()[hits % kept_strata];
     if (!strata || strata->count() != hits) strata.emplace(edges_, hits);
     return *strata;

@@ -12,6 +12,7 @@
 #include "number_text.h"
 #include "parallel/arena.h"
 #include "parallel/together.h"
+#include "point_count.h"
 #include "sampling/cell_densities.h"
 #include "sampling/density_mass.h"
 #include "sampling/density_parts.h"
@@ -79,7 +80,7 @@ void check_affine(const DensityGrid& grid) {
   }
 }
 
-void check_places(const DensityGrid& grid, Index count, int fixed_dimension,
+void check_places(const DensityGrid& grid, std::int64_t count, int fixed_dimension,
                   std::size_t scalar_bytes) {
   detail::check_sampling(grid.box, count, fixed_dimension, scalar_bytes);
   require_enumerator("grid: interpolation", grid.interpolation, Interpolation::linear);
@@ -99,9 +100,9 @@ void fill(const DensityGrid& grid, const Eigen::VectorXd& origin, std::uint64_t 
   const CellDensities densities(grid);
   const DensityParts parts(grid.shape);
   const std::vector<double> masses = parts.masses(grid, densities, arena, nullptr);
-  const auto count = static_cast<Index>(coordinates.size() / grid.shape.size());
+  const std::int64_t count = std::ssize(coordinates) / std::ssize(grid.shape);
   DrawParts<Scalar> draw(grid, origin, densities, parts, seed, sampling, arena);
-  const auto place = [&](std::size_t part, int worker, Index first,
+  const auto place = [&](std::size_t part, int worker, std::int64_t first,
                          std::span<const double> targets) {
     draw(part, worker, targets, coordinates.data() + first * std::ssize(grid.shape));
   };
@@ -152,11 +153,15 @@ void check_density(const DensityGrid& grid, Index count, int fixed_dimension,
   check_cells(grid, concat("grid: shape ", std::span(grid.shape)), cells_of(grid));
 }
 
-void check_density(Ranks& ranks, const DensityLayers& density, Index count,
+void check_density(Ranks& ranks, const DensityLayers& density, std::int64_t count,
                    std::size_t scalar_bytes) {
   agree(&ranks, [&] {
     const DensityGrid& grid = density.grid;
     check_places(grid, count, Eigen::Dynamic, scalar_bytes);
+    if (count > most_points(ranks)) {
+      throw InvalidInput(concat("count: is ", count, ", but ", ranks.count(),
+                                " ranks have at most ", most_points(ranks), " points"));
+    }
     const GridLayers layers(grid.shape, level_of_parts(grid.shape));
     const LayerRange needed = layers.around(ranks.rank(), ranks.count());
     const auto& [begin, end] = density.layers;

@@ -27,7 +27,7 @@ constexpr double kPointsAtOnce = 1 << 20;
 /// Consecutive points that have been drawn.
 template <class Scalar>
 struct Drawn {
-  Index first = 0;
+  std::int64_t first = 0;
   std::vector<Scalar> coordinates;
 };
 
@@ -37,12 +37,13 @@ CellDensities densities_here(const DensityGrid& grid, const LayerRange& layers) 
 
 /// Parts of this rank from `begin` on that have about kPointsAtOnce of `count` points.
 std::span<const std::size_t> next_parts(const DensityParts& parts, std::size_t begin,
-                                        std::span<const double> masses, double total, Index count) {
+                                        std::span<const double> masses, double total,
+                                        std::int64_t count) {
   const std::span<const std::size_t> left = parts.own().subspan(begin);
   double expected = 0;
   std::size_t taken = 0;
   for (; taken < left.size() && expected < kPointsAtOnce; ++taken) {
-    expected += masses[left[taken]] / total * count;
+    expected += masses[left[taken]] / total * static_cast<double>(count);
   }
   return left.first(taken);
 }
@@ -50,18 +51,18 @@ std::span<const std::size_t> next_parts(const DensityParts& parts, std::size_t b
 /// Sends points to their ranks, and takes those of this one.
 template <class Scalar>
 void send_to_ranks(Ranks& ranks, const std::vector<Drawn<Scalar>>& drawn, std::size_t dimension,
-                   Index count, std::span<Scalar> own) {
+                   std::int64_t count, std::span<Scalar> own) {
   const auto first_of = [&](int rank) { return detail::first_of_rank(count, rank, ranks.count()); };
   std::vector<ByteWriter> to(static_cast<std::size_t>(ranks.count()));
   int rank = 0;
   for (const Drawn<Scalar>& run : drawn) {
-    const auto points = static_cast<Index>(run.coordinates.size() / dimension);
+    const auto points = static_cast<std::int64_t>(run.coordinates.size() / dimension);
     if (points == 0) continue;
     // Points of parts ascend with these.
     while (first_of(rank + 1) <= run.first) ++rank;
-    Index done = 0;
+    std::int64_t done = 0;
     for (int r = rank; done < points; ++r) {
-      const Index part = std::min(points - done, first_of(r + 1) - run.first - done);
+      const std::int64_t part = std::min(points - done, first_of(r + 1) - run.first - done);
       if (part == 0) continue;
       ByteWriter& message = to[static_cast<std::size_t>(r)];
       message.put(run.first + done);
@@ -75,15 +76,16 @@ void send_to_ranks(Ranks& ranks, const std::vector<Drawn<Scalar>>& drawn, std::s
   for (const Ranks::Bytes& bytes : exchanged(ranks, std::move(to))) {
     ByteReader message(bytes);
     while (!message.done()) {
-      const auto place = static_cast<std::size_t>(message.get<Index>() - first_of(ranks.rank()));
-      const auto points = static_cast<std::size_t>(message.get<Index>());
+      const auto place =
+          static_cast<std::size_t>(message.get<std::int64_t>() - first_of(ranks.rank()));
+      const auto points = static_cast<std::size_t>(message.get<std::int64_t>());
       message.get(own.subspan(place * dimension, points * dimension));
     }
   }
 }
 
 template <class Scalar>
-void fill(Ranks& ranks, const LocalDensity& local, const LayerRange& layers, Index count,
+void fill(Ranks& ranks, const LocalDensity& local, const LayerRange& layers, std::int64_t count,
           std::uint64_t seed, DensitySampling sampling, int threads, std::span<Scalar> own) {
   agree(&ranks, [&] {
     require_threads(threads);
@@ -104,7 +106,7 @@ void fill(Ranks& ranks, const LocalDensity& local, const LayerRange& layers, Ind
       done += now.size();
       std::vector<Drawn<Scalar>> drawn(now.size());
       deal(shares, now, draws, arena,
-           [&](std::size_t part, int worker, Index first, std::span<const double> targets) {
+           [&](std::size_t part, int worker, std::int64_t first, std::span<const double> targets) {
              const auto at = std::lower_bound(now.begin(), now.end(), part) - now.begin();
              Drawn<Scalar>& run = drawn[static_cast<std::size_t>(at)];
              run.first = first;
@@ -122,8 +124,9 @@ void fill(Ranks& ranks, const LocalDensity& local, const LayerRange& layers, Ind
 }
 
 template <class Scalar>
-void fill_in_place(Ranks& ranks, const DensityLayers& density, Index count, std::uint64_t seed,
-                   DensitySampling sampling, int threads, std::span<Scalar> own) {
+void fill_in_place(Ranks& ranks, const DensityLayers& density, std::int64_t count,
+                   std::uint64_t seed, DensitySampling sampling, int threads,
+                   std::span<Scalar> own) {
   fill(ranks, {density.grid, Eigen::VectorXd::Zero(density.grid.box.dimension())}, density.layers,
        count, seed, sampling, threads, own);
 }
@@ -149,8 +152,8 @@ double density_mass(Ranks& ranks, const DensityLayers& density, const Arena& are
 
 template <class Scalar>
 Points<Scalar> sample_local_density(Ranks& ranks, const LocalDensity& local,
-                                    const LayerRange& layers, Index count, std::uint64_t seed,
-                                    DensitySampling sampling, int threads) {
+                                    const LayerRange& layers, std::int64_t count,
+                                    std::uint64_t seed, DensitySampling sampling, int threads) {
   const auto first_of = [&](int rank) { return detail::first_of_rank(count, rank, ranks.count()); };
   Points<Scalar> points(local.grid.box.dimension(),
                         first_of(ranks.rank() + 1) - first_of(ranks.rank()));
@@ -159,20 +162,22 @@ Points<Scalar> sample_local_density(Ranks& ranks, const LocalDensity& local,
   return points;
 }
 
-template Points<float> sample_local_density(Ranks&, const LocalDensity&, const LayerRange&, Index,
-                                            std::uint64_t, DensitySampling, int);
-template Points<double> sample_local_density(Ranks&, const LocalDensity&, const LayerRange&, Index,
-                                             std::uint64_t, DensitySampling, int);
+template Points<float> sample_local_density(Ranks&, const LocalDensity&, const LayerRange&,
+                                            std::int64_t, std::uint64_t, DensitySampling, int);
+template Points<double> sample_local_density(Ranks&, const LocalDensity&, const LayerRange&,
+                                             std::int64_t, std::uint64_t, DensitySampling, int);
 
 namespace detail {
 
-void fill_density(Ranks& ranks, const DensityLayers& density, Index count, std::uint64_t seed,
-                  DensitySampling sampling, int threads, std::span<float> coordinates) {
+void fill_density(Ranks& ranks, const DensityLayers& density, std::int64_t count,
+                  std::uint64_t seed, DensitySampling sampling, int threads,
+                  std::span<float> coordinates) {
   fill_in_place(ranks, density, count, seed, sampling, threads, coordinates);
 }
 
-void fill_density(Ranks& ranks, const DensityLayers& density, Index count, std::uint64_t seed,
-                  DensitySampling sampling, int threads, std::span<double> coordinates) {
+void fill_density(Ranks& ranks, const DensityLayers& density, std::int64_t count,
+                  std::uint64_t seed, DensitySampling sampling, int threads,
+                  std::span<double> coordinates) {
   fill_in_place(ranks, density, count, seed, sampling, threads, coordinates);
 }
 

@@ -42,7 +42,7 @@ class DrawParts {
     Random random(seed_, streams::density_place + part);
     deal_to_cells(
         targets, [&](const auto& visit) { own->walk(parts_[part], visit); },
-        [&](std::int64_t place, Index hits) {
+        [&](std::int64_t place, std::int64_t hits) {
           out = own->fill(own->walk.cell(place), hits, random, out);
         });
   }

@@ -173,7 +173,7 @@ void stratified(const CheckedDensity<Scalar>& density, double maximum, const Box
   }
 
   deal(table.sums, StratifiedDraws(seed, count), arena,
-       [&](std::size_t c, int, Index first, std::span<const double> targets) {
+       [&](std::size_t c, int, std::int64_t first, std::span<const double> targets) {
          CheckedDensity<Scalar> drawn = density;
          Random random(seed, streams::density_place + c);
          std::vector<double> corner(grid.dimension());
@@ -183,9 +183,9 @@ void stratified(const CheckedDensity<Scalar>& density, double maximum, const Box
              f(table.cells[k], table.values[k]);
            }
          };
-         deal_to_cells(targets, in_order, [&](std::int64_t cell, Index hits) {
+         deal_to_cells(targets, in_order, [&](std::int64_t cell, std::int64_t hits) {
            grid.corner(cell, corner);
-           for (Index k = 0; k < hits; ++k) {
+           for (std::int64_t k = 0; k < hits; ++k) {
              out = drawn.accept(random, corner.data(), grid.size(), out);
            }
          });

@@ -71,7 +71,7 @@ Points<Scalar> sample_local_density(const LocalDensity& local, Index count, std:
 /// are here; the arguments have passed check_density().
 template <class Scalar>
 Points<Scalar> sample_local_density(Ranks& ranks, const LocalDensity& local,
-                                    const LayerRange& layers, Index count, std::uint64_t seed,
-                                    DensitySampling sampling, int threads);
+                                    const LayerRange& layers, std::int64_t count,
+                                    std::uint64_t seed, DensitySampling sampling, int threads);
 
 }  // namespace ccvt

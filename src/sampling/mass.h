@@ -41,11 +41,17 @@ inline double draw_from(std::size_t bin, std::size_t bins, Random& random) {
   return (static_cast<double>(bin) + random.uniform()) / static_cast<double>(bins);
 }
 
+/// The random numbers of a bin, those of no other.
+inline Random random_of_bin(std::uint64_t seed, std::uint64_t bin) {
+  const bool far = bin >= streams::room;
+  return Random(seed, (far ? streams::density_far_mass : streams::density_mass) + bin);
+}
+
 /// Independent uniform draws from [0, 1) in ascending order, which may be entered anywhere: draws
 /// are first dealt to equal bins, then drawn and sorted within a bin. O(1) each.
 class SortedDraws {
  public:
-  SortedDraws(std::uint64_t seed, Index count, const Arena& arena) : seed_(seed) {
+  SortedDraws(std::uint64_t seed, std::int64_t count, const Arena& arena) : seed_(seed) {
     constexpr std::size_t chunk = 65'536;
     const auto draws = static_cast<std::size_t>(count);
     before_.resize(draws / 16 + 2);
@@ -56,35 +62,47 @@ class SortedDraws {
         std::atomic_ref(before_[random.below(bins()) + 1]).fetch_add(1, std::memory_order_relaxed);
       }
     });
-    for (std::size_t b = 1; b < before_.size(); ++b) before_[b] += before_[b - 1];
+    std::int64_t before = 0;
+    for (std::size_t b = 0; b < before_.size(); ++b) {
+      before += before_[b];
+      if (b % kRow == 0) rows_.push_back(before);
+      before_[b] = static_cast<std::uint32_t>(before - rows_.back());
+    }
   }
 
   [[nodiscard]] std::size_t bins() const { return before_.size() - 1; }
   /// The number of draws in the bins before this one.
-  [[nodiscard]] Index before(std::size_t bin) const { return before_[bin]; }
+  [[nodiscard]] std::int64_t before(std::size_t bin) const {
+    return rows_[bin / kRow] + before_[bin];
+  }
   /// Puts the draws of a bin into `draws`.
   void open(std::size_t bin, std::vector<double>& draws) const {
-    Random random(seed_, streams::density_mass + bin);
-    draws.resize(static_cast<std::size_t>(before_[bin + 1] - before_[bin]));
+    Random random = random_of_bin(seed_, bin);
+    draws.resize(static_cast<std::size_t>(before(bin + 1) - before(bin)));
     for (double& draw : draws) draw = draw_from(bin, bins(), random);
     std::sort(draws.begin(), draws.end());
   }
 
  private:
+  static constexpr std::size_t kRow = 65'536;
+
   std::uint64_t seed_;
-  std::vector<Index> before_;
+  std::vector<std::int64_t> rows_;     ///< draws before each kRow bins
+  std::vector<std::uint32_t> before_;  ///< and before each bin since then, a million on average
 };
 
 /// One uniform draw from each of `count` equal parts of [0, 1): bins of one draw each.
 class StratifiedDraws {
  public:
-  StratifiedDraws(std::uint64_t seed, Index count)
+  StratifiedDraws(std::uint64_t seed, std::int64_t count)
       : seed_(seed), bins_(static_cast<std::size_t>(count)) {}
 
   [[nodiscard]] std::size_t bins() const { return bins_; }
-  [[nodiscard]] static Index before(std::size_t bin) { return PointNumber(bin).index(); }
+  [[nodiscard]] static std::int64_t before(std::size_t bin) {
+    return static_cast<std::int64_t>(bin);
+  }
   void open(std::size_t bin, std::vector<double>& draws) const {
-    Random random(seed_, streams::density_mass + bin);
+    Random random = random_of_bin(seed_, bin);
     draws.assign(1, draw_from(bin, bins_, random));
   }
 
@@ -127,7 +145,7 @@ void deal(const Shares& shares, std::span<const std::size_t> groups, const Draws
       // One bin earlier than computed, in case that was rounded up.
       double earlier = std::max(0.0, std::floor(begin[g] / total * bins) - 1);
       auto b = static_cast<std::size_t>(earlier);
-      Index first = draws.before(b);
+      std::int64_t first = draws.before(b);
       targets.clear();
       for (; b < draws.bins(); ++b, ++earlier) {
         if (g < shares.last && earlier / bins * total >= begin[g + 1]) break;
@@ -169,13 +187,12 @@ void deal_to_cells(std::span<const double> targets, const VisitCells& visit_cell
     last = cell;
     reached.add(mass);
     const double end = reached.value();
-    Index hits = 0;
+    std::int64_t hits = 0;
     for (; dealt < targets.size() && targets[dealt] < end; ++dealt) ++hits;
     if (hits > 0) place(cell, hits);
   });
   // The sum in this order may fall short of the group's mass by its rounding error.
-  Index left = 0;
-  for (; dealt < targets.size(); ++dealt) ++left;
+  const auto left = static_cast<std::int64_t>(targets.size() - dealt);
   if (left > 0) place(last, left);
 }
 

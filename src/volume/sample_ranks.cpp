@@ -91,10 +91,10 @@ void put_back(Ranks& ranks, const DensityLayers& density, const Points<Scalar>& 
 template <class Scalar>
 VolumeSamples sample_volume(Ranks& ranks, const DensityLayers& density, Index sites,
                             const VolumeOptions& options) {
-  Index count = 0;
+  std::int64_t count = 0;
   agree(&ranks, [&] {
     options.validate();
-    count = checked_point_count(sites, options.points_per_site);
+    count = checked_point_count(sites, options.points_per_site, most_points(ranks));
   });
   detail::check_density(ranks, density, count, sizeof(double));
   const LocalDensity local = around_middle(density.grid);

@@ -62,7 +62,7 @@ ADVICE = {
     "src/mpi/mpi_ranks.cpp": "Take more ranks: each then sends less at a time.",
     "src/mpi/results.cpp": _RANKS,
     "src/mpi/results.h": _RANKS,
-    "src/mpi/sample.cpp": _USAGE,
+    "src/mpi/session.cpp": _USAGE,
     "src/mpi/session.h": "Take more ranks on more machines: each then holds less.",
     "src/mpi/shared_file.cpp": "All ranks need a file system that all of them see, with room.",
     "src/run_ranks.cpp": "Several ranks start balanced, as up to 8 dimensions do by default, or from initial "
