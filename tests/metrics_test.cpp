@@ -263,6 +263,27 @@ TEST_CASE("bond order: lattices, and all Voronoi neighbours by definition") {
   CHECK_THROWS_AS(bond_order(white(3, 9, 1)), InvalidInput);
 }
 
+TEST_CASE("bond order: cells that many points may reach, and many points at one place") {
+  // Those at the rim of a disc reach to the box.
+  std::vector<Eigen::Vector2d> inside{{0, 0}};  // the box's corner
+  const PointSet all = white(2, 600, 4);
+  for (Eigen::Index p = 0; p < all.points().cols(); ++p) {
+    const Eigen::Vector2d at = all.points().col(p);
+    if ((at - Eigen::Vector2d(.5, .5)).norm() < .35) inside.emplace_back(at);
+  }
+  Points<double> points(2, std::ssize(inside));
+  for (Eigen::Index p = 0; p < points.cols(); ++p) {
+    points.col(p) = inside[static_cast<std::size_t>(p)];
+  }
+  REQUIRE(points.cols() > 200);
+  const PointSet disc(points, Domain::euclidean(Box::unit(2)));
+  check_equal(bond_order(disc), direct_bond_order(disc));
+  // A cell at the border does not count, however many share it: this took minutes.
+  Points<double> crowded(2, points.cols() + 20'000);
+  crowded << points, Points<double>::Zero(2, 20'000);
+  check_equal(bond_order(PointSet(crowded, disc.domain())), bond_order(disc));
+}
+
 TEST_CASE("star discrepancy is the integral that defines it") {
   for (const Index count : {2, 7, 30}) {
     const PointSet set = white(2, count, 8);

@@ -3,13 +3,16 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <numeric>
+#include <span>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "ccvt/metrics.h"
 #include "geometry/metric.h"
 #include "metrics/sets.h"
-#include "numbers.h"
 #include "parallel/arena.h"
 #include "spatial/site_tree.h"
 #include "thread_count.h"
@@ -94,43 +97,102 @@ class Cell {
   std::vector<Edge> next_;
 };
 
-/// Cuts the cell of `p` by its neighbours in the order of their distance, until the next one is
-/// further than twice the cell's radius: no other can reach it. On a torus all images are asked
-/// that may, of which the nearest comes in order.
-Cell cell_of(const PointSet& set, const Metric& metric, const SiteTree& tree, PointNumber p) {
-  const Box& box = set.domain().box();
-  const Vector2d at = set.points().col(p.index());
-  const Vector2d extent = box.extent();
-  const bool periodic = metric.periodic();
-  Cell cell = periodic ? Cell({extent[0], extent[0], extent[1], extent[1]}, false)
-                       : Cell({at[0] - box.lower[0], box.upper[0] - at[0], at[1] - box.lower[1],
-                               box.upper[1] - at[1]},
-                              true);
-  std::vector<Index> found;
-  std::ptrdiff_t done = 0;
-  for (int k = 16; done < set.count(); k *= 4) {
+/// The places where there are points, each once: coincident points share a cell.
+struct Places {
+  explicit Places(const PointSet& set) : of(static_cast<std::size_t>(set.count())) {
+    const auto& points = set.points();
+    std::vector<Index> order(of.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](Index p, Index q) {
+      return std::tuple(points(0, p), points(1, p), p) < std::tuple(points(0, q), points(1, q), q);
+    });
+    for (const Index p : order) {
+      const Vector2d at = points.col(p);
+      if (count() == 0 || at != this->at(count() - 1)) {
+        coordinates.insert(coordinates.end(), {at[0], at[1]});
+      }
+      of[static_cast<std::size_t>(p)] = count() - 1;
+    }
+  }
+
+  [[nodiscard]] Index count() const { return static_cast<Index>(coordinates.size() / 2); }
+  [[nodiscard]] Vector2d at(Index place) const {
+    const double* const x = coordinates.data() + std::ptrdiff_t{2} * place;
+    return {x[0], x[1]};
+  }
+
+  std::vector<double> coordinates;
+  std::vector<Index> of;  ///< of each point
+};
+
+/// Cuts cells by the places around them.
+class Cutter {
+ public:
+  Cutter(const Box& box, const Metric& metric, const Places& places, const SiteTree& tree)
+      : box_(box), metric_(metric), places_(places), tree_(tree) {}
+
+  /// By its neighbours in the order of their distance, until the next one is further than twice the
+  /// cell's radius: no other can reach it. Of a cell that many may reach, as at the rim of a disc,
+  /// all of these at once.
+  [[nodiscard]] Cell cell_of(Index place) const {
+    const Vector2d at = places_.at(place);
+    const Vector2d extent = box_.extent();
+    Cell cell = metric_.periodic() ? Cell({extent[0], extent[0], extent[1], extent[1]}, false)
+                                   : Cell({at[0] - box_.lower[0], box_.upper[0] - at[0],
+                                           at[1] - box_.lower[1], box_.upper[1] - at[1]},
+                                          true);
+    std::vector<Index> found;
+    for (const int count : {16, 64}) {
+      found.clear();
+      tree_.nearest(at.data(), count, found);
+      // The order of ties may change with their number: all are asked again.
+      if (cut(place, found, cell) || std::ssize(found) == places_.count()) return cell;
+    }
     found.clear();
-    tree.nearest(at.data(), k, found);
-    // The order of ties may change with k: all are asked again.
-    for (const Index q : found) {
-      if (q == p.index()) continue;
-      const Vector2d other = set.points().col(q);
-      Vector2d difference(metric.wrap(other[0] - at[0], 0), metric.wrap(other[1] - at[1], 1));
-      if (difference.isZero(0)) continue;
+    tree_.within(at.data(), 2 * std::sqrt(cell.squared_radius()), found);
+    std::vector<std::pair<double, Index>> by_distance;
+    for (const Index other : found) {
+      by_distance.emplace_back(difference(at, other).squaredNorm(), other);
+    }
+    std::sort(by_distance.begin(), by_distance.end());
+    for (std::size_t k = 0; k < found.size(); ++k) found[k] = by_distance[k].second;
+    cut(place, found, cell);
+    return cell;
+  }
+
+ private:
+  [[nodiscard]] Vector2d difference(const Vector2d& at, Index other) const {
+    const Vector2d there = places_.at(other);
+    return {metric_.wrap(there[0] - at[0], 0), metric_.wrap(there[1] - at[1], 1)};
+  }
+
+  /// By these, which ascend by distance. True when one of them, and so all that come after it, is
+  /// too far to reach the cell. On a torus all images are asked that may, of which the nearest
+  /// comes in order.
+  bool cut(Index place, std::span<const Index> others, Cell& cell) const {
+    const Vector2d extent = box_.extent();
+    const Vector2d at = places_.at(place);
+    const int images = metric_.periodic() ? 1 : 0;
+    for (const Index other : others) {
+      const Vector2d nearest = difference(at, other);
+      if (nearest.isZero(0)) continue;
       const double reach = 4 * cell.squared_radius();
-      if (difference.squaredNorm() > reach) return cell;
-      const int images = periodic ? 1 : 0;
+      if (nearest.squaredNorm() > reach) return true;
       for (int y = -images; y <= images; ++y) {
         for (int x = -images; x <= images; ++x) {
-          const Vector2d image = difference + Vector2d(x * extent[0], y * extent[1]);
+          const Vector2d image = nearest + Vector2d(x * extent[0], y * extent[1]);
           if (image.squaredNorm() <= reach) cell.cut(image);
         }
       }
     }
-    done = std::ssize(found);
+    return false;
   }
-  return cell;
-}
+
+  const Box& box_;
+  const Metric& metric_;
+  const Places& places_;
+  const SiteTree& tree_;
+};
 
 struct Bonds {
   std::complex<double> psi;
@@ -163,17 +225,20 @@ BondOrder bond_order(const PointSet& set, const Arena& arena) {
                        " dimensions; bond order is that of two");
   }
   const Metric metric(2, set.domain());
-  const SiteTree tree(metric, coordinates_of(set));
-  std::vector<Bonds> bonds(static_cast<std::size_t>(set.count()));
+  const Places places(set);
+  const SiteTree tree(metric, places.coordinates);
+  const Cutter cutter(set.domain().box(), metric, places, tree);
+  std::vector<Bonds> of_place(static_cast<std::size_t>(places.count()));
   const double shortest = kShortestEdge * set.mean_spacing();
-  arena.for_each(bonds.size(), 64, [&](std::size_t p) {
-    bonds[p] = bonds_of(cell_of(set, metric, tree, PointNumber(p)), shortest);
+  arena.for_each(of_place.size(), 64, [&](std::size_t k) {
+    of_place[k] = bonds_of(cutter.cell_of(static_cast<Index>(k)), shortest);
   });
   std::complex<double> sum = 0;
   double local = 0;
   double six = 0;
   double cells = 0;
-  for (const Bonds& b : bonds) {
+  for (const Index place : places.of) {
+    const Bonds& b = of_place[static_cast<std::size_t>(place)];
     if (!b.inner) continue;
     sum += b.psi;
     local += std::abs(b.psi);

@@ -160,9 +160,10 @@ void SiteTree::nearest(const double* query, int k, std::vector<Index>& found) co
     // Images of one site carry one number: the nearest counts.
     std::vector<std::pair<double, Index>> distinct;
     for (const auto& candidate : best) {
-      const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const auto& other) {
-        return other.second == candidate.second;
-      });
+      const bool known = metric_.periodic() &&
+                         std::any_of(distinct.begin(), distinct.end(), [&](const auto& other) {
+                           return other.second == candidate.second;
+                         });
       if (!known && distinct.size() < wanted) distinct.push_back(candidate);
     }
     best.swap(distinct);
