@@ -8,11 +8,18 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "ccvt/codebook.h"
+#include "ccvt/columns.h"
 #include "ccvt/domain.h"
+#include "ccvt/linear_map.h"
+#include "ccvt/lloyd.h"
+#include "ccvt/metrics.h"
 #include "ccvt/problem.h"
+#include "ccvt/weighted.h"
 #include "support/generate.h"
 #include "support/oracle.h"
 #include "support/same.h"
@@ -336,6 +343,37 @@ TEST_CASE("phases add up to the run, and on_loop tells of their loops") {
   CHECK(tasks == 0);
   CHECK(seconds >= result.summary.seconds_total * 0.95);
   CHECK(result.summary.full().find("    swap") != std::string::npos);
+}
+
+static_assert(!std::is_constructible_v<Problem<float>, ccvt::Points<float>, Index>);
+static_assert(!std::is_constructible_v<Problem<float>, const ccvt::Points<float>, Index>);
+static_assert(!std::is_constructible_v<Problem<float>, ccvt::Columns<float>, Index>);
+static_assert(std::is_constructible_v<Problem<float>, const ccvt::Points<float>&, Index>);
+
+TEST_CASE("columns, as readers give them, are points as Eigen's matrices are") {
+  const auto matrix = make_points<double>(Layout::random, Box::unit(2), 500);
+  const ccvt::Columns<double> points = matrix;
+  const auto expected = ccvt::tessellate(matrix, 20);
+  const auto result = ccvt::tessellate(points, 20);
+  CHECK(result.sites == expected.sites);
+  CHECK(result.owners == expected.owners);
+  const ccvt::Problem problem(points, 20);
+  CHECK(ccvt::tessellate(problem).sites == expected.sites);
+  CHECK(ccvt::energy(points, ccvt::Columns<double>(result.sites), result.owners) ==
+        ccvt::energy(matrix, result.sites, result.owners));
+  CHECK(ccvt::lloyd(points, 20).sites == ccvt::lloyd(matrix, 20).sites);
+  const ccvt::Training trained = ccvt::train_codebook(points, 5);
+  const ccvt::Codebook& codebook = trained.codebook;
+  CHECK(codebook.codewords() == ccvt::train_codebook(matrix, 5).codebook.codewords());
+  CHECK(ccvt::train_codebook_from(points, codebook.codewords()).codebook.codewords() ==
+        ccvt::train_codebook_from(matrix, codebook.codewords()).codebook.codewords());
+  CHECK(codebook.encode(points) == codebook.encode(matrix));
+  CHECK(codebook.distortion(points, trained.codes) == codebook.distortion(matrix, trained.codes));
+  const std::vector<double> masses(500, 1.0);
+  CHECK(ccvt::tessellate_masses(points, masses, 20).sites ==
+        ccvt::tessellate_masses(matrix, masses, 20).sites);
+  const auto map = ccvt::LinearMap::units({2, 3});
+  CHECK(map(points) == map(matrix));
 }
 
 TEST_CASE("what on_loop throws is passed on when the pass has been recorded") {

@@ -172,6 +172,12 @@ class CCVT_EXPORT Codebook {
     return encode(view_points(vectors), coding, threads, cancelled);
   }
   template <class Scalar>
+  [[nodiscard]] std::vector<Index> encode(const Columns<Scalar>& vectors,
+                                          Coding coding = Coding::nearest, int threads = 0,
+                                          const std::function<bool()>& cancelled = {}) const {
+    return encode(view_points(vectors), coding, threads, cancelled);
+  }
+  template <class Scalar>
   [[nodiscard]] std::vector<Index> encode(PointsView<Scalar> vectors, Coding coding, int threads,
                                           const std::function<bool()>& cancelled = {}) const;
   /// The same of the vectors of all ranks, which make this call together: `own` are those of this
@@ -193,6 +199,11 @@ class CCVT_EXPORT Codebook {
   /// The mean squared distance of vectors to the codewords of their codes; the sum is rounded once.
   template <class Derived>
   [[nodiscard]] double distortion(const Eigen::DenseBase<Derived>& vectors,
+                                  std::span<const Index> codes) const {
+    return distortion(view_points(vectors), codes);
+  }
+  template <class Scalar>
+  [[nodiscard]] double distortion(const Columns<Scalar>& vectors,
                                   std::span<const Index> codes) const {
     return distortion(view_points(vectors), codes);
   }
@@ -246,6 +257,11 @@ Training train_codebook(const Eigen::DenseBase<Derived>& vectors, Index codeword
                         const CodebookOptions& options = {}) {
   return train_codebook(view_points(vectors), codewords, options);
 }
+template <class Scalar>
+Training train_codebook(const Columns<Scalar>& vectors, Index codewords,
+                        const CodebookOptions& options = {}) {
+  return train_codebook(view_points(vectors), codewords, options);
+}
 /// The same from given codewords (#dimensions by n, finite) instead of seeds.
 template <class Scalar>
 CCVT_EXPORT Training train_codebook_from(PointsView<Scalar> vectors,
@@ -254,6 +270,11 @@ CCVT_EXPORT Training train_codebook_from(PointsView<Scalar> vectors,
 template <class Derived>
 Training train_codebook_from(const Eigen::DenseBase<Derived>& vectors,
                              const Columns<double>& codewords,
+                             const CodebookOptions& options = {}) {
+  return train_codebook_from(view_points(vectors), codewords, options);
+}
+template <class Scalar>
+Training train_codebook_from(const Columns<Scalar>& vectors, const Columns<double>& codewords,
                              const CodebookOptions& options = {}) {
   return train_codebook_from(view_points(vectors), codewords, options);
 }

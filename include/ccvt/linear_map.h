@@ -57,6 +57,10 @@ class CCVT_EXPORT LinearMap {
       const Eigen::DenseBase<Derived>& points) const {
     return mapped(view_points(points));
   }
+  template <class Scalar>
+  Points<Scalar> operator()(const Columns<Scalar>& points) const {
+    return (*this)(points.eigen());
+  }
   /// Mapped back.
   template <class Derived>
   Eigen::Matrix<typename Derived::Scalar, Derived::RowsAtCompileTime, Eigen::Dynamic> inverse(

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include "ccvt/columns.h"
 #include "ccvt/export.h"
 #include "ccvt/options.h"
 #include "ccvt/problem.h"
@@ -54,6 +57,10 @@ template <class Derived>
 auto lloyd(const Eigen::DenseBase<Derived>& points, Index sites, const Options& options = {}) {
   using Scalar = typename Derived::Scalar;
   return lloyd(Problem<Scalar>(view_points(points), sites, options.threads), options);
+}
+template <class Scalar>
+Result<Scalar> lloyd(const Columns<Scalar>& points, Index sites, const Options& options = {}) {
+  return lloyd(points.eigen(), sites, options);
 }
 
 }  // namespace ccvt

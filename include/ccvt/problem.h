@@ -34,6 +34,11 @@ class CCVT_EXPORT Problem {
       : Problem(view_points(points), sites, threads) {}
   template <class Derived>
   Problem(Eigen::PlainObjectBase<Derived>&& points, Index sites, int threads = 1) = delete;
+  template <class Derived>
+  Problem(const Eigen::PlainObjectBase<Derived>&& points, Index sites, int threads = 1) = delete;
+  Problem(const Columns<Scalar>& points, Index sites, int threads = 1)
+      : Problem(view_points(points), sites, threads) {}
+  Problem(Columns<Scalar>&& points, Index sites, int threads = 1) = delete;
   Problem(PointsView<Scalar> points, Index sites, int threads = 1);
   /// A problem that `ranks`, which must outlive it, solve together. `own` are the points of this
   /// rank, perhaps none; their numbers follow those of the lower ranks. What else there is of the
@@ -102,8 +107,8 @@ class CCVT_EXPORT Problem {
   [[nodiscard]] Ranks* ranks() const { return part_ ? part_->ranks : nullptr; }
   /// The number of this rank's first point among those of all: without ranks, 0.
   [[nodiscard]] std::int64_t first_own_point() const { return part_ ? part_->first : 0; }
-  /// Of a problem of ranks: the bounding box of the points of all.
-  [[nodiscard]] const Box& box_of_ranks() const { return part_->around; }
+  /// The bounding box of the points of all ranks; where there is one process, bounding_box().
+  [[nodiscard]] Box box_of_ranks() const { return part_ ? part_->around : bounding_box(); }
 
  private:
   /// @cond of the points of a rank

@@ -112,5 +112,9 @@ auto tessellate(const Eigen::DenseBase<Derived>& points, Index sites, const Opti
   return tessellate<Derived::RowsAtCompileTime>(
       Problem<Scalar>(view_points(points), sites, options.threads), options);
 }
+template <class Scalar>
+Result<Scalar> tessellate(const Columns<Scalar>& points, Index sites, const Options& options = {}) {
+  return tessellate(points.eigen(), sites, options);
+}
 
 }  // namespace ccvt

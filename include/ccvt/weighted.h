@@ -41,7 +41,8 @@ struct CCVT_EXPORT MassOptions {
   /// within a millionth of it, and are scaled to do so exactly. Empty: equal.
   std::vector<double> capacities = {};
   /// Of the unit points. Of these, `threads`, `seed`, `max_iterations`, `energy_tolerance`,
-  /// `time_limit`, `on_iteration` and `cancelled` count for the exchanges of whole points, too.
+  /// `time_limit`, `until`, `descent_points`, `on_iteration` and `cancelled` count for the
+  /// exchanges of whole points, too.
   Options relaxation = {};
 
   /// Throws InvalidInput naming the first field outside its bounds.
@@ -134,6 +135,11 @@ CCVT_EXPORT MassResult<Scalar> tessellate_masses(PointsView<Scalar> points,
 template <class Derived>
 auto tessellate_masses(const Eigen::DenseBase<Derived>& points, std::span<const double> masses,
                        Index sites, const MassOptions& options = {}) {
+  return tessellate_masses(view_points(points), masses, sites, options);
+}
+template <class Scalar>
+MassResult<Scalar> tessellate_masses(const Columns<Scalar>& points, std::span<const double> masses,
+                                     Index sites, const MassOptions& options = {}) {
   return tessellate_masses(view_points(points), masses, sites, options);
 }
 
