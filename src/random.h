@@ -69,6 +69,17 @@ class Random {
     return static_cast<std::int32_t>(below(static_cast<std::uint64_t>(n)));
   }
 
+  /// Calls visit(i) for `count` of 0..total-1, ascending, each set of so many equally likely
+  /// [selection sampling: Knuth, TAOCP 2, 3.4.2, algorithm S].
+  template <class Visit>
+  constexpr void choose(std::int32_t count, std::int32_t total, const Visit& visit) {
+    for (std::int32_t i = 0; count > 0; ++i) {
+      if (index_below(total - i) >= count) continue;
+      visit(i);
+      --count;
+    }
+  }
+
   /// A random permutation of the values, each equally likely [Fisher, Yates; Durstenfeld 1964].
   template <class T, std::size_t Extent>
   constexpr void shuffle(std::span<T, Extent> values) {

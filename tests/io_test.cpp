@@ -188,6 +188,13 @@ TEST_CASE("values too small for float are zero, values too large are refused") {
                                many + "1e5,123." + zeros + "e-500,1e-9999999999999999999999\n");
   CHECK(read_points<float>(directory / "p.csv").isZero(0));
   CHECK(read_points<double>(directory / "p.csv").isZero(0));
+  for (const std::string& junk : {"1e-400x"s, "1e400x"s, "1" + zeros + "e", "1e-99999e-1"s}) {
+    CAPTURE(junk);
+    const std::string message =
+        message_of([&] { read_points<double>(put(directory / "p.csv", "1,2\n3," + junk + "\n")); });
+    CHECK(contains(message, "line 2: field 2: "));
+    CHECK(contains(message, "is not a number"));
+  }
   for (const std::string& large : {"1e400"s, "-1e400"s, "1e99999"s, "1" + many + "e-5",
                                    "0." + many + "1e20500", "1e9999999999999999999999"s}) {
     CHECK(contains(message_of([&] { read_points<double>(put(directory / "p.csv", large)); }),

@@ -41,11 +41,11 @@
 ///
 /// Writers replace a file as a whole: they write a new one beside it, flush that to its disk, and
 /// rename it. Whoever opens the file, and whenever the process or the machine stops, finds all of
-/// the old one or all of the new one; that a rename is on the disk is not waited for. Of several
-/// that write one file at a time, the last to end wins. The new file has the permissions of the old
-/// one (but not its owner, further links and attributes), else those that the umask leaves. A
-/// symbolic link stays one: what it leads to is replaced, or made. Directories, devices, pipes and
-/// files without permission to write are refused.
+/// the old one or all of the new one. The directory is flushed after the rename, where that can be.
+/// Of several that write one file at a time, the last to end wins. The new file has the permissions
+/// of the old one (but not its owner, further links and attributes), else those that the umask
+/// leaves. A symbolic link stays one: what it leads to is replaced, or made. Directories, devices,
+/// pipes and files without permission to write are refused.
 ///
 /// Until its renaming a file is called .ccvt-*.part, the star being 16 random hexadecimal digits,
 /// in the directory of the file to be replaced. A writer that fails removes it; after a signal see
@@ -92,7 +92,7 @@ struct ReadOptions {
   std::vector<std::string> columns = {};
   /// Only the points first_row.. to end_row - 1, of those that there are; none is an empty set. In
   /// .npy files in C order, .fvecs and .bvecs, without a look at the others: what one of several
-  /// processes reads. Other files must be read whole.
+  /// processes reads. Other files must be read whole: InvalidInput.
   std::uint64_t first_row = 0;
   std::uint64_t end_row = UINT64_MAX;
 };

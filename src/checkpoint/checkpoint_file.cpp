@@ -9,12 +9,11 @@
 namespace ccvt {
 namespace {
 
-constexpr std::array<char, 8> kMagic{'c', 'c', 'v', 't', 'c', 'k', 'p', 't'};
 constexpr std::uint32_t kByteOrder = 0x01020304;
 constexpr std::uint32_t kFormat = 2;
 
 struct Header {
-  std::array<char, 8> magic = kMagic;
+  std::array<char, 8> magic = kCheckpointMagic;
   std::uint32_t byte_order = kByteOrder;
   std::uint32_t format = kFormat;
   std::uint64_t common = 0;  ///< bytes, without their digest
@@ -44,7 +43,7 @@ CheckpointWriter::CheckpointWriter(const std::filesystem::path& path,
 
 CheckpointReader::CheckpointReader(const std::filesystem::path& path) : file_(path) {
   Header header;
-  if (file_.read_some(&header, sizeof header) < sizeof header || header.magic != kMagic) {
+  if (file_.read_some(&header, sizeof header) < sizeof header || header.magic != kCheckpointMagic) {
     fail("is not a checkpoint of ccvt, or not all of one");
   }
   if (header.byte_order != kByteOrder) fail("was written by a machine of another byte order");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -10,6 +11,9 @@
 #include "io/output_file.h"
 
 namespace ccvt {
+
+/// What the file of a checkpoint begins with, whatever its format.
+inline constexpr std::array<char, 8> kCheckpointMagic{'c', 'c', 'v', 't', 'c', 'k', 'p', 't'};
 
 /// The file of a checkpoint: what says that it is one, with how long the two parts are; what there
 /// is of the run and of all sites, which every process that continues it needs; and records of the

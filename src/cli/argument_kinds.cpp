@@ -121,7 +121,7 @@ void add_run(CLI::App& app, CommonArguments& common) {
   common.command = app.get_name();
   add_seed_and_threads(app, common.seed, common.threads);
   add_number<int>(app, "--max-iterations", common.max_iterations,
-                  "Stop after this many iterations [until stable]", "K", {.least = 0});
+                  "Stop after this many iterations [no limit]", "K", {.least = 0});
   add_number<double>(app, "--energy-tolerance", common.energy_tolerance,
                      "Stop when an iteration lowers the energy by less than this share [0]", "E",
                      {.least = 0, .most = 1, .open_above = true});
@@ -133,10 +133,10 @@ void add_common(CLI::App& app, CommonArguments& common, io::Extensions extension
                 const std::string& default_scalar, const std::string& default_until) {
   add_output(app, "-o,--output", common.output, "Where the sites go", extensions)->required();
   add_run(app, common);
-  app.add_option(
-         "--preset", common.preset,
-         "The method: a row of the benchmarks' table, such as fast-ccvt; threads are as --threads "
-         "says [default]")
+  app.add_option("--preset", common.preset,
+                 "The method and its end: a row of the benchmarks' table, such as fast-ccvt; "
+                 "threads are as "
+                 "--threads says, and the end as --until where that is given too")
       ->type_name("NAME")
       ->check(CLI::Validator(
           [](std::string& name) {

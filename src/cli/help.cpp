@@ -71,6 +71,8 @@ std::string_view title_of(const CLI::App& command, const std::string& name) {
       {"--double", "Method"},
       {"--max-frequency", "Method"},
       {"--time-limit", "Run"},
+      {"--checkpoint", "Run"},
+      {"--checkpoint-every", "Run"},
       {"--threads", "Run"},
       {"--quiet", "Run"},
       {"--version", "Run"},

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <thread>
 
+#include "checkpoint/checkpoint_file.h"
 #include "cli/run.h"
 
 namespace ccvt::cli {
@@ -23,7 +24,6 @@ namespace {
 
 constexpr const char* kName = "ccvt.checkpoint";
 constexpr std::chrono::milliseconds kBetweenTries{50};
-constexpr std::array<char, 8> kBegins{'c', 'c', 'v', 't', 'c', 'k', 'p', 't'};
 
 [[noreturn]] void refuse(const fs::path& directory, const std::string& reason) {
   throw InvalidInput("--checkpoint: " + directory.string() + ": " + reason);
@@ -31,10 +31,10 @@ constexpr std::array<char, 8> kBegins{'c', 'c', 'v', 't', 'c', 'k', 'p', 't'};
 
 /// Whether it is a checkpoint as far as it has been written, perhaps not at all.
 bool begins_as_checkpoint(const fs::path& file) {
-  std::array<char, kBegins.size()> begin{};
+  std::array<char, kCheckpointMagic.size()> begin{};
   std::ifstream stream(file, std::ios::binary);
   stream.read(begin.data(), begin.size());
-  return std::equal(begin.begin(), begin.begin() + stream.gcount(), kBegins.begin());
+  return std::equal(begin.begin(), begin.begin() + stream.gcount(), kCheckpointMagic.begin());
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "cli/signals.h"
 #include "cli/standard_streams.h"
+#include "io/formats.h"
 
 namespace ccvt::cli {
 
@@ -16,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void check_extension(const fs::path& path, io::Extensions allowed) {
-  const std::string extension = lower_extension(path);
+  const std::string extension = io::extension_of(path);
   if (allowed.empty() || io::is_among(allowed, extension)) return;
   throw InvalidInput(path.string() + ": unknown extension '" + extension + "'; must be " +
                      io::list_of(allowed, " or "));
@@ -43,14 +44,6 @@ void check_no_stream(const std::string& option, const fs::path& path) {
 }
 
 }  // namespace
-
-std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return extension;
-}
 
 Outputs& Outputs::add(const std::string& option, const fs::path& path, io::Extensions extensions) {
   if (!path.empty()) files_.push_back({option, path, extensions, false});

@@ -37,9 +37,6 @@ class Outputs {
   std::vector<File> files_;
 };
 
-/// The extension in lower case.
-std::string lower_extension(const std::filesystem::path& path);
-
 /// Calls `check`, before the run: an IoError is the user's mistake then, and becomes InvalidInput.
 template <class Check>
 decltype(auto) check_before(Check&& check) {

@@ -1,8 +1,11 @@
 #include "cli/particle_arguments.h"
 
+#include <limits>
+
 #include "cli/argument_kinds.h"
 #include "cli/arguments.h"
 #include "cli/outputs.h"
+#include "io/formats.h"
 
 namespace ccvt::cli {
 
@@ -27,7 +30,7 @@ void add_particles(CLI::App& app, ParticleArguments& arguments) {
 
 bool makes_particles(const SampleArguments& arguments) {
   const ParticleArguments& given = arguments.particles;
-  const std::string extension = lower_extension(arguments.output);
+  const std::string extension = io::extension_of(arguments.output);
   const bool particles = io::is_among(io::kParticleFiles, extension);
   const std::pair<const char*, bool> options[] = {{"--box-size", given.box_size.has_value()},
                                                   {"--repeat", given.repeat.has_value()},

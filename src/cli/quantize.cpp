@@ -23,6 +23,7 @@
 #include "cli/run.h"
 #include "cli/signals.h"
 #include "cli/streams.h"
+#include "io/formats.h"
 
 namespace ccvt::cli {
 
@@ -88,7 +89,7 @@ void write_summary(const QuantizeArguments& arguments, const CodebookSummary& su
 
 std::optional<Points<double>> read_codewords(const QuantizeArguments& arguments) {
   if (!seeds_from_file(arguments)) return {};
-  if (lower_extension(arguments.seeding).empty()) {
+  if (io::extension_of(arguments.seeding).empty()) {
     throw InvalidInput("--seeding: '" + arguments.seeding +
                        "' is neither kmeans++ nor random nor a file of codewords, " +
                        io::list_of(io::kPointFiles, " or "));

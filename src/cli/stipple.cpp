@@ -7,6 +7,7 @@
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
+#include "io/formats.h"
 
 namespace ccvt::cli {
 
@@ -33,7 +34,7 @@ int stipple_file(const StippleArguments& arguments) {
   Publication outputs;
   const PutBack put_back{stippling.put_back, stippling.farthest_put_back};
   write_summary(arguments, stippling.summary, put_back);
-  const std::string extension = lower_extension(arguments.output);
+  const std::string extension = io::extension_of(arguments.output);
   if (extension == ".svg") {
     write_svg(arguments.output, stippling);
   } else if (extension == ".png") {
@@ -49,7 +50,7 @@ int stipple_file(const StippleArguments& arguments) {
 }  // namespace
 
 int run_stipple(const StippleArguments& arguments) {
-  const std::string extension = lower_extension(arguments.output);
+  const std::string extension = io::extension_of(arguments.output);
   if (arguments.dot_radius > 0 && extension != ".svg" && extension != ".png") {
     throw InvalidInput("--dot-radius: dots are drawn into .svg and .png, not into " + extension);
   }

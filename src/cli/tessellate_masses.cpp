@@ -14,6 +14,7 @@
 #include "cli/outputs.h"
 #include "cli/run.h"
 #include "cli/streams.h"
+#include "io/formats.h"
 #include "number_text.h"
 
 namespace ccvt::cli {
@@ -71,7 +72,7 @@ PointsToRead without_masses(const TessellateArguments& arguments, PointsToRead p
     if (std::find(names.begin(), names.end(), column) != names.end()) refuse_coordinate(arguments);
     return points;
   }
-  if (!io::is_among(kTables, lower_extension(arguments.points))) return points;
+  if (!io::is_among(kTables, io::extension_of(arguments.points))) return points;
   points.reading.columns = all_but(column, header);
   if (points.reading.columns.empty()) {
     throw InvalidInput("--mass-column: " + arguments.points.string() + " has no column but '" +

@@ -12,6 +12,7 @@
 #include "cli/signals.h"
 #include "cli/streams.h"
 #include "cli/thin_arguments.h"
+#include "io/formats.h"
 #include "number_text.h"
 
 namespace ccvt::cli {
@@ -29,7 +30,7 @@ Index sites_of(const ThinArguments& arguments, std::ptrdiff_t points) {
 
 /// Files of one kind carry all that is known of points from one to the other.
 std::string kind_of(const std::filesystem::path& path) {
-  const std::string extension = lower_extension(path);
+  const std::string extension = io::extension_of(path);
   return extension == ".txt" ? ".csv" : extension;
 }
 
@@ -49,7 +50,7 @@ void tell(const ThinArguments& arguments, const PointCloud& cloud) {
     std::cerr << one_line(file +
                           "what its points carry besides coordinates is kept in files of its "
                           "own kind only, not in " +
-                          lower_extension(arguments.output));
+                          io::extension_of(arguments.output));
   }
   if (cloud.unknown_normals > 0) {
     std::cerr << one_line(

@@ -8,6 +8,7 @@
 #include "cli/outputs.h"
 #include "cli/standard_streams.h"
 #include "cli/values.h"
+#include "io/formats.h"
 
 namespace ccvt::cli {
 
@@ -30,7 +31,7 @@ bool has_limits(const ValueMap& map) {
 
 }  // namespace
 
-bool is_raw(const std::filesystem::path& file) { return lower_extension(file) == ".raw"; }
+bool is_raw(const std::filesystem::path& file) { return io::extension_of(file) == ".raw"; }
 
 VolumeHeader inspect_input(const std::filesystem::path& file, const VolumeLayout& layout) {
   if (is_raw(file) && (layout.shape.empty() || !layout.type)) {

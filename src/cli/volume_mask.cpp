@@ -7,6 +7,7 @@
 
 #include "cli/outputs.h"
 #include "cli/volume_input.h"
+#include "io/formats.h"
 
 namespace ccvt::cli {
 
@@ -16,7 +17,7 @@ constexpr AxisOrder kSameOrder = {MaskAxis{0, false}, MaskAxis{1, false}, MaskAx
 
 /// Whether a file does not say where in the world its values are.
 bool has_no_place(const std::filesystem::path& file) {
-  return is_raw(file) || lower_extension(file) == ".npy";
+  return is_raw(file) || io::extension_of(file) == ".npy";
 }
 
 /// What is said of `file`, where there is `other` too.

@@ -51,14 +51,7 @@ std::vector<Index> draw_distinct(Index count, Index total, std::uint64_t seed,
                                  std::uint64_t stream) {
   std::vector<Index> chosen;
   chosen.reserve(static_cast<std::size_t>(count));
-  // Selection sampling [Knuth, TAOCP 2, 3.4.2, algorithm S].
-  Random random(seed, stream);
-  Index needed = count;
-  for (Index p = 0; p < total && needed > 0; ++p) {
-    if (random.index_below(total - p) >= needed) continue;
-    chosen.push_back(p);
-    --needed;
-  }
+  Random(seed, stream).choose(std::min(count, total), total, [&](Index p) { chosen.push_back(p); });
   return chosen;
 }
 

@@ -8,6 +8,8 @@
 #include <optional>
 #include <system_error>
 
+#include "io/formats.h"
+
 namespace ccvt::io {
 
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -37,6 +38,20 @@ inline constexpr std::array<std::string_view, 6> kSampleFiles = {".ply", ".vtp",
 inline constexpr std::array<std::string_view, 5> kStippleFiles = {".svg", ".png", ".csv", ".txt",
                                                                   ".npy"};
 inline constexpr std::array<std::string_view, 1> kPictureFiles = {".png"};
+
+/// The text with a to z for A to Z, whatever the locale.
+inline std::string in_lower_case(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return result;
+}
+
+/// The extension in lower case, with its dot.
+inline std::string extension_of(const std::filesystem::path& path) {
+  return in_lower_case(path.extension().string());
+}
 
 inline bool is_among(Extensions extensions, std::string_view extension) {
   return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();

@@ -121,10 +121,6 @@ class Hdf5Input {
     points_.dimension = 3;
     for (int type = 0; type < 6; ++type) open_type(type);
     if (points_.count == 0) plain_.fail("has no dataset 'PartType*/Coordinates' with particles");
-    if (points_.count > std::numeric_limits<Index>::max()) {
-      plain_.fail("has " + std::to_string(points_.count) +
-                  " particles; at most 2147483647 are supported");
-    }
     read_box();
   }
 
@@ -182,8 +178,27 @@ class Hdf5Input {
       plain_.fail("'" + name + "' holds no real numbers");
     }
     if (H5Tget_size(stored.id()) > sizeof(float)) points_.scalar = ScalarType::float64;
+    if (shape[0] == 0) return;
+    require_values(dataset, name);
+    constexpr std::uint64_t most = std::numeric_limits<Index>::max();
+    if (shape[0] > most - points_.count) {
+      plain_.fail("has " + std::to_string(shape[0]) + " particles in '" + name + "' and " +
+                  std::to_string(points_.count) + " before; at most 2147483647 are supported");
+    }
     points_.count += shape[0];
-    if (shape[0] > 0) datasets_.push_back({std::move(dataset), shape[0]});
+    datasets_.push_back({std::move(dataset), shape[0]});
+  }
+
+  /// A shape that nothing has been written for may be of any size; those of a virtual dataset are
+  /// in other files.
+  void require_values(const Hdf5Handle& dataset, const std::string& name) {
+    const Hdf5Handle properties(H5Dget_create_plist(dataset.id()), H5Pclose);
+    H5D_space_status_t status = H5D_SPACE_STATUS_NOT_ALLOCATED;
+    const bool known = properties && H5Dget_space_status(dataset.id(), &status) >= 0;
+    const bool elsewhere = known && H5Pget_layout(properties.id()) == H5D_VIRTUAL;
+    if (!known || (status == H5D_SPACE_STATUS_NOT_ALLOCATED && !elsewhere)) {
+      plain_.fail("'" + name + "' has a shape, but no values were ever written");
+    }
   }
 
   void read_box() {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ccvt/io.h"
+#include "io/formats.h"
 #include "io/input_file.h"
 #include "io/output_file.h"
 #include "io/picture.h"

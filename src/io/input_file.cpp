@@ -10,18 +10,6 @@
 
 namespace ccvt::io {
 
-std::string in_lower_case(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return result;
-}
-
-std::string extension_of(const std::filesystem::path& path) {
-  return in_lower_case(path.extension().string());
-}
-
 std::string quoted(std::string_view text) {
   constexpr std::size_t longest = 40;
   std::string result = "'";
@@ -34,13 +22,15 @@ InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::not_found) fail("there is no such file");
-  if (error) fail("cannot be opened: " + error.message());
+  if (error) throw IoError(name_ + ": cannot be opened: " + error.message());
   if (status.type() == std::filesystem::file_type::directory) fail("is a directory, not a file");
   if (status.type() != std::filesystem::file_type::regular) fail("is not a regular file");
   file_.reset(std::fopen(path.c_str(), "rb"));
-  if (!file_) fail("cannot be opened: " + std::generic_category().message(errno));
+  if (!file_) {
+    throw IoError(name_ + ": cannot be opened: " + std::generic_category().message(errno));
+  }
   size_ = std::filesystem::file_size(path, error);
-  if (error) fail("its size is unknown: " + error.message());
+  if (error) throw IoError(name_ + ": its size is unknown: " + error.message());
   if (size_ == 0) fail("is empty");
 }
 

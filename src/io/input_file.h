@@ -10,20 +10,14 @@
 
 namespace ccvt::io {
 
-/// The text with a to z for A to Z, whatever the locale.
-std::string in_lower_case(std::string_view text);
-
-/// The extension in lower case, with its dot.
-std::string extension_of(const std::filesystem::path& path);
-
 /// `text` in quotes, fit for a one-line message: shortened, unprintable bytes replaced.
 std::string quoted(std::string_view text);
 
 /// A regular file, open for reading.
 class InputFile {
  public:
-  /// Throws InvalidInput when it does not exist, is not a regular file, cannot be opened or is
-  /// empty.
+  /// Throws InvalidInput when it does not exist, is not a regular file or is empty; IoError when
+  /// the system refuses to open it.
   explicit InputFile(const std::filesystem::path& path);
 
   [[nodiscard]] std::uint64_t size() const { return size_; }

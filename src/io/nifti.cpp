@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/formats.h"
 #include "io/volume_file.h"
 #include "number_text.h"
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/formats.h"
 #include "io/text.h"
 #include "io/volume_file.h"
 

@@ -10,19 +10,13 @@
 namespace ccvt::io {
 namespace {
 
-/// Where the normals are among the properties; empty unless there is one each of nx, ny and nz.
-std::vector<std::size_t> find_normals(const std::vector<PlyProperty>& properties) {
-  std::vector<std::size_t> at;
-  for (const char axis : {'x', 'y', 'z'}) {
-    for (std::size_t k = 0; k < properties.size(); ++k) {
-      if (!properties[k].list && properties[k].name == std::string("n") + axis) at.push_back(k);
-    }
+/// Where the normals are among the properties, if they are.
+std::vector<std::size_t> find_ply_normals(const std::vector<PlyProperty>& properties) {
+  std::vector<std::string> names;
+  for (const PlyProperty& property : properties) {
+    names.push_back(property.list ? std::string() : property.name);
   }
-  const bool each_once = at.size() == 3 && properties[at[0]].name == "nx" &&
-                         properties[at[1]].name == "ny" && properties[at[2]].name == "nz";
-  const bool free = each_once && std::all_of(at.begin(), at.end(),
-                                             [&](std::size_t k) { return properties[k].slot < 0; });
-  return free ? at : std::vector<std::size_t>();
+  return find_normals(names, [&](std::size_t k) { return properties[k].slot < 0; });
 }
 
 }  // namespace
@@ -37,7 +31,7 @@ PointCloud read_ply_cloud(const std::filesystem::path& path, const ReadOptions& 
   cloud.scalar = header.scalar;
   cloud.points = {dimension, count};
   const auto normals =
-      dimension == 3 ? find_normals(vertices.properties) : std::vector<std::size_t>();
+      dimension == 3 ? find_ply_normals(vertices.properties) : std::vector<std::size_t>();
   if (!normals.empty()) cloud.normals = {3, count};
   for (std::size_t k = 0; k < normals.size(); ++k) {
     vertices.properties[normals[k]].slot = dimension + static_cast<int>(k);

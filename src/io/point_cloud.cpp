@@ -26,21 +26,6 @@ constexpr std::size_t kBlock = std::size_t{1} << 16;
 /// Ends each field of a text's records: no field has one.
 constexpr char kFieldEnd = '\n';
 
-/// Which of the columns that are no coordinates are nx, ny and nz, all three; else nothing.
-std::vector<std::size_t> find_normals(const std::vector<std::string>& names,
-                                      const std::vector<std::size_t>& coordinates) {
-  std::vector<std::size_t> at;
-  if (coordinates.size() != 3) return at;
-  for (const std::string_view wanted : {"nx", "ny", "nz"}) {
-    const auto named = [&](const std::string& name) { return in_lower_case(name) == wanted; };
-    const auto found = std::find_if(names.begin(), names.end(), named);
-    if (found == names.end() || std::count_if(names.begin(), names.end(), named) != 1) return {};
-    at.push_back(static_cast<std::size_t>(found - names.begin()));
-    if (std::count(coordinates.begin(), coordinates.end(), at.back()) > 0) return {};
-  }
-  return at;
-}
-
 double parse_field(const TextRows& rows, std::size_t at, bool any) {
   double value = 0;
   const std::string_view field = rows.fields()[at];
@@ -232,7 +217,12 @@ PointCloud read_text_cloud(const std::filesystem::path& path, const ReadOptions&
   records->kind = Records::Kind::text;
   records->names = rows.names();
   const TableColumns columns = choose_columns(rows.file(), options.columns, records->names, fields);
-  const auto normal_columns = find_normals(records->names, columns.at);
+  std::vector<std::size_t> normal_columns;
+  if (columns.at.size() == 3) {
+    normal_columns = find_normals(records->names, [&](std::size_t column) {
+      return std::count(columns.at.begin(), columns.at.end(), column) == 0;
+    });
+  }
   std::vector<double> points;
   std::vector<double> normals;
   PointCloud cloud;

@@ -55,7 +55,8 @@ void refuse_part(const std::filesystem::path& path, const ReadOptions& options,
   if (extension == ".npy" || io::is_vecs(path)) return;
   if (options.first_row == 0 && options.end_row == UINT64_MAX) return;
   throw InvalidInput(path.string() +
-                     ": a part of the rows is read of .npy, .fvecs and .bvecs files only");
+                     ": first_row and end_row ask for a part of the rows, which is read of .npy, "
+                     ".fvecs and .bvecs files only");
 }
 
 /// Of a file of points that is read.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <utility>
 
 namespace ccvt::io {
@@ -57,15 +59,16 @@ std::vector<Corner> seen_along(const Vector& normal, std::span<const Index> face
 /// What is left of a polygon while corners are cut off.
 class Rest {
  public:
-  /// `margin`: twice the area of triangles that are taken for none.
-  Rest(std::vector<Corner> corners, double margin)
-      : corners_(std::move(corners)), margin_(margin) {}
+  /// `margin`: twice the area of triangles that are taken for none. `looks`: how many corners may
+  /// still be looked at, for all that share the count.
+  Rest(std::vector<Corner> corners, double margin, std::int64_t& looks)
+      : corners_(std::move(corners)), margin_(margin), looks_(looks) {}
 
   /// Cuts off all corners, beginning at one of them; appends three for each triangle. False where
-  /// none of those left can be cut off.
+  /// none of those left can be cut off, or that takes too long to find out.
   bool divide(std::size_t at, std::vector<Corner>& triangles) {
     for (std::size_t tried = 0; corners_.size() > 3;) {
-      if (tried == corners_.size()) return false;
+      if (tried == corners_.size() || looks_ <= 0) return false;
       at %= corners_.size();
       if (!is_straight(at) && !is_ear(at)) {
         ++at;
@@ -90,7 +93,7 @@ class Rest {
     return std::abs(turn(corners_[before(at)], corners_[at], corners_[after(at)])) <= margin_;
   }
   /// Whether no other corner, and no side that leads through this one, is in the triangle.
-  [[nodiscard]] bool is_ear(std::size_t at) const {
+  [[nodiscard]] bool is_ear(std::size_t at) {
     const Corner& a = corners_[before(at)];
     const Corner& b = corners_[at];
     const Corner& c = corners_[after(at)];
@@ -98,6 +101,7 @@ class Rest {
     const auto in_wedge = [&](const Corner& p) {
       return turn(a, b, p) > margin_ && turn(b, c, p) > margin_;
     };
+    looks_ -= std::ssize(corners_);
     for (std::size_t k = 0; k < corners_.size(); ++k) {
       const Corner& p = corners_[k];
       if (k == at || in_one_place(p, a) || in_one_place(p, c)) continue;
@@ -113,6 +117,7 @@ class Rest {
 
   std::vector<Corner> corners_;
   double margin_;
+  std::int64_t& looks_;
 };
 
 }  // namespace
@@ -122,6 +127,8 @@ std::vector<Index> divide_concave(std::span<const Index> face,
   constexpr std::array kMargins = {1e-12, 1e-9, 0.0};  // of twice the polygon's area
   constexpr std::size_t kMostStarts = 8;
   constexpr double kRounding = 1e-9;
+  // A face of 100,000 corners takes 5e9; one that crosses itself, the cube of the corners.
+  constexpr std::int64_t kMostLooks = std::int64_t{1} << 34;
   const auto dot = [](const Vector& a, const Vector& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   };
@@ -141,10 +148,11 @@ std::vector<Index> divide_concave(std::span<const Index> face,
     area += turn(corners[0], corners[k - 1], corners[k]);
   }
   std::vector<Corner> triangles;
+  std::int64_t looks = kMostLooks;
   for (const double margin : kMargins) {
     for (std::size_t start = 0; start < std::min(kMostStarts, corners.size()); ++start) {
       triangles.clear();
-      if (!Rest(corners, margin * area).divide(start, triangles)) continue;
+      if (!Rest(corners, margin * area, looks).divide(start, triangles)) continue;
       // None turns back: else all of them together are larger.
       double sum = 0;
       for (std::size_t k = 0; k < triangles.size(); k += 3) {

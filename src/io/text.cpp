@@ -70,7 +70,7 @@ std::from_chars_result parse_whole(std::string_view field, Number& value) {
   if (field.size() > 1 && field.front() == '+' && field[1] != '-') field.remove_prefix(1);
   const char* const end = field.data() + field.size();
   auto result = std::from_chars(field.data(), end, value);
-  if (result.ec == std::errc() && result.ptr != end) result.ec = std::errc::invalid_argument;
+  if (result.ptr != end) result.ec = std::errc::invalid_argument;
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "io/formats.h"
 #include "io/input_file.h"
 
 namespace ccvt::io {

@@ -4,13 +4,14 @@
 #include "ccvt/publication.h"
 #include "cli/outputs.h"
 #include "cli/streams.h"
+#include "io/formats.h"
 #include "number_text.h"
 #include "run.h"
 
 namespace ccvt::mpi {
 
 void require_parts(const std::filesystem::path& path) {
-  const std::string extension = cli::lower_extension(path);
+  const std::string extension = io::extension_of(path);
   if (extension == ".npy" || extension == ".fvecs" || extension == ".bvecs") return;
   throw InvalidInput(path.string() +
                      ": several processes read files in .npy, .fvecs and .bvecs, each its part");

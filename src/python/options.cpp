@@ -21,11 +21,6 @@ struct Word {
 
 constexpr std::array kUntil = {Word<Until>{"stable", Until::stable},
                                Word<Until>{"blue_noise", Until::blue_noise}};
-constexpr std::array kInitialization = {
-    Word<Initialization>{"automatic", Initialization::automatic},
-    Word<Initialization>{"balanced", Initialization::balanced},
-    Word<Initialization>{"coherent", Initialization::coherent},
-    Word<Initialization>{"random", Initialization::random}};
 constexpr std::array kMethod = {Word<CodebookMethod>{"exact", CodebookMethod::exact},
                                 Word<CodebookMethod>{"pairwise", CodebookMethod::pairwise},
                                 Word<CodebookMethod>{"lloyd", CodebookMethod::lloyd}};
@@ -65,7 +60,6 @@ Options options_from(const py::dict& given, Options defaults) {
   take(given, "energy_tolerance", options.energy_tolerance);
   take(given, "time_limit", options.time_limit);
   take(given, "until", kUntil, options.until);
-  take(given, "initialization", kInitialization, options.initialization);
   options.validate();
   return options;
 }

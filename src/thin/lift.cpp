@@ -24,15 +24,11 @@ constexpr double kPacked = 2.1;
 /// `count` of the points, each set of so many equally likely, one after the other.
 template <class Scalar>
 std::vector<double> draw(PointsView<Scalar> points, Index count, std::uint64_t seed) {
-  Random random(seed, streams::thin_spacing);
   std::vector<double> drawn;
   drawn.reserve(static_cast<std::size_t>(count) * static_cast<std::size_t>(points.dimension));
-  Index wanted = count;
-  for (Index p = 0; wanted > 0; ++p) {
-    if (random.index_below(points.count - p) >= wanted) continue;
+  Random(seed, streams::thin_spacing).choose(count, points.count, [&](Index p) {
     drawn.insert(drawn.end(), points[p], points[p] + points.dimension);
-    --wanted;
-  }
+  });
   return drawn;
 }
 

@@ -89,6 +89,13 @@ def check_refusals(program, directory):
             lambda file: (file.__delitem__(name), file.create_dataset(name, data=xyz[:, :2])),
         f"'{name}' holds no real numbers":
             lambda file: (file.__delitem__(name), file.create_dataset(name, data=xyz.astype(int))),
+        f"'{name}' has a shape, but no values were ever written":
+            lambda file: (file.__delitem__(name),
+                          file.create_dataset(name, (2 ** 30, 3), numpy.float32)),
+        f"has {2 ** 40} particles in '{name}' and 4 before; at most 2147483647 are supported":
+            lambda file: (file.move(name, "PartType0/Coordinates"),
+                          file.create_dataset(name, (2 ** 40, 3), numpy.float32, chunks=(1024, 3))
+                              .__setitem__(slice(10), 1)),
         # A filter that h5py brings along.
         "its coordinates cannot be read: it is damaged or truncated":
             lambda file: (file.__delitem__(name),
@@ -106,6 +113,23 @@ def check_refusals(program, directory):
     return len(changes)
 
 
+def check_virtual(program, directory):
+    """Coordinates that are in another file."""
+    name = "PartType1/Coordinates"
+    with h5py.File(directory / "there.hdf5", "w") as file:
+        file.create_dataset(name, data=numpy.random.default_rng(1).random((50, 3)))
+    layout = h5py.VirtualLayout((50, 3), float)
+    layout[:] = h5py.VirtualSource(str(directory / "there.hdf5"), name, (50, 3))
+    with h5py.File(directory / "virtual.hdf5", "w") as file:
+        file.create_group("Header").attrs["NumFilesPerSnapshot"] = 1
+        file.create_virtual_dataset(name, layout)
+    subprocess.run([program, "tessellate", "virtual.hdf5", "--sites", "50", "-q", "-o", "v.npy"],
+                   cwd=directory, check=True)
+    with h5py.File(directory / "there.hdf5") as file:
+        check(set(map(tuple, numpy.load(directory / "v.npy"))) == set(map(tuple, file[name][...])),
+              "a virtual dataset")
+
+
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__.strip())
@@ -121,6 +145,7 @@ def main():
         sample(program, directory, *options, "--gas", "-o", "gas.hdf5")
         check_load(directory / "gas.hdf5", 0, sites)
         refused = check_refusals(program, directory)
+        check_virtual(program, directory)
     print(f"{COUNT} particles, dark matter and gas: as documented; {refused} files refused")
 
 

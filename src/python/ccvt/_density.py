@@ -113,7 +113,7 @@ def sample_volume(
     ----------
     array : array_like of any number of dimensions D
         The values, of any real type, none negative. Contiguous arrays, in C or Fortran order, are
-        used where they are.
+        used where they are; the same values in the other order give other samples, as good.
     sites : int
         How many.
     affine : array_like of shape (D + 1, D + 1), optional

@@ -87,18 +87,18 @@ class BalancedKMeans(Estimator):
         Of the clusters, for `predict`.
     gap_ : float
         No assignment that keeps the capacities has an inertia below (1 - gap_) * inertia_, for the
-        same centres. 0 for other methods than ``"exact"``; NaN with `sample_weight`.
+        same centres. 0 for other methods than ``"exact"``; NaN where samples weigh differently.
     termination_ : str
         How training ended: ``"stable"``, ``"iteration_limit"``, ...
     n_features_in_ : int
 
     Notes
     -----
-    With a `sample_weight` that is not the same for all samples, clusters have equal weight as nearly
-    as whole samples allow: by less than the heaviest sample, which may not be heavier than a
-    cluster. This is :func:`tessellate` with masses; `method`, `init`, `n_init`, `effort`, `gap`
-    and `train_sample` do not count then, and weights of clusters are 0. Samples of weight 0 are not trained with, and
-    get the nearest cluster.
+    With a `sample_weight`, samples of weight 0 are not trained with, and get the nearest cluster.
+    Where the others do not weigh the same, clusters have equal weight as nearly as whole samples
+    allow: by less than the heaviest sample, which may not be heavier than a cluster. This is
+    :func:`tessellate` with masses; `method`, `init`, `n_init`, `effort`, `gap` and `train_sample`
+    do not count then, and weights of clusters are 0.
 
     Examples
     --------
