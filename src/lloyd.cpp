@@ -135,6 +135,9 @@ void Lloyd<Scalar>::assign_first() {
   try {
     assign_all();
   } catch (const Stopped&) {
+    summary_.warnings.emplace_back(
+        "the run ended before points had found their nearest sites: they were dealt out in their "
+        "order");
     for (std::size_t p = 0; p < owners_.size(); ++p) {
       owners_[p] = static_cast<Index>(p * changed_.size() / owners_.size());
     }

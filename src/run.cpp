@@ -29,6 +29,10 @@ namespace {
 
 /// Points of levels that a cancelled run has not reached: with more, kTimeToFinish is not tried.
 constexpr Index kMostToFinish = 1 << 24;
+/// So many coordinates are divided into levels, and join, within hundredths of a second: too soon
+/// for a run to end in between. What is not balanced takes longer.
+constexpr std::int64_t kFewCoordinates = std::int64_t{1} << 20;
+constexpr std::int64_t kFewUnbalanced = std::int64_t{1} << 16;
 /// What an iteration may take to its end, so that a checkpoint can be left, before a run that is to
 /// stop gives it up.
 constexpr std::chrono::milliseconds kTimeForIteration{10'000};
@@ -91,6 +95,7 @@ Run<Scalar>::Run(Problem<Scalar> given_problem, Options given_options)
     place_sites();
   }
   try {
+    const auto pause = pause_for(problem.point_count());
     divide_points();
   } catch (const Stopped&) {
     deal({}, {});
@@ -116,7 +121,9 @@ template <class Scalar>
 bool Run<Scalar>::step() {
   if (record.ended()) return false;
   stop.enter();
-  if (cancelled_together(false)) return end_for_now(Termination::cancelled);
+  // The first points may have joined without asking: see pause_for().
+  const bool unwanted = record.iterations() == 0 && stop.requested();
+  if (unwanted || cancelled_together(false)) return end_for_now(Termination::cancelled);
   if (record.iterations() >= options.max_iterations) {
     return end_for_now(Termination::iteration_limit);
   }
@@ -312,6 +319,16 @@ void Run<Scalar>::join(const JoiningPoints& joining, std::span<const Pair> near,
   }
 }
 
+/// What keeps the caller from being asked while so few points join that it would only cost him
+/// their owners; nothing where there are more.
+template <class Scalar>
+std::optional<Stop::Pause> Run<Scalar>::pause_for(std::int64_t points) {
+  const bool balanced = options.initialization == Initialization::balanced;
+  const std::int64_t most = balanced ? kFewCoordinates : kFewUnbalanced;
+  if (points > most / problem.dimension()) return {};
+  return std::optional<Stop::Pause>(std::in_place, stop);
+}
+
 /// Lets the points of the next level join the cells. When the run is cancelled meanwhile, all
 /// points are dealt out.
 template <class Scalar>
@@ -328,6 +345,7 @@ void Run<Scalar>::enter_level(std::size_t next) {
   state.cells = {};
   level = next;
   try {
+    const auto pause = pause_for(static_cast<std::int64_t>(levels[level].joining.size()));
     join(levels[level].joining, near, filling);
   } catch (const Stopped&) {
     return deal(larger, filling.filled);
@@ -378,6 +396,7 @@ void Run<Scalar>::begin_level() {
     update_all(metric, state, arena);
   }
   if (const std::optional<Depth> depth = descends()) {
+    weights.resize(state.sites.count(), 0.0);
     descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, own_points(), state, *depth,
                                                 weights);
   }

@@ -59,6 +59,7 @@ struct Run {
   [[nodiscard]] Cells<Scalar> empty_cells(const std::vector<Index>& sizes) const;
   void take_owners();
   void enter_level(std::size_t next);
+  [[nodiscard]] std::optional<Stop::Pause> pause_for(std::int64_t points);
   void join(const JoiningPoints& joining, std::span<const Pair> near, Filling<Scalar>& filling);
   void deal(const Cells<Scalar>& owned, std::span<const Index> filled);
   [[nodiscard]] std::unique_ptr<Relaxer<Scalar>> make_relaxer();

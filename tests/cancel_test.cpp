@@ -199,6 +199,18 @@ TEST_CASE("tessellate: too many points for a start of their own are dealt out ne
         std::string::npos);
 }
 
+TEST_CASE("tessellate: few points join, however soon a run ends") {
+  const auto points = sample_uniform<float, 2>(Box::unit(2), 1000, 1);
+  for (const Options& options : {Options{.threads = 1, .time_limit = 1e-9},
+                                 Options{.threads = 1, .cancelled = [] { return true; }}}) {
+    const auto result = tessellate(points, 50, options);
+    CHECK(result.summary.warnings.empty());
+    CHECK(result.summary.normalized_energy < 0.25);
+    CHECK(result.summary.termination ==
+          (options.cancelled ? Termination::cancelled : Termination::time_limit));
+  }
+}
+
 TEST_CASE("codebooks: seeding, levels, pricing, the last assignment") {
   const auto vectors = make_points<float>(Layout::random, Box::unit(10), 60'000);
   const std::vector<Index> capacities = [] {
@@ -211,12 +223,11 @@ TEST_CASE("codebooks: seeding, levels, pricing, the last assignment") {
        {CodebookMethod::exact, CodebookMethod::pairwise, CodebookMethod::lloyd}) {
     for (const auto seeding : {Seeding::kmeans_plus_plus, Seeding::random}) {
       CAPTURE(to_string(method));
+      const auto kept = method == CodebookMethod::lloyd ? std::vector<Index>() : capacities;
       check_heard([&](const auto& cancelled) {
-        const auto training = train_codebook(vectors, 3000,
-                                             {.method = method,
-                                              .seeding = seeding,
-                                              .capacities = capacities,
-                                              .cancelled = cancelled});
+        const auto training = train_codebook(
+            vectors, 3000,
+            {.method = method, .seeding = seeding, .capacities = kept, .cancelled = cancelled});
         REQUIRE(training.codes.size() == 60'000);
         CHECK(training.codebook.codewords().allFinite());
         if (method != CodebookMethod::lloyd) {

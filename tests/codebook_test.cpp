@@ -360,14 +360,19 @@ TEST_CASE("bad input is refused by name") {
   const auto refused = [&](Index codewords, const CodebookOptions& options) {
     return refusal([&] { train_codebook(points, codewords, options); });
   };
-  CHECK(refused(21, {}).find("21") != std::string::npos);
-  CHECK(refused(0, {}).find("0") != std::string::npos);
+  CHECK(refused(21, {}).find("codewords: is 21 for 20 vectors") != std::string::npos);
+  CHECK(refused(0, {}).find("codewords: is 0 for 20 vectors") != std::string::npos);
+  CHECK(refusal([&] { train_codebook(points.leftCols(0), 2); }) == "vectors: there are none");
   CHECK(refused(2, {.effort = -1}).find("effort is -1") != std::string::npos);
   CHECK(refused(2, {.method = CodebookMethod::lloyd, .effort = 3}).find("effort is 3") !=
         std::string::npos);
   CHECK(refused(2, {.restarts = -1}).find("restarts is -1") != std::string::npos);
   CHECK(refused(2, {.tolerance = 1}).find("tolerance is 1") != std::string::npos);
   CHECK(refused(2, {.gap = -0.1}).find("gap is -0.1") != std::string::npos);
+  CHECK(refused(2, {.method = CodebookMethod::pairwise, .gap = 0.1}).find("gap is 0.1") !=
+        std::string::npos);
+  CHECK(refused(2, {.method = CodebookMethod::lloyd, .capacities = {10, 10}}).find("capacities") !=
+        std::string::npos);
   CHECK(refused(2, {.capacities = {1, 2}}) != "");
   CHECK(refusal([&] {
           const ccvt::Columns<double> given(Eigen::MatrixXd::Identity(3, 2));

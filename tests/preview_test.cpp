@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "ccvt/sampling.h"
@@ -31,6 +32,15 @@ double orange(int count) {
 }  // namespace
 
 TEST_SUITE_BEGIN("volume");
+
+TEST_CASE("a preview refuses sites that are nowhere") {
+  const Grid grid = Grid::spaced({4, 4, 4}, Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(0, 0, 0));
+  const std::vector<float> values(64, 1.0F);
+  ccvt::Points<double> sites = ccvt::Points<double>::Ones(3, 3);
+  sites(2, 1) = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_WITH_AS(ccvt::preview(grid.density(values), sites, 50),
+                       "sites: site 1 has a coordinate that is not finite", ccvt::InvalidInput);
+}
 
 TEST_CASE("a preview stays readable with any number of samples") {
   for (const int count : {100, 500, 5'000, 20'000, 200'000}) {

@@ -388,7 +388,9 @@ TEST_CASE("ranks: a part of the points that are drawn, and of a file's") {
   const auto table = directory.path() / "points.csv";
   ccvt::write_points(table, all);
   CHECK(message_of([&] { ccvt::read_points<double>(table, {.first_row = 3}); }) ==
-        table.string() + ": a part of the rows is read of .npy, .fvecs and .bvecs files only");
+        table.string() +
+            ": first_row and end_row ask for a part of the rows, which is read of .npy, .fvecs and "
+            ".bvecs files only");
   const auto columns = directory.path() / "columns.npy";
   ccvt::test::put(columns, ccvt::test::npy_file("<f8", "(2, 1)", std::string(16, '\0'), true));
   CHECK(message_of([&] { ccvt::read_points<double>(columns, {.first_row = 1}); }) ==

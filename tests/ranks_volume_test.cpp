@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <set>
 #include <string>
@@ -116,6 +117,9 @@ TEST_CASE(
   CHECK(message_of([] {
           (void)ccvt::layers_of_rank(Shape{4, 0}, 0, 2);
         }) == "shape: is (4, 0): no entry may be below 1");
+  CHECK(message_of([] {
+          (void)ccvt::layers_of_rank(Shape{1LL << 40, 1LL << 40}, 0, 2);
+        }) == "shape: is (1099511627776, 1099511627776): has 2^63 cells or more");
 }
 
 TEST_CASE("ranks: points of a density have the bits of one process") {
@@ -315,6 +319,12 @@ TEST_CASE("ranks: parts and masks that do not fit a volume are refused") {
         std::set<std::string>{"part: its numbers are not of the volume's type and scale"});
   CHECK(refused(whole, mask) ==
         std::set<std::string>{"mask: has 511 entries for 512 cells; needs one for each"});
+  CHECK(message_of([&] { (void)whole.greatest(mask); }) ==
+        "mask: has 511 entries for 512 cells; needs one for each");
+  whole.slope = -2;
+  CHECK(whole.greatest(std::vector<std::uint8_t>(512, 0)) ==
+        -std::numeric_limits<double>::infinity());
+  CHECK(whole.greatest() == -2);
 }
 
 TEST_SUITE_END();

@@ -279,9 +279,12 @@ TEST_CASE("maps that cannot be are refused") {
         }) == "units[1] is 0: it must be positive and finite, and its inverse too");
   CHECK(message_of([] { LinearMap::of(Eigen::MatrixXd::Ones(2, 3)); }) ==
         "matrix: is 2 by 3: it must be square");
-  CHECK(message_of([] {
-          LinearMap::of(Eigen::MatrixXd::Ones(2, 2));
-        }).find("matrix: is singular") == 0);
+  CHECK(message_of([] { LinearMap::of(Eigen::MatrixXd::Ones(2, 2)); }) == "matrix: is singular");
+  const Eigen::MatrixXd hilbert = Eigen::MatrixXd::NullaryExpr(
+      10, 10, [](Eigen::Index i, Eigen::Index j) { return 1.0 / static_cast<double>(i + j + 1); });
+  CHECK(message_of([&] {
+          LinearMap::of(hilbert);
+        }).find("matrix: is so nearly singular that mapping there and back is off by ") == 0);
   CHECK(message_of([] { LinearMap::units({1, 1e-320}); }).find("units[1] is ") == 0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(message_of([&] {

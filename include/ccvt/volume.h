@@ -106,8 +106,9 @@ struct CCVT_EXPORT Volume : VolumeHeader {
   /// The stored numbers: a view.
   [[nodiscard]] GridValues stored() const&;
   [[nodiscard]] GridValues stored() const&& = delete;
-  /// The greatest value where the mask, if there is one, is not 0. Throws InvalidInput when a value
-  /// there is NaN or infinite, naming it by its index. O(#cells).
+  /// The greatest value where the mask, if there is one, is not 0; minus infinity where it is 0
+  /// everywhere. Throws InvalidInput when a value there is NaN or infinite, naming it by its index,
+  /// and unless the mask is empty or has an entry for each cell. O(#cells).
   [[nodiscard]] double greatest(std::span<const std::uint8_t> mask = {}) const;
   /// The density that `map` makes of the values, multilinear, masked: a view, and so not to be had
   /// of a temporary.

@@ -166,6 +166,10 @@ void CodebookOptions::validate() const {
           "it must be 0 or more");
   require(tolerance >= 0 && tolerance < 1, "tolerance", text(tolerance), "it must be in [0, 1)");
   require(gap >= 0 && gap < 1, "gap", text(gap), "it must be in [0, 1)");
+  require(gap == 0 || method == CodebookMethod::exact, "gap", text(gap),
+          "it must be 0 but for exact, which alone proves one");
+  require(capacities.empty() || method != CodebookMethod::lloyd, "capacities",
+          std::to_string(capacities.size()) + " numbers", "lloyd keeps none");
   require(train_sample >= 0, "train_sample", std::to_string(train_sample), "it must be 0 or more");
   require(train_sample == 0 || method == CodebookMethod::exact, "train_sample",
           std::to_string(train_sample), "it must be 0 but for exact");

@@ -339,10 +339,23 @@ void Trainer<Scalar>::sum_up(const Codebook& codebook) {
 template class Trainer<float>;
 template class Trainer<double>;
 
+namespace {
+
+/// Throws InvalidInput for a number of codewords that these vectors cannot have.
+void check_counts(Index codewords, std::int64_t vectors) {
+  if (vectors < 1) throw InvalidInput("vectors: there are none");
+  if (codewords >= 1 && codewords <= vectors) return;
+  throw InvalidInput(concat("codewords: is ", codewords, " for ", vectors,
+                            " vectors: must be at least 1, and at most as many"));
+}
+
+}  // namespace
+
 template <class Scalar>
 Training train_codebook(PointsView<Scalar> vectors, Index codewords,
                         const CodebookOptions& options) {
   options.validate();
+  check_counts(codewords, vectors.count);
   return Trainer<Scalar>(Problem<Scalar>(vectors, codewords), options).run(nullptr);
 }
 
@@ -350,6 +363,8 @@ template <class Scalar>
 Training train_codebook(Ranks& ranks, PointsView<Scalar> own, Index codewords,
                         const CodebookOptions& options) {
   agree(&ranks, [&] { options.validate(); });
+  const std::int64_t vectors = total(&ranks, own.count);
+  agree(&ranks, [&] { check_counts(codewords, vectors); });
   require_alike(ranks, options, {});
   return Trainer<Scalar>(Problem<Scalar>(ranks, own, codewords), options).run(nullptr);
 }
@@ -360,6 +375,7 @@ Training train_codebook_from(PointsView<Scalar> vectors, const Columns<double>& 
   options.validate();
   check_given(codewords, vectors.dimension, options);
   const auto n = static_cast<Index>(codewords.cols());
+  check_counts(n, vectors.count);
   return Trainer<Scalar>(Problem<Scalar>(vectors, n), options).run(&codewords);
 }
 

@@ -81,7 +81,6 @@ Descent<Scalar>::Descent(const Metric& metric, const Arena& arena, Stop& stop,
       fixed_(state.sites.fixed),
       directions_(capacity_, state.sites.dimension, arena) {
   for (const SiteNumber s : state.cells.sites()) capacity_[s] = state.cells.size(s);
-  weights_.resize(capacity_.size(), 0.0);
 }
 
 /// The pairs of sites whose cells can meet. False when these are too many, of all or of one, or

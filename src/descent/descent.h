@@ -33,7 +33,7 @@ enum class Depth {
 template <class Scalar>
 class Descent {
  public:
-  /// `weights`: of the sites on the level before, or none; those of this level, when it ends.
+  /// `weights`: of the sites on the level before, or zeros; those of this level, when it ends.
   Descent(const Metric& metric, const Arena& arena, Stop& stop, const OwnPoints<Scalar>& points,
           const LevelState<Scalar>& state, Depth depth, std::vector<double>& weights);
 

@@ -39,8 +39,9 @@ LinearMap::LinearMap(Columns<double> matrix, Coordinates origin)
   const auto size = inverse.rows();
   const double error =
       (matrix_.eigen() * inverse - Eigen::MatrixXd::Identity(size, size)).cwiseAbs().maxCoeff();
+  if (!std::isfinite(error)) throw InvalidInput("matrix: is singular");
   if (!(error < kLargestError)) {
-    throw InvalidInput("matrix: is singular, or so nearly that mapping there and back is off by " +
+    throw InvalidInput("matrix: is so nearly singular that mapping there and back is off by " +
                        text(error) + " of the coordinates");
   }
   inverse_ = inverse;

@@ -2,6 +2,7 @@
 // sanitizer with false alarms or, when those are suppressed, hides real races.
 #ifdef CCVT_PARALLEL_THREADS
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <mutex>
@@ -38,10 +39,17 @@ void Arena::run_on_all(const Range& range, Recorder::Loop* timing) const {
       if (!failure) failure = std::current_exception();
     }
   };
-  std::vector<std::thread> helpers;
-  for (int worker = 1; worker < threads_; ++worker) helpers.emplace_back(work, worker);
-  work(0);
-  for (std::thread& helper : helpers) helper.join();
+  {
+    std::vector<std::jthread> helpers;
+    const int workers = static_cast<int>(std::min(static_cast<std::size_t>(threads()), ranges));
+    try {
+      for (int worker = 1; worker < workers; ++worker) helpers.emplace_back(work, worker);
+    } catch (...) {
+      next = ranges;  // those that have started end
+      throw;
+    }
+    work(0);
+  }
   if (failure) std::rethrow_exception(failure);
 }
 

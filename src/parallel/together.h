@@ -20,6 +20,13 @@
 /// What ranks find out together. Of a problem that has none (null), a rank's own is all there is.
 namespace ccvt {
 
+/// What came is no answer to what was asked.
+[[noreturn]] inline void refuse_other_calls() {
+  throw InvalidInput(
+      "ranks: have made different calls, such as set_domain() or set_initial_owners() on some of "
+      "them only: all must make the same, one after the other");
+}
+
 /// A value of each rank.
 template <class T>
 std::vector<T> of_all(Ranks* ranks, const T& own) {
@@ -28,6 +35,7 @@ std::vector<T> of_all(Ranks* ranks, const T& own) {
   message.put(own);
   std::vector<T> all;
   for (const Ranks::Bytes& bytes : ranks->gather(message.bytes)) {
+    if (bytes.size() != message.bytes.size()) refuse_other_calls();
     all.push_back(ByteReader(bytes).get<T>());
   }
   return all;
@@ -106,8 +114,10 @@ inline bool any(Ranks* ranks, bool own) { return total(ranks, own ? 1 : 0) > 0; 
 /// none has. `own` of this rank may be null.
 inline void throw_first(Ranks& ranks, const std::exception_ptr& own) {
   enum class Kind : std::uint8_t { input, io, memory, other };
+  constexpr std::uint64_t kFailed = 0x64656c6961663a72;  // no message of another kind begins so
   ByteWriter message;
-  const auto put = [&message](Kind kind, const std::string& text) {
+  const auto put = [&](Kind kind, const std::string& text) {
+    message.put(kFailed);
     message.put(kind);
     message.put(std::span<const char>(text));
   };
@@ -124,8 +134,12 @@ inline void throw_first(Ranks& ranks, const std::exception_ptr& own) {
   }
   for (const Ranks::Bytes& bytes : ranks.gather(message.bytes)) {
     if (bytes.empty()) continue;
-    const std::string text(reinterpret_cast<const char*>(bytes.data() + 1), bytes.size() - 1);
-    switch (ByteReader(bytes).get<Kind>()) {
+    ByteReader reader(bytes);
+    constexpr std::size_t kHead = sizeof(kFailed) + sizeof(Kind);
+    if (bytes.size() < kHead || reader.get<std::uint64_t>() != kFailed) refuse_other_calls();
+    const std::string text(reinterpret_cast<const char*>(bytes.data() + kHead),
+                           bytes.size() - kHead);
+    switch (reader.get<Kind>()) {
       case Kind::input:
         throw InvalidInput(text);
       case Kind::io:

@@ -138,8 +138,12 @@ LayerRange layers_of_rank(std::span<const std::int64_t> shape, int rank, int ran
     throw InvalidInput(
         concat("rank: is ", rank, " of ", ranks, ": it must hold that 0 <= rank < ", ranks));
   }
-  for (const std::int64_t cells : shape) {
-    if (cells < 1) throw InvalidInput(concat("shape: is ", shape, ": no entry may be below 1"));
+  std::int64_t cells = 1;
+  for (const std::int64_t along : shape) {
+    if (along < 1) throw InvalidInput(concat("shape: is ", shape, ": no entry may be below 1"));
+    if (__builtin_mul_overflow(cells, along, &cells)) {
+      throw InvalidInput(concat("shape: is ", shape, ": has 2^63 cells or more"));
+    }
   }
   return GridLayers(shape, level_of_parts(shape)).around(rank, ranks);
 }

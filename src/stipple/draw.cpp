@@ -4,6 +4,7 @@
 #include <string>
 
 #include "ccvt/stipple.h"
+#include "io/formats.h"
 #include "io/input_file.h"
 #include "io/output_file.h"
 #include "number_text.h"
@@ -104,7 +105,7 @@ Image render(const Stippling<Scalar>& stippling, double scale) {
   const Side height{std::ceil(stippling.height * scale)};
   if (!(scale > 0 && width.length * height.length <= kMostPixels)) {
     throw InvalidInput("scale: is " + text(scale) +
-                       "; must be positive and make at most 268435456 pixels");
+                       "; must be positive, or 0 for the usual, and make at most 268435456 pixels");
   }
   Image image{width.pixels(), height.pixels(), {}};
   image.values.assign(static_cast<std::size_t>(width.length * height.length), 1.0F);

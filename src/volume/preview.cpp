@@ -221,6 +221,10 @@ ColourImage preview(const DensityGrid& density, PointsView<Scalar> sites, int si
   Eigen::Matrix3Xd places(3, sites.count);
   for (Index s = 0; s < sites.count; ++s) {
     const Eigen::Vector3d site(sites[s][0], sites[s][1], sites[s][2]);
+    if (!site.allFinite()) {
+      throw InvalidInput("sites: site " + std::to_string(s) +
+                         " has a coordinate that is not finite");
+    }
     places.col(s) = (to_box * (site - offset) - density.box.lower.eigen()).cwiseQuotient(extent);
   }
   std::array<Projection, 3> projections{{{0, 1, 2, lines[0], lines[1]},

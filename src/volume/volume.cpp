@@ -158,6 +158,7 @@ GridValues Volume::stored() const& {
 }
 
 double Volume::greatest(std::span<const std::uint8_t> mask) const {
+  require_entries(*this, mask);
   double least = std::numeric_limits<double>::infinity();
   double most = -least;
   std::visit(
@@ -174,6 +175,7 @@ double Volume::greatest(std::span<const std::uint8_t> mask) const {
         }
       },
       stored());
+  if (most < least) return most;  // there are none
   return std::max(slope * least + intercept, slope * most + intercept);
 }
 

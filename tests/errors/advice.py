@@ -122,6 +122,7 @@ ADVICE = {
     "src/options.cpp": _PARAMETER,
     "src/parallel/alike.h": "Ranks are to make the same calls, each with its own points alone.",
     "src/point_count.h": _PARAMETER,
+    "src/parallel/together.h": "Make the same calls on all ranks, in the same order, with what all were given.",
     "src/presets.cpp": "Choose one of the names that the message lists.",
     "src/problem.cpp": _PARAMETER,
     "src/relax/filling.h": "Take more sites, or a smaller `tile_sites`: each tile then has fewer points.",
@@ -179,7 +180,7 @@ CANNOT_BE_PROVOKED = {
                                                                   "files",
     ("src/cli/analyze.cpp", ": cannot be read"): _KERNEL,
     ("src/io/input_file.cpp", ": cannot be read: "): _KERNEL,
-    ("src/io/input_file.cpp", "its size is unknown: "): _KERNEL,
+    ("src/io/input_file.cpp", ": its size is unknown: "): _KERNEL,
     ("src/io/hdf5_absent.cpp",
      ": this ccvt was built without HDF5; with libhdf5-dev (Debian) installed, configure and build "
      "it again"): "only in programs built without HDF5",
