@@ -31,8 +31,8 @@ namespace {
 constexpr Index kMostToFinish = 1 << 24;
 /// So many coordinates are divided into levels, and join, within hundredths of a second: too soon
 /// for a run to end in between. What is not balanced takes longer.
-constexpr std::int64_t kFewCoordinates = std::int64_t{1} << 20;
-constexpr std::int64_t kFewUnbalanced = std::int64_t{1} << 16;
+constexpr std::int64_t kFewCoordinates = std::int64_t{1} << 18;
+constexpr std::int64_t kFewUnbalanced = std::int64_t{1} << 14;
 /// What an iteration may take to its end, so that a checkpoint can be left, before a run that is to
 /// stop gives it up.
 constexpr std::chrono::milliseconds kTimeForIteration{10'000};

@@ -223,16 +223,25 @@ TEST_CASE("sorted draws are counted over more bins than a row has") {
   const std::int64_t count = 2'500'000;
   const ccvt::SortedDraws one(3, count, ccvt::Arena(1));
   const ccvt::SortedDraws two(3, count, ccvt::Arena(2));
-  std::vector<double> bin;
-  std::int64_t total = 0;
-  bool numbered = true;
-  for (std::size_t b = 0; b < one.bins(); ++b) {
-    numbered = numbered && one.before(b) == total && two.before(b) == total;
-    one.open(b, bin);
-    total += std::ssize(bin);
+  // Dealt as documented, by chunks of 2^16 with random numbers of their own.
+  std::vector<std::int64_t> in_bin(one.bins(), 0);
+  for (std::int64_t k = 0; k < count;) {
+    ccvt::Random random(3, ccvt::streams::density_deal + static_cast<std::uint64_t>(k >> 16));
+    for (const std::int64_t end = std::min(count, k + 65'536); k < end; ++k) {
+      ++in_bin[random.below(one.bins())];
+    }
   }
-  CHECK(numbered);
-  CHECK(total == count);
+  std::int64_t before = 0;
+  bool counted = true;
+  std::vector<double> bin;
+  for (std::size_t b = 0; b < one.bins(); ++b) {
+    one.open(b, bin);
+    counted = counted && one.before(b) == before && two.before(b) == before &&
+              std::ssize(bin) == in_bin[b];
+    before += in_bin[b];
+  }
+  CHECK(counted);
+  CHECK(one.before(one.bins()) == count);
 }
 
 TEST_CASE("of more than 2^32 draws each group gets those of its share, with their numbers") {

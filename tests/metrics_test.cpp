@@ -278,6 +278,11 @@ TEST_CASE("bond order: cells that many points may reach, and many points at one 
   REQUIRE(points.cols() > 200);
   const PointSet disc(points, Domain::euclidean(Box::unit(2)));
   check_equal(bond_order(disc), direct_bond_order(disc));
+  // On a torus those of a cluster reach round it.
+  points.rightCols(points.cols() - 1) *= 0.3;
+  const PointSet cluster(points, Domain::periodic(Box::unit(2)));
+  check_equal(bond_order(cluster), direct_bond_order(cluster));
+  points.rightCols(points.cols() - 1) /= 0.3;
   // A cell at the border does not count, however many share it: this took minutes.
   Points<double> crowded(2, points.cols() + 20'000);
   crowded << points, Points<double>::Zero(2, 20'000);

@@ -348,6 +348,7 @@ TEST_CASE("phases add up to the run, and on_loop tells of their loops") {
 static_assert(!std::is_constructible_v<Problem<float>, ccvt::Points<float>, Index>);
 static_assert(!std::is_constructible_v<Problem<float>, const ccvt::Points<float>, Index>);
 static_assert(!std::is_constructible_v<Problem<float>, ccvt::Columns<float>, Index>);
+static_assert(!std::is_constructible_v<Problem<float>, const ccvt::Columns<float>, Index>);
 static_assert(std::is_constructible_v<Problem<float>, const ccvt::Points<float>&, Index>);
 
 TEST_CASE("columns, as readers give them, are points as Eigen's matrices are") {
@@ -360,6 +361,8 @@ TEST_CASE("columns, as readers give them, are points as Eigen's matrices are") {
   const ccvt::Problem problem(points, 20);
   CHECK(ccvt::tessellate(problem).sites == expected.sites);
   CHECK(ccvt::energy(points, ccvt::Columns<double>(result.sites), result.owners) ==
+        ccvt::energy(matrix, result.sites, result.owners));
+  CHECK(ccvt::energy(points, result.sites, result.owners) ==
         ccvt::energy(matrix, result.sites, result.owners));
   CHECK(ccvt::lloyd(points, 20).sites == ccvt::lloyd(matrix, 20).sites);
   const ccvt::Training trained = ccvt::train_codebook(points, 5);
@@ -374,6 +377,8 @@ TEST_CASE("columns, as readers give them, are points as Eigen's matrices are") {
         ccvt::tessellate_masses(matrix, masses, 20).sites);
   const auto map = ccvt::LinearMap::units({2, 3});
   CHECK(map(points) == map(matrix));
+  CHECK(map.inverse(points) == map.inverse(matrix));
+  CHECK(ccvt::LinearMap::whitening(points).matrix() == ccvt::LinearMap::whitening(matrix).matrix());
 }
 
 TEST_CASE("what on_loop throws is passed on when the pass has been recorded") {

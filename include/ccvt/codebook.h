@@ -68,12 +68,12 @@ struct CCVT_EXPORT CodebookOptions {
   std::uint64_t seed = 0;
   /// Vectors of each codeword, summing to their number. Empty: equal, and where these cannot all
   /// be, the method decides which have one more. To allow a codeword at most c vectors, give it c,
-  /// or less.
+  /// or less. Empty for `lloyd`.
   std::vector<Index> capacities = {};
   /// `exact` ends when an assignment is proved to cost, for the centroids of its cells, at most
-  /// this share more than the cheapest one that keeps the capacities. In [0, 1); 0: no more than
-  /// that but for rounding. Capacities are exact whatever it is, and CodebookSummary::gap tells how
-  /// near the codes came.
+  /// this share more than the cheapest one that keeps the capacities. In [0, 1), and 0 for other
+  /// methods; 0: no more than that but for rounding. Capacities are exact whatever it is, and
+  /// CodebookSummary::gap tells how near the codes came.
   double gap = 0;
   /// `exact` trains on so many vectors, drawn at random, and assigns all of them once, in the end:
   /// codewords are then the centroids of that sample's cells, while codes, capacities and

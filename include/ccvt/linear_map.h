@@ -39,6 +39,10 @@ class CCVT_EXPORT LinearMap {
   static LinearMap whitening(const Eigen::DenseBase<Derived>& points) {
     return whitening_of(view_points(points));
   }
+  template <class Scalar>
+  static LinearMap whitening(const Columns<Scalar>& points) {
+    return whitening_of(view_points(points));
+  }
   /// The same of the points of all ranks, each of which gives its own, to the bit, in the time of
   /// one: the sums go from rank to rank. All throw what one of them does.
   template <class Derived>
@@ -66,6 +70,10 @@ class CCVT_EXPORT LinearMap {
   Eigen::Matrix<typename Derived::Scalar, Derived::RowsAtCompileTime, Eigen::Dynamic> inverse(
       const Eigen::DenseBase<Derived>& points) const {
     return mapped_back(view_points(points));
+  }
+  template <class Scalar>
+  Points<Scalar> inverse(const Columns<Scalar>& points) const {
+    return inverse(points.eigen());
   }
   /// The box mapped, with the dimensions that are periodic. Throws InvalidInput unless the matrix
   /// is diagonal: else the image of a box is none.

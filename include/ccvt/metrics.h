@@ -39,6 +39,11 @@ double energy(const Columns<Scalar>& points, const Columns<Scalar>& sites,
               std::span<const Index> owners, const Domain& domain = {}) {
   return energy(view_points(points), view_points(sites), owners, domain);
 }
+template <class Scalar, class B>
+double energy(const Columns<Scalar>& points, const Eigen::DenseBase<B>& sites,
+              std::span<const Index> owners, const Domain& domain = {}) {
+  return energy(view_points(points), view_points(sites), owners, domain);
+}
 
 /// energy * n^(2/D) / (m * |box|^(2/D)) for n sites and m points: does not depend on the size of
 /// the box, and hardly on n and m. Throws InvalidInput unless n, m and all extents are positive,

@@ -38,7 +38,7 @@ class CCVT_EXPORT Problem {
   Problem(const Eigen::PlainObjectBase<Derived>&& points, Index sites, int threads = 1) = delete;
   Problem(const Columns<Scalar>& points, Index sites, int threads = 1)
       : Problem(view_points(points), sites, threads) {}
-  Problem(Columns<Scalar>&& points, Index sites, int threads = 1) = delete;
+  Problem(const Columns<Scalar>&& points, Index sites, int threads = 1) = delete;
   Problem(PointsView<Scalar> points, Index sites, int threads = 1);
   /// A problem that `ranks`, which must outlive it, solve together. `own` are the points of this
   /// rank, perhaps none; their numbers follow those of the lower ranks. What else there is of the

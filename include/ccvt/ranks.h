@@ -16,7 +16,7 @@ namespace ccvt {
 /// leaves the others waiting: whoever catches it must end them, as MPI_Abort() does. Bad input on
 /// one rank is InvalidInput on all of them, as are options, capacities and codewords that are not
 /// the same on all but for threads, time limits and what is called; and a file that one cannot
-/// write is IoError.
+/// read or write is IoError.
 class CCVT_EXPORT Ranks {
  public:
   using Bytes = std::vector<std::byte>;

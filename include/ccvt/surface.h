@@ -43,9 +43,10 @@ struct CCVT_EXPORT TriangleMesh {
 ///
 /// A face of more than three corners becomes a fan of triangles around its first one or, where some
 /// of these would lie outside, as in a concave face, others that fill it; the fan still where it
-/// crosses itself. Throws InvalidInput, with one line that names file and rule, for files that are
-/// truncated, damaged or hold no triangle, and for what TriangleMesh::validate() refuses; IoError
-/// when the system refuses.
+/// crosses itself, or has so many corners that these would take minutes to find. Throws
+/// InvalidInput, with one line that names file and rule, for files that are truncated, damaged or
+/// hold no triangle, and for what TriangleMesh::validate() refuses; IoError when the system
+/// refuses.
 CCVT_EXPORT TriangleMesh read_mesh(const std::filesystem::path& path,
                                    const std::string& density = "");
 
@@ -64,8 +65,9 @@ struct CCVT_EXPORT SurfaceOptions {
   double normal_weight = 0.5;
   /// Whether SurfaceSamples hold the points that were drawn, their triangles and their owners.
   bool keep_points = false;
-  /// Its seed also fixes the points that are drawn, and its threads draw them. Until blue_noise, as
-  /// samples are wanted irregular.
+  /// Its seed also fixes the points that are drawn, and its threads draw them. Where sheets are
+  /// tessellated by themselves first, max_iterations is that of each, and then of all together.
+  /// Until blue_noise, as samples are wanted irregular.
   Options tessellation = Options::samples();
 
   /// Throws InvalidInput naming the first field outside its bounds.

@@ -26,7 +26,8 @@ struct CCVT_EXPORT ThinOptions {
   /// chosen one, on their own side where there are normals, and counts differ.
   bool equal_counts = false;
   /// Of the cells in which points are chosen first. Its seed, threads, time limit and `cancelled`
-  /// hold for all that is done, but that all points get their owners after it ended, O(m log n).
+  /// hold for all that is done, but that all points get their owners after it ended, O(m log n);
+  /// its max_iterations are those of each tessellation, of which equal_counts may make two.
   /// Until blue_noise, as choices are to have no lattices.
   Options tessellation = Options::samples();
 

@@ -135,8 +135,7 @@ void add_common(CLI::App& app, CommonArguments& common, io::Extensions extension
   add_run(app, common);
   app.add_option("--preset", common.preset,
                  "The method and its end: a row of the benchmarks' table, such as fast-ccvt; "
-                 "threads are as "
-                 "--threads says, and the end as --until where that is given too")
+                 "threads are as --threads says, and the end as --until where that is given too")
       ->type_name("NAME")
       ->check(CLI::Validator(
           [](std::string& name) {

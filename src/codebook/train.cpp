@@ -388,6 +388,8 @@ Training train_codebook_from(Ranks& ranks, PointsView<Scalar> own, const Columns
   });
   require_alike(ranks, options, {codewords.data(), static_cast<std::size_t>(codewords.size())});
   const auto n = static_cast<Index>(codewords.cols());
+  const std::int64_t vectors = total(&ranks, own.count);
+  agree(&ranks, [&] { check_counts(n, vectors); });
   return Trainer<Scalar>(Problem<Scalar>(ranks, own, n), options).run(&codewords);
 }
 

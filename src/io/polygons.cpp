@@ -101,8 +101,7 @@ class Rest {
     const auto in_wedge = [&](const Corner& p) {
       return turn(a, b, p) > margin_ && turn(b, c, p) > margin_;
     };
-    looks_ -= std::ssize(corners_);
-    for (std::size_t k = 0; k < corners_.size(); ++k) {
+    for (std::size_t k = 0; k < corners_.size(); ++k, --looks_) {
       const Corner& p = corners_[k];
       if (k == at || in_one_place(p, a) || in_one_place(p, c)) continue;
       if (in_one_place(p, b)) {
@@ -127,7 +126,7 @@ std::vector<Index> divide_concave(std::span<const Index> face,
   constexpr std::array kMargins = {1e-12, 1e-9, 0.0};  // of twice the polygon's area
   constexpr std::size_t kMostStarts = 8;
   constexpr double kRounding = 1e-9;
-  // A face of 100,000 corners takes 5e9; one that crosses itself, the cube of the corners.
+  // A face of 100,000 corners takes 5e9 at most; one that crosses itself, the cube of the corners.
   constexpr std::int64_t kMostLooks = std::int64_t{1} << 34;
   const auto dot = [](const Vector& a, const Vector& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -42,21 +42,24 @@ void count(Thinning& result) {
 template <class Scalar>
 class Thinner {
  public:
-  /// `points`: as they are tessellated, with normals if there are any.
+  using Clock = std::chrono::steady_clock;
+
+  /// `points`: as they are tessellated, with normals if there are any. `start`: of all of thin().
   Thinner(PointsView<Scalar> points, Index sites, const ThinOptions& options, Stop& stop,
-          const Arena& arena)
+          const Arena& arena, Clock::time_point start)
       : points_(points),
         sites_(sites),
         options_(options),
         stop_(stop),
         arena_(arena),
-        metric_(points.dimension, Domain()) {}
+        metric_(points.dimension, Domain()),
+        start_(start) {}
 
   void tessellate(Thinning& result);
   void spread(Thinning& result);
   void make_cells(Thinning& result);
   [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    return std::chrono::duration<double>(Clock::now() - start_).count();
   }
 
  private:
@@ -73,7 +76,7 @@ class Thinner {
   const Arena& arena_;
   Metric metric_;
   Points<Scalar> centres_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Clock::time_point start_;
 };
 
 /// The options of a solver, for the time that is left.
@@ -258,6 +261,7 @@ void ThinOptions::validate() const {
 template <class Scalar>
 Thinning thin(PointsView<Scalar> points, Index sites, const ThinOptions& options,
               PointsView<Scalar> normals) {
+  const auto start = Thinner<Scalar>::Clock::now();
   options.validate();
   const bool has_normals = normals.count > 0 || normals.dimension > 0;
   if (has_normals && (normals.count != points.count || normals.dimension != points.dimension)) {
@@ -279,7 +283,7 @@ Thinning thin(PointsView<Scalar> points, Index sites, const ThinOptions& options
   const PointsView<Scalar> space = lifts ? view_points(lifted) : points;
 
   const Arena arena(threads, &stop);
-  Thinner<Scalar> thinner(space, sites, options, stop, arena);
+  Thinner<Scalar> thinner(space, sites, options, stop, arena, start);
   thinner.tessellate(result);
   count(result);
   if (options.spread && !was_stopped(result) && sites > 1 && sites < points.count) {

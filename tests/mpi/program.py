@@ -411,7 +411,7 @@ def checkpoints():
         goes_on([given.mpirun, "-n", "2", TOGETHER], outputs, f"the disk of rank {full} was full")
 
     # How long it takes to be kept once more is the disk's affair and that of what else runs here.
-    for patience in (3, 12):
+    for patience in (3, 6, 12):
         sites = long_enough(4 * patience, outputs)
         signals = (signal.SIGINT, signal.SIGTERM)
         if all(end_by(number, patience, sites, bad, outputs) for number in signals):

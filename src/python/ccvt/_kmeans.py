@@ -63,7 +63,8 @@ class BalancedKMeans(Estimator):
     tol : float, default 0
         Stops when an iteration lowers the inertia by less than this share of it.
     gap : float, default 0
-        ``"exact"`` ends when the assignment is proved to cost at most this share too much.
+        ``"exact"``, which alone may have one, ends when the assignment is proved to cost at most this
+        share too much.
     train_sample : int or None, default None
         ``"exact"`` trains on so many samples, drawn at random, and then assigns all of them once: for
         millions of samples, of which a cluster needs some hundred. None: on all.
