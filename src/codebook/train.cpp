@@ -341,12 +341,16 @@ template class Trainer<double>;
 
 namespace {
 
-/// Throws InvalidInput for a number of codewords that these vectors cannot have.
-void check_counts(Index codewords, std::int64_t vectors) {
-  if (vectors < 1) throw InvalidInput("vectors: there are none");
-  if (codewords >= 1 && codewords <= vectors) return;
-  throw InvalidInput(concat("codewords: is ", codewords, " for ", vectors,
-                            " vectors: must be at least 1, and at most as many"));
+/// Throws InvalidInput, on all ranks (null: this one), for a number of codewords that the vectors
+/// of all cannot have.
+void check_counts(Ranks* ranks, Index codewords, Index own) {
+  const std::int64_t vectors = total(ranks, own);
+  agree(ranks, [&] {
+    if (vectors < 1) throw InvalidInput("vectors: there are none");
+    if (codewords >= 1 && codewords <= vectors) return;
+    throw InvalidInput(concat("codewords: is ", codewords, " for ", vectors,
+                              " vectors: must be at least 1, and at most as many"));
+  });
 }
 
 }  // namespace
@@ -355,7 +359,7 @@ template <class Scalar>
 Training train_codebook(PointsView<Scalar> vectors, Index codewords,
                         const CodebookOptions& options) {
   options.validate();
-  check_counts(codewords, vectors.count);
+  check_counts(nullptr, codewords, vectors.count);
   return Trainer<Scalar>(Problem<Scalar>(vectors, codewords), options).run(nullptr);
 }
 
@@ -363,8 +367,7 @@ template <class Scalar>
 Training train_codebook(Ranks& ranks, PointsView<Scalar> own, Index codewords,
                         const CodebookOptions& options) {
   agree(&ranks, [&] { options.validate(); });
-  const std::int64_t vectors = total(&ranks, own.count);
-  agree(&ranks, [&] { check_counts(codewords, vectors); });
+  check_counts(&ranks, codewords, own.count);
   require_alike(ranks, options, {});
   return Trainer<Scalar>(Problem<Scalar>(ranks, own, codewords), options).run(nullptr);
 }
@@ -375,7 +378,7 @@ Training train_codebook_from(PointsView<Scalar> vectors, const Columns<double>& 
   options.validate();
   check_given(codewords, vectors.dimension, options);
   const auto n = static_cast<Index>(codewords.cols());
-  check_counts(n, vectors.count);
+  check_counts(nullptr, n, vectors.count);
   return Trainer<Scalar>(Problem<Scalar>(vectors, n), options).run(&codewords);
 }
 
@@ -388,8 +391,7 @@ Training train_codebook_from(Ranks& ranks, PointsView<Scalar> own, const Columns
   });
   require_alike(ranks, options, {codewords.data(), static_cast<std::size_t>(codewords.size())});
   const auto n = static_cast<Index>(codewords.cols());
-  const std::int64_t vectors = total(&ranks, own.count);
-  agree(&ranks, [&] { check_counts(n, vectors); });
+  check_counts(&ranks, n, own.count);
   return Trainer<Scalar>(Problem<Scalar>(ranks, own, n), options).run(&codewords);
 }
 
