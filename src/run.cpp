@@ -29,14 +29,9 @@ namespace {
 
 /// Points of levels that a cancelled run has not reached: with more, kTimeToFinish is not tried.
 constexpr Index kMostToFinish = 1 << 24;
-/// So many coordinates are divided into levels, and join, within hundredths of a second: too soon
-/// for a run to end in between. What is not balanced takes longer.
-constexpr std::int64_t kFewCoordinates = std::int64_t{1} << 18;
-constexpr std::int64_t kFewUnbalanced = std::int64_t{1} << 14;
 /// What an iteration may take to its end, so that a checkpoint can be left, before a run that is to
 /// stop gives it up.
 constexpr std::chrono::milliseconds kTimeForIteration{10'000};
-constexpr std::size_t kPointsPerGrain = std::size_t{1} << 16;
 
 const char* name_of(Initialization initialization) {
   switch (initialization) {
@@ -148,8 +143,11 @@ template <class Scalar>
 bool Run<Scalar>::go_on_from(double energy_before, double energy) {
   if (!(descent ? descent->ended() : relaxer->stable())) {
     const bool improved = energy_before - energy >= options.energy_tolerance * energy_before;
-    return improved || !on_finest_level() || options.energy_tolerance == 0 ||
-           end(Termination::energy_tolerance);
+    if (!improved && on_finest_level() && options.energy_tolerance > 0) {
+      return end(Termination::energy_tolerance);
+    }
+    if (pairs_creep()) begin_descent(Depth::full);
+    return true;
   }
   if (descent) {
     const bool pairs_next = on_finest_level() && descent->depth() != Depth::even;
@@ -169,6 +167,7 @@ PassCount Run<Scalar>::pass() {
     const PassCount done = descent->step(state);
     if (!descent->unsuited()) return done;
     descent.reset();
+    descents = 0;
   }
   return relaxer->step(state);
 }
@@ -194,23 +193,6 @@ double Run<Scalar>::progress(const PassCount& done) const {
   const double here =
       descent ? descended() : 1 - static_cast<double>(done.active_sites) / problem.site_count();
   return (before + here * static_cast<double>(state.cells.point_count())) / all;
-}
-
-/// Whether this level is lowered by Descent, and how far.
-template <class Scalar>
-std::optional<Depth> Run<Scalar>::descends() const {
-  constexpr double kTimesAsManyOnFinest = 4;
-  const double least = static_cast<double>(options.descent_points) * problem.site_count();
-  if (options.descent_points == 0 || options.pairs != PairSelection::meeting ||
-      static_cast<double>(state.cells.point_count()) < least) {
-    return {};
-  }
-  if (options.until == Until::blue_noise && level > 0) return Depth::even;
-  if (static_cast<double>(problem.point_count()) >= kTimesAsManyOnFinest * least) {
-    return Depth::full;
-  }
-  if (on_finest_level() && level > 0) return Depth::brief;
-  return {};
 }
 
 /// Ends the run; points of levels that it has not reached join. False.
@@ -256,151 +238,6 @@ void Run<Scalar>::place_sites() {
   for (const SiteNumber k : state.sites.all()) {
     if (!given.fixed.empty()) state.sites.fixed.push_back(given.fixed[site_of[k]]);
   }
-}
-
-/// The points of each level, and what their sites hold.
-template <class Scalar>
-void Run<Scalar>::divide_points() {
-  const auto charge = arena.phase(Phase::levels);
-  std::vector<Index> capacities;
-  capacities.reserve(site_of.size());
-  for (const SiteNumber given : site_of) capacities.push_back(problem.capacities()[given]);
-  levels.resize(1);
-  levels[0].capacities = capacities;
-  levels = make_levels(capacities, problem.point_count(), options, arena);
-  if (ranks() == nullptr) return;
-  const auto first = static_cast<std::size_t>(problem.first_own_point());
-  for (Level& made : levels) {
-    made.joining.keep_own(first, first + static_cast<std::size_t>(problem.points().count));
-  }
-}
-
-/// Of this rank's sites, for points of all.
-template <class Scalar>
-Cells<Scalar> Run<Scalar>::empty_cells(const std::vector<Index>& sizes) const {
-  return {problem.dimension(), sizes, state.tiling.own_sites(), problem.point_count()};
-}
-
-template <class Scalar>
-void Run<Scalar>::take_owners() {
-  std::vector<SiteNumber> rank(site_of.size());
-  for (const SiteNumber k : state.sites.all()) rank[site_of[k]] = k;
-  state.cells = empty_cells(levels[0].capacities);
-  const OwnPoints<Scalar> points = own_points();
-  Filling<Scalar> filling(state.cells, points, state.tiling);
-  const auto for_own = [&](const auto& add) {
-    for (std::size_t k = 0; k < problem.initial_owners().size(); ++k) {
-      add(rank[SiteNumber(problem.initial_owners()[k])], PointNumber(k));
-    }
-  };
-  if (ranks() == nullptr) {
-    for_own([&](SiteNumber site, PointNumber p) { filling.add(site, p); });
-  } else {
-    MovedPoints<Scalar> moved(filling);  // the ranks' points follow each other
-    for_own([&](SiteNumber site, PointNumber p) { moved.send(points.of_all(p), points[p], site); });
-    moved.arrive(arena);
-  }
-  begin_level();
-}
-
-/// Gives the joining points owners by the chosen initialization.
-template <class Scalar>
-void Run<Scalar>::join(const JoiningPoints& joining, std::span<const Pair> near,
-                       Filling<Scalar>& filling) {
-  const auto charge = arena.phase(Phase::join);
-  switch (options.initialization) {
-    case Initialization::automatic:  // decided by resolved()
-    case Initialization::balanced:
-      return join_balanced(metric, state.sites, around, joining, near, arena, filling);
-    case Initialization::coherent:
-      return join_coherent(metric, state.sites, joining.all(arena), options.seed, filling, arena);
-    case Initialization::random:
-      return join_random(joining.all(arena), options.seed, filling, arena);
-  }
-}
-
-/// What keeps the caller from being asked while so few points join that it would only cost him
-/// their owners; nothing where there are more.
-template <class Scalar>
-std::optional<Stop::Pause> Run<Scalar>::pause_for(std::int64_t points) {
-  const bool balanced = options.initialization == Initialization::balanced;
-  const std::int64_t most = balanced ? kFewCoordinates : kFewUnbalanced;
-  if (points > most / problem.dimension()) return {};
-  return std::optional<Stop::Pause>(std::in_place, stop);
-}
-
-/// Lets the points of the next level join the cells. When the run is cancelled meanwhile, all
-/// points are dealt out.
-template <class Scalar>
-void Run<Scalar>::enter_level(std::size_t next) {
-  const auto timed = record.initializing();
-  const Buffer<Pair> near = relaxer ? relaxer->listed() : Buffer<Pair>{};
-  Cells<Scalar> larger = empty_cells(levels[next].capacities);
-  Filling<Scalar> filling(larger, own_points(), state.tiling);
-  if (level < next) {
-    const auto charge = arena.phase(Phase::join);
-    const Stop::Pause pause(stop);
-    for_each_site(arena, state.tiling, [&](SiteNumber s) { filling.add_cell(state.cells, s); });
-  }
-  state.cells = {};
-  level = next;
-  try {
-    const auto pause = pause_for(static_cast<std::int64_t>(levels[level].joining.size()));
-    join(levels[level].joining, near, filling);
-  } catch (const Stopped&) {
-    return deal(larger, filling.filled);
-  } catch (...) {
-    if (ranks() != nullptr) throw;  // no rank has all points, and whoever catches it ends them all
-    deal(larger, filling.filled);
-    end(Termination::cancelled);
-    throw;
-  }
-  state.cells = std::move(larger);
-  begin_level();
-}
-
-/// Ends a cancelled run: all points get owners without more ado, and the sites stay as they are.
-template <class Scalar>
-void Run<Scalar>::deal(const Cells<Scalar>& owned, std::span<const Index> filled) {
-  stop.off();
-  const std::int64_t points = problem.point_count();
-  const std::int64_t joined = std::accumulate(filled.begin(), filled.end(), std::int64_t{0});
-  record.summary().warnings.push_back(
-      "the run ended before all points had joined: " + std::to_string(points - joined) + " of " +
-      std::to_string(points) +
-      " went to sites that had room, and sites are not at the centroids of their cells");
-  dealt = deal_rest(metric, state.sites, around, problem.points(), levels.back().capacities, owned,
-                    filled);
-  level = levels.size() - 1;
-  state.cells = {};
-  relaxer.reset();
-  const double energy = sum_of(arena, dealt.size(), kPointsPerGrain, [&](std::size_t p) {
-    return metric.squared_distance(problem.points()[PointNumber(p).index()],
-                                   state.sites.at(dealt[p]));
-  });
-  record.begin(energy, true);
-}
-
-template <class Scalar>
-std::unique_ptr<Relaxer<Scalar>> Run<Scalar>::make_relaxer() {
-  return std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, state.sites.count(),
-                                           coordinate_bound);
-}
-
-/// All points of the level are in cells: the sites move to their centroids.
-template <class Scalar>
-void Run<Scalar>::begin_level() {
-  relaxer = make_relaxer();
-  {
-    const Stop::Pause pause(stop);
-    update_all(metric, state, arena);
-  }
-  if (const std::optional<Depth> depth = descends()) {
-    weights.resize(state.sites.count(), 0.0);
-    descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, own_points(), state, *depth,
-                                                weights);
-  }
-  record.begin(energy_of_sites(), on_finest_level());
 }
 
 template <class Scalar>

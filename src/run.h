@@ -33,6 +33,8 @@ namespace ccvt {
 
 /// Beyond so many dimensions the automatic start is the coherent one.
 constexpr int kBalancedDimensions = 8;
+/// Where all points are gone through at once.
+constexpr std::size_t kPointsPerGrain = std::size_t{1} << 16;
 
 /// What a Solver does, from the first sites to its end.
 template <class Scalar>
@@ -52,10 +54,19 @@ struct Run {
   bool end_for_now(Termination termination);
 
   void place_sites();
-  void divide_points();
   [[nodiscard]] OwnPoints<Scalar> own_points() const {
     return {problem.points(), problem.first_own_point()};
   }
+  [[nodiscard]] double energy_of_sites() {
+    const Stop::Pause pause(stop);
+    return total_energy(state.sites, arena);
+  }
+  [[nodiscard]] bool on_finest_level() const { return level + 1 == levels.size(); }
+  PassCount pass();
+  bool go_on_from(double energy_before, double energy);
+
+  // Of levels, in run_levels.cpp.
+  void divide_points();
   [[nodiscard]] Cells<Scalar> empty_cells(const std::vector<Index>& sizes) const;
   void take_owners();
   void enter_level(std::size_t next);
@@ -64,14 +75,10 @@ struct Run {
   void deal(const Cells<Scalar>& owned, std::span<const Index> filled);
   [[nodiscard]] std::unique_ptr<Relaxer<Scalar>> make_relaxer();
   void begin_level();
-  [[nodiscard]] double energy_of_sites() {
-    const Stop::Pause pause(stop);
-    return total_energy(state.sites, arena);
-  }
-  [[nodiscard]] bool on_finest_level() const { return level + 1 == levels.size(); }
   [[nodiscard]] std::optional<Depth> descends() const;
-  PassCount pass();
-  bool go_on_from(double energy_before, double energy);
+  [[nodiscard]] double least_gain(int before) const;
+  void begin_descent(Depth depth);
+  bool pairs_creep();
 
   // Of checkpoints, in run_checkpoint.cpp.
   [[nodiscard]] bool is_kept() const { return !options.checkpoint.empty(); }
@@ -129,7 +136,9 @@ struct Run {
   LevelState<Scalar> state;
   std::unique_ptr<Relaxer<Scalar>> relaxer;
   std::unique_ptr<Descent<Scalar>> descent;  ///< while it goes on
-  std::vector<double> weights;               ///< of sites, for it
+  int descents = 0;                          ///< of this level
+  int passes = 0;                            ///< over pairs, since the last of them
+  std::vector<double> weights;               ///< of sites, for descents
   /// Of a run that was cancelled, when there was no time for more: the owners, by deal_rest().
   std::vector<SiteNumber> dealt;
 

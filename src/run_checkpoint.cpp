@@ -102,6 +102,8 @@ ByteWriter Run<Scalar>::save_common(const RunIdentity& own) {
   save_sites(state.sites, common);
   common.put(weights);
   relaxer->save(common);
+  common.put(descents);
+  common.put(passes);
   common.put(descent != nullptr);
   if (descent) {
     common.put(static_cast<int>(descent->depth()));
@@ -185,15 +187,18 @@ void Run<Scalar>::load_from(const std::filesystem::path& file, std::optional<Che
   std::vector<double> loaded_weights = reader.get_all<double>();
   std::unique_ptr<Relaxer<Scalar>> loaded_relaxer = make_relaxer();
   loaded_relaxer->load(reader, state.tiling);
+  const auto loaded_descents = reader.get<int>();
+  const auto loaded_passes = reader.get<int>();
   std::unique_ptr<Descent<Scalar>> loaded_descent;
   if (reader.get<bool>()) {
+    if (loaded_descents < 1) throw Damaged();
     const auto number = reader.get<int>();
     if (number < static_cast<int>(Depth::even) || number > static_cast<int>(Depth::full)) {
       throw Damaged();
     }
     const auto depth = static_cast<Depth>(number);
-    loaded_descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, own_points(), loaded,
-                                                       depth, weights);
+    loaded_descent = std::make_unique<Descent<Scalar>>(
+        metric, arena, stop, own_points(), loaded, depth, least_gain(loaded_descents - 1), weights);
     loaded_descent->load(reader);
     if (loaded_weights.size() != sizes.size()) throw Damaged();
   }
@@ -219,6 +224,8 @@ void Run<Scalar>::load_from(const std::filesystem::path& file, std::optional<Che
   weights = std::move(loaded_weights);
   relaxer = std::move(loaded_relaxer);
   descent = std::move(loaded_descent);
+  descents = loaded_descents;
+  passes = loaded_passes;
 }
 
 /// The points' numbers, that is, and what is known of the cells.

@@ -33,9 +33,12 @@ enum class Depth {
 template <class Scalar>
 class Descent {
  public:
-  /// `weights`: of the sites on the level before, or zeros; those of this level, when it ends.
+  /// `turn`: how many descents the level has had; each goes on to smaller gains than the one
+  /// before. `weights`: of the sites on the level before, or zeros; those of this level, when it
+  /// ends.
   Descent(const Metric& metric, const Arena& arena, Stop& stop, const OwnPoints<Scalar>& points,
-          const LevelState<Scalar>& state, Depth depth, std::vector<double>& weights);
+          const LevelState<Scalar>& state, Depth depth, double least_gain,
+          std::vector<double>& weights);
 
   /// Descends for as long as the points near borders allow, and updates cells and sites; the energy
   /// does not rise. When the run is cancelled meanwhile, nothing has changed. What counts as
@@ -70,6 +73,7 @@ class Descent {
   const OwnPoints<Scalar> points_;
   std::vector<double>& weights_;
   Depth depth_;
+  double least_gain_;  ///< of a step; a share of the energy
   bool ended_ = false;
   bool unsuited_ = false;
   double first_gain_ = 0;  ///< of the first step, and of the last; shares of the energy
