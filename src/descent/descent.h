@@ -33,9 +33,8 @@ enum class Depth {
 template <class Scalar>
 class Descent {
  public:
-  /// `turn`: how many descents the level has had; each goes on to smaller gains than the one
-  /// before. `weights`: of the sites on the level before, or zeros; those of this level, when it
-  /// ends.
+  /// `least_gain`: it ends when steps lower the energy by less than this share of it. `weights`: of
+  /// the sites on the level before, or zeros; those of this level, when it ends.
   Descent(const Metric& metric, const Arena& arena, Stop& stop, const OwnPoints<Scalar>& points,
           const LevelState<Scalar>& state, Depth depth, double least_gain,
           std::vector<double>& weights);
