@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
-#include <numeric>
-#include <optional>
-#include <span>
 #include <string>
 #include <utility>
 
@@ -13,11 +10,7 @@
 #include "descent/descent.h"
 #include "parallel/loops.h"
 #include "parallel/together.h"
-#include "relax/deal.h"
 #include "relax/initial_sites.h"
-#include "relax/initialize.h"
-#include "relax/levels.h"
-#include "relax/moved_points.h"
 #include "relax/relaxer.h"
 #include "relax/site_columns.h"
 #include "relax/site_order.h"
@@ -131,27 +124,29 @@ bool Run<Scalar>::step() {
   const bool go_on = ranks() ? !cancelled_together(!wished) : wished;
 
   if (done.stopped || (!go_on && !is_kept())) return end(Termination::cancelled);
-  if (!go_on_from(energy_before, energy)) return false;
+  if (!go_on_from(done, energy_before, energy)) return false;
   if (!is_kept()) return true;
   if (!go_on || stop.wished()) return end_for_now(Termination::cancelled);
   keep_if_due();
   return true;
 }
 
-/// After a pass: to the next level when this one is at its end. False when the run is.
+/// After a pass: to the next level when this one is at its end, or down once more where pairs
+/// creep. False when the run is at its end.
 template <class Scalar>
-bool Run<Scalar>::go_on_from(double energy_before, double energy) {
+bool Run<Scalar>::go_on_from(const PassCount& done, double energy_before, double energy) {
   if (!(descent ? descent->ended() : relaxer->stable())) {
     const bool improved = energy_before - energy >= options.energy_tolerance * energy_before;
     if (!improved && on_finest_level() && options.energy_tolerance > 0) {
       return end(Termination::energy_tolerance);
     }
-    if (pairs_creep()) begin_descent(Depth::full);
+    if (!descent && pairs_creep(done)) descend_again(energy);
     return true;
   }
   if (descent) {
     const bool pairs_next = on_finest_level() && descent->depth() != Depth::even;
     descent.reset();
+    leave_to_pairs(energy);
     if (pairs_next) return true;
     if (on_finest_level()) return end(Termination::blue_noise);
   }
@@ -167,7 +162,7 @@ PassCount Run<Scalar>::pass() {
     const PassCount done = descent->step(state);
     if (!descent->unsuited()) return done;
     descent.reset();
-    descents = 0;
+    leave_to_pairs(record.energy());
   }
   return relaxer->step(state);
 }

@@ -102,8 +102,11 @@ ByteWriter Run<Scalar>::save_common(const RunIdentity& own) {
   save_sites(state.sites, common);
   common.put(weights);
   relaxer->save(common);
-  common.put(descents);
-  common.put(passes);
+  common.put(turns.descents);
+  common.put(turns.passes);
+  common.put(turns.before);
+  common.put(turns.after);
+  common.put(turns.by_pairs);
   common.put(descent != nullptr);
   if (descent) {
     common.put(static_cast<int>(descent->depth()));
@@ -187,18 +190,20 @@ void Run<Scalar>::load_from(const std::filesystem::path& file, std::optional<Che
   std::vector<double> loaded_weights = reader.get_all<double>();
   std::unique_ptr<Relaxer<Scalar>> loaded_relaxer = make_relaxer();
   loaded_relaxer->load(reader, state.tiling);
-  const auto loaded_descents = reader.get<int>();
-  const auto loaded_passes = reader.get<int>();
+  const Turns loaded_turns{reader.get<int>(), reader.get<int>(), reader.get<double>(),
+                           reader.get<double>(), reader.get<double>()};
+  const int descents = loaded_turns.descents;
+  if (descents < 0 || descents > kMostDescents || loaded_turns.passes < 0) throw Damaged();
   std::unique_ptr<Descent<Scalar>> loaded_descent;
   if (reader.get<bool>()) {
-    if (loaded_descents < 1) throw Damaged();
+    if (descents < 1) throw Damaged();
     const auto number = reader.get<int>();
     if (number < static_cast<int>(Depth::even) || number > static_cast<int>(Depth::full)) {
       throw Damaged();
     }
     const auto depth = static_cast<Depth>(number);
-    loaded_descent = std::make_unique<Descent<Scalar>>(
-        metric, arena, stop, own_points(), loaded, depth, least_gain(loaded_descents - 1), weights);
+    loaded_descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, own_points(), loaded,
+                                                       depth, least_gain(descents - 1), weights);
     loaded_descent->load(reader);
     if (loaded_weights.size() != sizes.size()) throw Damaged();
   }
@@ -224,8 +229,7 @@ void Run<Scalar>::load_from(const std::filesystem::path& file, std::optional<Che
   weights = std::move(loaded_weights);
   relaxer = std::move(loaded_relaxer);
   descent = std::move(loaded_descent);
-  descents = loaded_descents;
-  passes = loaded_passes;
+  turns = loaded_turns;
 }
 
 /// The points' numbers, that is, and what is known of the cells.

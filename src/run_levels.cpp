@@ -36,13 +36,8 @@ constexpr double kLeastGain = 1e-4;
 constexpr double kMostLeastGain = 3e-4;
 /// And from each descent of a level to the next by this.
 constexpr double kSmallerGain = 0.25;
-/// Pairs end most descended levels within some hundred passes; now and then they creep for tens of
-/// thousands, on a slope that a descent took for its end: 64 sites of 262144 points, 8 seeds, took
-/// 10.7 s in the mean and 73 at most, 3.2 and 10.9 with another descent after so many passes. With
-/// half as many what would have ended takes longer.
-constexpr int kManyPasses = 512;
-constexpr int kManyMore = 128;  ///< from the second descent on
-constexpr int kMostDescents = 8;
+/// Of the patience with pairs, what is left of it when a level has been descended again.
+constexpr int kMoreImpatient = 4;
 
 }  // namespace
 
@@ -187,19 +182,35 @@ template <class Scalar>
 void Run<Scalar>::begin_descent(Depth depth) {
   weights.resize(state.sites.count(), 0.0);
   descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, own_points(), state, depth,
-                                              least_gain(descents), weights);
-  ++descents;
-  passes = 0;
+                                              least_gain(turns.descents), weights);
+  ++turns.descents;
+  turns.passes = 0;
+  turns.before = energy_of_sites();
 }
 
-/// After a pass over pairs that did not end the finest level: whether to descend again.
+/// At the end of a descent. When it gained less than pairs had before it, it was the last.
 template <class Scalar>
-bool Run<Scalar>::pairs_creep() {
-  if (descent || !on_finest_level() || descents == 0 || descents == kMostDescents) return false;
-  if (++passes < (descents == 1 ? kManyPasses : kManyMore)) return false;
-  if (descends() != Depth::full) return false;
+void Run<Scalar>::leave_to_pairs(double energy) {
+  turns.after = energy;
+  const bool again = turns.descents > 1;
+  if (again && !(turns.before - energy > turns.by_pairs)) turns.descents = kMostDescents;
+}
+
+/// After a pass over pairs that did not end the level, which counts: whether to descend again.
+template <class Scalar>
+bool Run<Scalar>::pairs_creep(const PassCount& done) {
+  turns.passes += done.full ? 1 : 0;
+  const int most = turns.descents > 1 ? patience / kMoreImpatient : patience;
+  return on_finest_level() && turns.passes >= most && turns.descents > 0 &&
+         turns.descents < kMostDescents && descends() == Depth::full;
+}
+
+template <class Scalar>
+void Run<Scalar>::descend_again(double energy) {
+  const auto timed = record.relaxing();
+  turns.by_pairs = turns.after - energy;
   relaxer = make_relaxer();  // it knows the cells as they are now
-  return true;
+  begin_descent(Depth::full);
 }
 
 /// All points of the level are in cells: the sites move to their centroids.
@@ -210,7 +221,7 @@ void Run<Scalar>::begin_level() {
     const Stop::Pause pause(stop);
     update_all(metric, state, arena);
   }
-  descents = 0;
+  turns = {};
   if (const std::optional<Depth> depth = descends()) begin_descent(*depth);
   record.begin(energy_of_sites(), on_finest_level());
 }
@@ -245,7 +256,9 @@ std::optional<Depth> Run<Scalar>::descends() const {
   template std::optional<Depth> Run<Scalar>::descends() const;                                    \
   template double Run<Scalar>::least_gain(int) const;                                             \
   template void Run<Scalar>::begin_descent(Depth);                                                \
-  template bool Run<Scalar>::pairs_creep();
+  template void Run<Scalar>::leave_to_pairs(double);                                              \
+  template bool Run<Scalar>::pairs_creep(const PassCount&);                                       \
+  template void Run<Scalar>::descend_again(double);
 
 CCVT_INSTANTIATE(float)
 CCVT_INSTANTIATE(double)

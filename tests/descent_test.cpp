@@ -19,7 +19,6 @@
 #include "kernels/power.h"
 #include "random.h"
 #include "relax/potential.h"
-#include "support/files.h"
 #include "support/generate.h"
 #include "support/oracle.h"
 #include "support/same.h"
@@ -39,7 +38,6 @@ using ccvt::PowerDiagram;
 using ccvt::Problem;
 using ccvt::Random;
 using ccvt::SiteNumber;
-using ccvt::Solver;
 using ccvt::Termination;
 using namespace ccvt::test;
 
@@ -386,38 +384,6 @@ TEST_CASE("many points a site: a descent leaves little to the pairs") {
     CHECK(summary.termination == Termination::stable);
     CHECK(summary.iterations < 80);
   }
-}
-
-// A descent takes a long slope for its end here, and pairs alone would creep down it: 5884
-// iterations.
-TEST_CASE("where pairs creep all the same, the level is descended again") {
-  constexpr Index kSites = 20;
-  const auto points = ccvt::sample_uniform<float, 2>(Box::unit(2), kSites * 65536, 37);
-  const Problem<float> problem(points, kSites);
-  Options options{.seed = 37};
-  std::vector<double> energies;
-  options.on_iteration = [&](const ccvt::IterationRecord& record) {
-    if (record.level + 1 == record.levels) energies.push_back(record.energy);
-    return true;
-  };
-  const auto result = ccvt::tessellate(problem, options);
-  CHECK(result.summary.termination == Termination::stable);
-  CHECK(result.summary.iterations > 512);
-  CHECK(result.summary.iterations < 2000);
-  CHECK(std::is_sorted(energies.rbegin(), energies.rend()));
-  CHECK(ccvt::capacity_error(result.owners, kSites) == 0);
-  options = {.threads = 3, .seed = 37};
-  CHECK(differences(result, ccvt::tessellate(problem, options)) == "");
-
-  const TemporaryDirectory directory;
-  Solver<float> half(problem, options);
-  while (half.summary().iterations < 400) REQUIRE(half.step());
-  half.save(directory / "run");
-  Solver<float> other(problem, options);
-  other.load(directory / "run");
-  other.run();
-  CHECK(differences(result, ccvt::Result<float>{other.sites(), other.owners(), other.summary()}) ==
-        "");
 }
 
 TEST_CASE_TEMPLATE("until blue noise: the end is what it claims", Scalar, float, double) {

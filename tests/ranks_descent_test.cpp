@@ -8,6 +8,7 @@
 #include "ccvt/problem.h"
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
+#include "support/impatient.h"
 #include "support/thread_ranks.h"
 
 using ccvt::Box;
@@ -15,6 +16,8 @@ using ccvt::Domain;
 using ccvt::Index;
 using ccvt::Options;
 using ccvt::Problem;
+using ccvt::test::descents_of;
+using ccvt::test::tessellate_impatiently;
 
 namespace {
 
@@ -27,6 +30,7 @@ struct Case {
   Options options = {};
   bool unequal = false;
   Index fixed_sites = 0;
+  int patience = 0;
 
   void set_up(Problem<Scalar>& problem) const {
     const Box box = Box::unit(dimension);
@@ -58,7 +62,8 @@ void compare(const Case<Scalar>& given) {
   given.set_up(alone);
   Options options = given.options;
   options.threads = 1;
-  const auto expected = ccvt::tessellate(alone, options);
+  const auto expected = tessellate_impatiently(alone, options, given.patience);
+  if (given.patience > 0) CHECK(descents_of(expected.summary) > 1);
   for (const int count : {1, 2, 3, 7}) {
     CAPTURE(count);
     std::vector<Index> owners(expected.owners.size(), -1);
@@ -74,7 +79,7 @@ void compare(const Case<Scalar>& given) {
       given.set_up(problem);
       Options theirs = given.options;
       theirs.threads = ranks.rank() % 2 + 1;
-      const auto result = ccvt::tessellate(problem, theirs);
+      const auto result = tessellate_impatiently(problem, theirs, given.patience);
       std::copy(result.owners.begin(), result.owners.end(), owners.begin() + begin);
       same[static_cast<std::size_t>(ranks.rank())] =
           result.sites == expected.sites && result.summary.energy == expected.summary.energy &&
@@ -114,6 +119,16 @@ TEST_CASE("ranks: many points a site, of unequal capacities, with sites that sta
   compare<float>({.dimension = 3, .points = 40'000, .sites = 16, .options = {.max_iterations = 4}});
   // Cells too large for their torus.
   compare<float>({.dimension = 2, .points = 9'000, .sites = 3, .periodic = true});
+}
+
+TEST_CASE("ranks: sites that descend again") {
+  compare<double>({.dimension = 2, .points = 60'000, .sites = 20, .patience = 2});
+  compare<float>({.dimension = 3,
+                  .points = 40'000,
+                  .sites = 80,
+                  .periodic = true,
+                  .options = {.descent_points = 50},
+                  .patience = 2});
 }
 
 TEST_CASE("ranks: steps that are taken back") {

@@ -313,7 +313,6 @@ void Descent<Scalar>::commit(LevelState<Scalar>& state, PassCount& result) {
       position_[k] = metric_.into_box(position_[k] + at_.step[k], d);
     }
   }
-  weights_ = at_.weight;
   state.sites.position = position_;
   Filling<Scalar> filling(state.cells, points_, state.tiling);
   filling.filled = state.cells.sizes();
@@ -324,7 +323,10 @@ void Descent<Scalar>::commit(LevelState<Scalar>& state, PassCount& result) {
   result.active_sites = static_cast<Index>(capacity_.size());
   const double energy = total_energy(state.sites, arena_);
   ended_ = ended_ || !(energy_before - energy > least_gain_ * energy_before);
-  if (energy <= energy_before) return;
+  if (energy <= energy_before) {
+    weights_ = at_.weight;
+    return;
+  }
   take_back(filling, arena_);
   state.sites = before;
   result = {};
