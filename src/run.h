@@ -35,9 +35,10 @@ namespace ccvt {
 constexpr int kBalancedDimensions = 8;
 /// Pairs end most descended levels within some hundred passes; now and then they creep for tens of
 /// thousands, on a slope that a descent took for its end: 64 sites of 262144 points, 8 seeds, took
-/// 10.7 s in the mean and 73 at most, 3.2 and 10.9 with another descent after so many passes. With
-/// half as many what would have ended takes longer.
-constexpr int kPatience = 512;
+/// 10.7 s in the mean and 73 at most, 2.7 and 8.9 with another descent after so many passes. Each
+/// counts as the share of sites that it changes: the last ones, over few sites, should not make a
+/// run descend that ends soon (256 sites of 65536 points took twice as long).
+constexpr double kPatience = 256;
 /// Of one level.
 constexpr int kMostDescents = 8;
 
@@ -148,12 +149,12 @@ struct Run {
   /// How this level is lowered: the finest by descents and passes over pairs in turn.
   struct Turns {
     int descents = 0;     ///< that have begun
-    int passes = 0;       ///< over all pairs, since the last of them
+    double passes = 0;    ///< over all pairs, since the last of them; see kPatience
     double before = 0;    ///< the energy where it began
     double after = 0;     ///< and where it ended
     double by_pairs = 0;  ///< what pairs had gained when it began
   } turns;
-  int patience = kPatience;     ///< in passes, before sites descend again
+  double patience = kPatience;  ///< passes before sites descend again; see there
   std::vector<double> weights;  ///< of sites, for descents
   /// Of a run that was cancelled, when there was no time for more: the owners, by deal_rest().
   std::vector<SiteNumber> dealt;

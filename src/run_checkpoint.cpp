@@ -190,10 +190,10 @@ void Run<Scalar>::load_from(const std::filesystem::path& file, std::optional<Che
   std::vector<double> loaded_weights = reader.get_all<double>();
   std::unique_ptr<Relaxer<Scalar>> loaded_relaxer = make_relaxer();
   loaded_relaxer->load(reader, state.tiling);
-  const Turns loaded_turns{reader.get<int>(), reader.get<int>(), reader.get<double>(),
+  const Turns loaded_turns{reader.get<int>(), reader.get<double>(), reader.get<double>(),
                            reader.get<double>(), reader.get<double>()};
   const int descents = loaded_turns.descents;
-  if (descents < 0 || descents > kMostDescents || loaded_turns.passes < 0) throw Damaged();
+  if (descents < 0 || descents > kMostDescents || !(loaded_turns.passes >= 0)) throw Damaged();
   std::unique_ptr<Descent<Scalar>> loaded_descent;
   if (reader.get<bool>()) {
     if (descents < 1) throw Damaged();

@@ -37,7 +37,7 @@ constexpr double kMostLeastGain = 3e-4;
 /// And from each descent of a level to the next by this.
 constexpr double kSmallerGain = 0.25;
 /// Of the patience with pairs, what is left of it when a level has been descended again.
-constexpr int kMoreImpatient = 4;
+constexpr double kMoreImpatient = 4;
 
 }  // namespace
 
@@ -199,8 +199,8 @@ void Run<Scalar>::leave_to_pairs(double energy) {
 /// After a pass over pairs that did not end the level, which counts: whether to descend again.
 template <class Scalar>
 bool Run<Scalar>::pairs_creep(const PassCount& done) {
-  turns.passes += done.full ? 1 : 0;
-  const int most = turns.descents > 1 ? patience / kMoreImpatient : patience;
+  if (done.full) turns.passes += double{1} * done.active_sites / problem.site_count();
+  const double most = turns.descents > 1 ? patience / kMoreImpatient : patience;
   return on_finest_level() && turns.passes >= most && turns.descents > 0 &&
          turns.descents < kMostDescents && descends() == Depth::full;
 }

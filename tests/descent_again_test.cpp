@@ -47,7 +47,7 @@ TEST_CASE_TEMPLATE("sites that descend again and again", Scalar, float, double) 
         if (periodic) problem.set_domain(Domain::periodic(box));
         if (layout == Layout::random) problem.set_fixed_sites(points.leftCols(5));
         Options options{.threads = 1, .seed = 2, .level_points = 4, .descent_points = 10};
-        const auto result = tessellate_impatiently(problem, options, 1);
+        const auto result = tessellate_impatiently(problem, options, 0.1);
         CHECK(result.summary.termination == Termination::stable);
         CHECK(faults(problem, result) == "");
         CHECK(descents_of(result.summary) <= ccvt::kMostDescents);
@@ -58,7 +58,7 @@ TEST_CASE_TEMPLATE("sites that descend again and again", Scalar, float, double) 
           REQUIRE(log[k].progress >= log[k - 1].progress);
         }
         options.threads = 3;
-        CHECK(differences(result, tessellate_impatiently(problem, options, 1)) == "");
+        CHECK(differences(result, tessellate_impatiently(problem, options, 0.1)) == "");
       }
     }
   }
@@ -69,12 +69,12 @@ TEST_CASE("descents one after the other, saved after each iteration") {
   const auto points = make_points<double>(Layout::random, Box::unit(2), 12'000);
   const Problem<double> problem(points, 40);
   const Options options{.threads = 2, .seed = 7, .descent_points = 60};
-  const auto whole = tessellate_impatiently(problem, options, 2);
+  const auto whole = tessellate_impatiently(problem, options, 0.2);
   CHECK(descents_of(whole.summary) > 2);
   int steps = 0;
   for (bool more = true; more; ++steps) {
     ccvt::Run<double> run(problem, options);
-    run.patience = 2;
+    run.patience = 0.2;
     if (steps > 0) run.load(directory / "run");
     more = run.step();
     if (more) run.save(directory / "run");

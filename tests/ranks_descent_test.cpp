@@ -30,7 +30,7 @@ struct Case {
   Options options = {};
   bool unequal = false;
   Index fixed_sites = 0;
-  int patience = 0;
+  double patience = 0;
 
   void set_up(Problem<Scalar>& problem) const {
     const Box box = Box::unit(dimension);
@@ -122,13 +122,13 @@ TEST_CASE("ranks: many points a site, of unequal capacities, with sites that sta
 }
 
 TEST_CASE("ranks: sites that descend again") {
-  compare<double>({.dimension = 2, .points = 60'000, .sites = 20, .patience = 2});
+  compare<double>({.dimension = 2, .points = 60'000, .sites = 20, .patience = 0.2});
   compare<float>({.dimension = 3,
                   .points = 40'000,
                   .sites = 80,
                   .periodic = true,
                   .options = {.descent_points = 50},
-                  .patience = 2});
+                  .patience = 0.2});
 }
 
 TEST_CASE("ranks: steps that are taken back") {

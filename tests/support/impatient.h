@@ -9,7 +9,7 @@ namespace ccvt::test {
 /// the end; 0: after as many as always.
 template <class Scalar>
 Result<Scalar> tessellate_impatiently(const Problem<Scalar>& problem, const Options& options,
-                                      int patience) {
+                                      double patience) {
   Run<Scalar> run(problem, options);
   if (patience > 0) run.patience = patience;
   while (run.step()) {
