@@ -33,8 +33,9 @@ enum class Depth {
 template <class Scalar>
 class Descent {
  public:
-  /// `least_gain`: it ends when steps lower the energy by less than this share of it. `weights`: of
-  /// the sites on the level before, or zeros; those of this level, when it ends.
+  /// `least_gain`: it ends when steps lower the energy by less than this share of it. `weights`: as
+  /// the descent before left them, of a level with fewer points or of this one, or zeros; those of
+  /// the last step that was kept, when it ends.
   Descent(const Metric& metric, const Arena& arena, Stop& stop, const OwnPoints<Scalar>& points,
           const LevelState<Scalar>& state, Depth depth, double least_gain,
           std::vector<double>& weights);
