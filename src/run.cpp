@@ -124,7 +124,7 @@ bool Run<Scalar>::step() {
   const bool go_on = ranks() ? !cancelled_together(!wished) : wished;
 
   if (done.stopped || (!go_on && !is_kept())) return end(Termination::cancelled);
-  if (!go_on_from(done, energy_before, energy)) return false;
+  if (!go_on_from(energy_before, energy)) return false;
   if (!is_kept()) return true;
   if (!go_on || stop.wished()) return end_for_now(Termination::cancelled);
   keep_if_due();
@@ -134,13 +134,13 @@ bool Run<Scalar>::step() {
 /// After a pass: to the next level when this one is at its end, or down once more where pairs
 /// creep. False when the run is at its end.
 template <class Scalar>
-bool Run<Scalar>::go_on_from(const PassCount& done, double energy_before, double energy) {
+bool Run<Scalar>::go_on_from(double energy_before, double energy) {
   if (!(descent ? descent->ended() : relaxer->stable())) {
     const bool improved = energy_before - energy >= options.energy_tolerance * energy_before;
     if (!improved && on_finest_level() && options.energy_tolerance > 0) {
       return end(Termination::energy_tolerance);
     }
-    if (!descent && pairs_creep(done)) descend_again(energy);
+    if (!descent && pairs_creep()) descend_again(energy);
     return true;
   }
   if (descent) {
@@ -164,7 +164,9 @@ PassCount Run<Scalar>::pass() {
     descent.reset();
     leave_to_pairs(record.energy());
   }
-  return relaxer->step(state);
+  const PassCount done = relaxer->step(state);
+  if (done.full) turns.passes += double{1} * done.active_sites / problem.site_count();
+  return done;
 }
 
 /// How far the run has come: levels count as their points, and a level by how many sites are at

@@ -71,7 +71,7 @@ struct Run {
   }
   [[nodiscard]] bool on_finest_level() const { return level + 1 == levels.size(); }
   PassCount pass();
-  bool go_on_from(const PassCount& done, double energy_before, double energy);
+  bool go_on_from(double energy_before, double energy);
 
   // Of levels, in run_levels.cpp.
   void divide_points();
@@ -85,9 +85,9 @@ struct Run {
   void begin_level();
   [[nodiscard]] std::optional<Depth> descends() const;
   [[nodiscard]] double least_gain(int before) const;
-  void begin_descent(Depth depth);
+  void begin_descent(Depth depth, double energy);
   void leave_to_pairs(double energy);
-  [[nodiscard]] bool pairs_creep(const PassCount& done);
+  [[nodiscard]] bool pairs_creep() const;
   void descend_again(double energy);
 
   // Of checkpoints, in run_checkpoint.cpp.
@@ -148,11 +148,10 @@ struct Run {
   std::unique_ptr<Descent<Scalar>> descent;  ///< while it goes on
   /// How this level is lowered: the finest by descents and passes over pairs in turn.
   struct Turns {
-    int descents = 0;     ///< that have begun
-    double passes = 0;    ///< over all pairs, since the last of them; see kPatience
-    double before = 0;    ///< the energy where it began
-    double after = 0;     ///< and where it ended
-    double by_pairs = 0;  ///< what pairs had gained when it began
+    int descents = 0;   ///< that have begun
+    double passes = 0;  ///< over all pairs, since the last of them; see kPatience
+    double before = 0;  ///< the energy where it began
+    double after = 0;   ///< and where the last that is over ended
   } turns;
   double patience = kPatience;  ///< passes before sites descend again; see there
   std::vector<double> weights;  ///< of sites, for descents

@@ -179,27 +179,27 @@ double Run<Scalar>::least_gain(int before) const {
 }
 
 template <class Scalar>
-void Run<Scalar>::begin_descent(Depth depth) {
+void Run<Scalar>::begin_descent(Depth depth, double energy) {
   weights.resize(state.sites.count(), 0.0);
   descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, own_points(), state, depth,
                                               least_gain(turns.descents), weights);
   ++turns.descents;
   turns.passes = 0;
-  turns.before = energy_of_sites();
+  turns.before = energy;
 }
 
 /// At the end of a descent. When it gained less than pairs had before it, it was the last.
 template <class Scalar>
 void Run<Scalar>::leave_to_pairs(double energy) {
-  turns.after = energy;
+  const double by_pairs = turns.after - turns.before;
   const bool again = turns.descents > 1;
-  if (again && !(turns.before - energy > turns.by_pairs)) turns.descents = kMostDescents;
+  if (again && !(turns.before - energy > by_pairs)) turns.descents = kMostDescents;
+  turns.after = energy;
 }
 
-/// After a pass over pairs that did not end the level, which counts: whether to descend again.
+/// After a pass over pairs that did not end the level: whether to descend again.
 template <class Scalar>
-bool Run<Scalar>::pairs_creep(const PassCount& done) {
-  if (done.full) turns.passes += double{1} * done.active_sites / problem.site_count();
+bool Run<Scalar>::pairs_creep() const {
   const double most = turns.descents > 1 ? patience / kMoreImpatient : patience;
   return on_finest_level() && turns.passes >= most && turns.descents > 0 &&
          turns.descents < kMostDescents && descends() == Depth::full;
@@ -208,9 +208,8 @@ bool Run<Scalar>::pairs_creep(const PassCount& done) {
 template <class Scalar>
 void Run<Scalar>::descend_again(double energy) {
   const auto timed = record.relaxing();
-  turns.by_pairs = turns.after - energy;
   relaxer = make_relaxer();  // it knows the cells as they are now
-  begin_descent(Depth::full);
+  begin_descent(Depth::full, energy);
 }
 
 /// All points of the level are in cells: the sites move to their centroids.
@@ -222,8 +221,9 @@ void Run<Scalar>::begin_level() {
     update_all(metric, state, arena);
   }
   turns = {};
-  if (const std::optional<Depth> depth = descends()) begin_descent(*depth);
-  record.begin(energy_of_sites(), on_finest_level());
+  const double energy = energy_of_sites();
+  if (const std::optional<Depth> depth = descends()) begin_descent(*depth, energy);
+  record.begin(energy, on_finest_level());
 }
 
 /// Whether this level is lowered by Descent, and how far.
@@ -255,9 +255,9 @@ std::optional<Depth> Run<Scalar>::descends() const {
   template void Run<Scalar>::begin_level();                                                       \
   template std::optional<Depth> Run<Scalar>::descends() const;                                    \
   template double Run<Scalar>::least_gain(int) const;                                             \
-  template void Run<Scalar>::begin_descent(Depth);                                                \
+  template void Run<Scalar>::begin_descent(Depth, double);                                        \
   template void Run<Scalar>::leave_to_pairs(double);                                              \
-  template bool Run<Scalar>::pairs_creep(const PassCount&);                                       \
+  template bool Run<Scalar>::pairs_creep() const;                                                 \
   template void Run<Scalar>::descend_again(double);
 
 CCVT_INSTANTIATE(float)

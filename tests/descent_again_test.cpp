@@ -10,10 +10,10 @@
 #include "support/generate.h"
 #include "support/impatient.h"
 #include "support/oracle.h"
+#include "support/problems.h"
 #include "support/same.h"
 
 using ccvt::Box;
-using ccvt::Domain;
 using ccvt::Index;
 using ccvt::Options;
 using ccvt::Problem;
@@ -35,33 +35,23 @@ TEST_CASE("where pairs creep all the same, sites descend again") {
 }
 
 TEST_CASE_TEMPLATE("sites that descend again and again", Scalar, float, double) {
-  for (const int dimension : {1, 2, 3}) {
-    for (const Layout layout : all_layouts) {
-      for (const bool periodic : {false, true}) {
-        CAPTURE(dimension);
-        CAPTURE(name_of(layout));
-        CAPTURE(periodic);
-        const Box box = uneven_box(dimension);
-        const auto points = make_points<Scalar>(layout, box, 40 * 60 + 7);
-        Problem<Scalar> problem(points, 40);
-        if (periodic) problem.set_domain(Domain::periodic(box));
-        if (layout == Layout::random) problem.set_fixed_sites(points.leftCols(5));
-        Options options{.threads = 1, .seed = 2, .level_points = 4, .descent_points = 10};
-        const auto result = tessellate_impatiently(problem, options, 0.1);
-        CHECK(result.summary.termination == Termination::stable);
-        CHECK(faults(problem, result) == "");
-        CHECK(descents_of(result.summary) <= ccvt::kMostDescents);
-        const auto& log = result.summary.iterations_log;
-        for (std::size_t k = 1; k < log.size(); ++k) {
-          if (log[k].level != log[k - 1].level) continue;
-          REQUIRE(log[k].energy <= log[k - 1].energy * (1 + 1e-14));
-          REQUIRE(log[k].progress >= log[k - 1].progress);
-        }
-        options.threads = 3;
-        CHECK(differences(result, tessellate_impatiently(problem, options, 0.1)) == "");
-      }
+  const auto check = [](Problem<Scalar>& problem, const auto& points, Layout layout) {
+    if (layout == Layout::random) problem.set_fixed_sites(points.leftCols(5));
+    Options options{.threads = 1, .seed = 2, .level_points = 4, .descent_points = 10};
+    const auto result = tessellate_impatiently(problem, options, 0.1);
+    CHECK(result.summary.termination == Termination::stable);
+    CHECK(faults(problem, result) == "");
+    CHECK(descents_of(result.summary) <= ccvt::kMostDescents);
+    const auto& log = result.summary.iterations_log;
+    for (std::size_t k = 1; k < log.size(); ++k) {
+      if (log[k].level != log[k - 1].level) continue;
+      REQUIRE(log[k].energy <= log[k - 1].energy * (1 + 1e-14));
+      REQUIRE(log[k].progress >= log[k - 1].progress);
     }
-  }
+    options.threads = 3;
+    CHECK(differences(result, tessellate_impatiently(problem, options, 0.1)) == "");
+  };
+  for_problems<Scalar>({1, 2, 3}, 40 * 60 + 7, 40, check);
 }
 
 TEST_CASE("descents one after the other, saved after each iteration") {

@@ -21,6 +21,7 @@
 #include "relax/potential.h"
 #include "support/generate.h"
 #include "support/oracle.h"
+#include "support/problems.h"
 #include "support/same.h"
 
 using ccvt::Arena;
@@ -307,21 +308,11 @@ TEST_CASE_TEMPLATE("borders: counts are those of all points", Scalar, float, dou
 }
 
 TEST_CASE_TEMPLATE("a tessellation descended to is what it claims", Scalar, float, double) {
-  for (const int dimension : {1, 2, 3, 5}) {
-    for (const Layout layout : all_layouts) {
-      for (const bool periodic : {false, true}) {
-        CAPTURE(dimension);
-        CAPTURE(name_of(layout));
-        CAPTURE(periodic);
-        const Box box = uneven_box(dimension);
-        const auto points = make_points<Scalar>(layout, box, 60 * 40 + 7);
-        Problem<Scalar> problem(points, 60);
-        if (periodic) problem.set_domain(Domain::periodic(box));
+  for_problems<Scalar>(
+      {1, 2, 3, 5}, 60 * 40 + 7, 60, [](const Problem<Scalar>& problem, const auto&, Layout) {
         check_descended(problem, {.seed = 2, .descent_points = 4});
         check_descended(problem, {.seed = 2, .descent_points = 20});  // a step before pairs
-      }
-    }
-  }
+      });
 }
 
 TEST_CASE("a descent of points that are scaled by a power of two is the same, at any scale") {
