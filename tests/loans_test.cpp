@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -40,6 +41,10 @@ struct Copy {
     }
     loans.note_change(kSite, changed);
   }
+  void sort(std::mt19937& random) {
+    std::shuffle(places.begin(), places.end(), random);
+    loans.note_sorting(kSite);
+  }
   void copy(const Copy& from, const Places& which) {
     if (!which) {
       places = from.places;
@@ -66,6 +71,7 @@ TEST_SUITE("loans") {
       const auto count = [&](const Places& places) { ++(places ? in_part : whole); };
       for (int turn = 0; turn < 60; ++turn) {
         for (auto n = random() % 3; n > 0; --n) home.change(random, ++value);
+        if (random() % 16 == 0) home.sort(random);
         const auto rank = static_cast<int>(random() % others.size());
         Copy& other = others[static_cast<std::size_t>(rank)];
         if (home.loans.has(rank, kSite)) {
@@ -80,6 +86,7 @@ TEST_SUITE("loans") {
           count(places);
         }
         REQUIRE(other.places == home.places);
+        if (random() % 16 == 0) other.sort(random);
         for (auto n = random() % 3; n > 0; --n) other.change(random, ++value);
         if (!other.loans.has_changed(kSite)) {
           ++nothing;
@@ -115,6 +122,12 @@ TEST_SUITE("loans") {
     loans.note_change(kSite, {{0, 1}, {0, 2}});  // 3: the log forgets version 1
     CHECK_FALSE(loans.changed_since(kSite, 0, 8));
     CHECK(loans.changed_since(kSite, 1, 8) == std::vector<Index>{1, 2, 7});
+    loans.note_sorting(kSite);  // 4
+    CHECK(loans.version(kSite) == 4);
+    CHECK_FALSE(loans.changed_since(kSite, 3, 8));
+    CHECK(loans.changed_since(kSite, 4, 8) == std::vector<Index>{});
+    loans.note_change(kSite, {{0, 5}});  // 5
+    CHECK(loans.changed_since(kSite, 4, 8) == std::vector<Index>{5});
     loans.note_change(SiteNumber(0), {{0, 1}});
     CHECK_FALSE(loans.changed_since(SiteNumber(0), 0, 8));  // not followed
   }

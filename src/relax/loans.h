@@ -35,9 +35,16 @@ class Loans {
     for (const Candidate& point : points) log.add(version_[site], point.place);
   }
 
+  /// The points of a cell are in another order, and have no place that a rank would know.
+  void note_sorting(SiteNumber site) {
+    if (version_.empty()) return;
+    ++version_[site];
+    if (log_of_[site] != kNone) logs_[log_of_[site]].begin_at(version_[site]);
+  }
+
   [[nodiscard]] std::uint32_t version(SiteNumber site) const { return version_[site]; }
 
-  /// From now on changes of a cell are kept in mind, as many of the last ones as places.
+  /// From now on changes of a cell of so many places are kept in mind, the last ones.
   void follow(SiteNumber site, Index places) {
     if (log_of_[site] != kNone) return;
     log_of_[site] = static_cast<std::uint32_t>(logs_.size());
@@ -87,8 +94,8 @@ class Loans {
   /// The places of a cell that have changed since `begin_`, with the versions that this made.
   class Log {
    public:
-    explicit Log(Index most)
-        : most_(std::clamp<std::size_t>(static_cast<std::size_t>(most), 2, 512)) {}
+    explicit Log(Index places)
+        : most_(static_cast<std::size_t>(std::clamp(places, 2, std::max(512, places / 16)))) {}
     void begin_at(std::uint32_t version) {
       begin_ = version;
       entries_.clear();
@@ -116,7 +123,7 @@ class Loans {
     }
 
    private:
-    std::size_t most_;
+    std::size_t most_;  ///< entries: a few hundredths of the memory of large cells
     std::uint32_t begin_ = 0;
     std::vector<std::pair<std::uint32_t, Index>> entries_;
   };
@@ -166,15 +173,15 @@ struct RelaxedLender {
     return is_idle(task) ? 0 : task.size();
   }
 
-  /// With a cell that has not changed, nothing has that put() tells of it. One that may be divided
-  /// is in another order, perhaps: it is not followed, and always sent.
+  /// With a cell that has not changed, nothing has that put() tells of it, but for what is known of
+  /// the patches of one that may be divided, which changes whenever it is looked at.
   [[nodiscard]] bool lacks(int rank, SiteNumber site) const {
     if (patches.divides(state.cells.size(site))) return true;
     return is_own(site) ? !loans.has(rank, site) : loans.has_changed(site);
   }
   void put(ByteWriter& message, SiteNumber site, int rank) {
     const Index size = state.cells.size(site);
-    follow(site);
+    loans.follow(site, size);
     const std::optional<std::uint32_t> there =
         is_own(site) ? loans.give(site, rank) : loans.give_back(site);
     message.put(state.sites.radius[site]);
@@ -211,17 +218,13 @@ struct RelaxedLender {
       loans.give(site, rank);
     } else {
       loans.borrow(site, version);
-      follow(site);
+      loans.follow(site, size);
     }
   }
 
  private:
   static constexpr Index kWhole = -1;  ///< in the place of how many places are sent
   [[nodiscard]] bool is_own(SiteNumber site) const { return tiling.is_own(tiling.tile_of(site)); }
-  void follow(SiteNumber site) {
-    const Index size = state.cells.size(site);
-    if (!patches.divides(size)) loans.follow(site, size);
-  }
   [[nodiscard]] bool is_idle(const Schedule::Task& task) const {
     return touched_tiles != nullptr && ((*touched_tiles)[task.a] | (*touched_tiles)[task.b]) == 0;
   }

@@ -83,14 +83,14 @@ std::size_t Patches<Scalar>::ends(Index points) const {
 }
 
 template <class Scalar>
-void Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch) {
+bool Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch) {
   Cell& cell = cells_[site];
   const Index points = cells.size(site);
-  if (++cell.looks < kLooks) return;
+  if (++cell.looks < kLooks) return false;
   cell.looks = 0;
-  if (has(site) && cell.replaced <= points / kReplacedShare) return;
+  if (has(site) && cell.replaced <= points / kReplacedShare) return false;
   const Index size = patch_size(points);
-  if (size == 0) return;
+  if (size == 0) return false;
   cell.low.resize(ends(points));
   cell.high.resize(cell.low.size());
   cell.size = size;
@@ -112,6 +112,7 @@ void Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scrat
     low += count + 1;
     high += count + 1;
   }
+  return true;
 }
 
 /// Sorts the points of a cell by the bins of a grid.

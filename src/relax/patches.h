@@ -30,8 +30,9 @@ class Patches {
     std::vector<Scalar> stream;
     std::vector<PointOfAll> points;
   };
-  /// Says that a cell will be looked at: divides it when it is time to. O(size) then.
-  void look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch);
+  /// Says that a cell will be looked at: divides it when it is time to. O(size) then. Returns
+  /// whether it did, and its points are in another order.
+  bool look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch);
 
   /// Whether the cell is divided.
   [[nodiscard]] bool has(SiteNumber site) const { return !cells_[site].low.empty(); }

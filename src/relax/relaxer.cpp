@@ -132,6 +132,9 @@ void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, SiteNum
   }
   ++worker.count.pairs;
   const std::int64_t exchanged = worker.swap(state.cells, patches_, state.sites, i, j);
+  const auto [sorted_i, sorted_j] = worker.swap.sorted();
+  if (sorted_i) loans_.note_sorting(i);
+  if (sorted_j) loans_.note_sorting(j);
   if (exchanged == 0) return;
   changed_[i] = changed_[j] = 1;
   loans_.note_change(i, worker.swap.moved().from_i);

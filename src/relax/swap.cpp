@@ -21,15 +21,18 @@ PairSwapper<Scalar>::PairSwapper(const Metric& metric, const Options& options,
       cut_(metric, coordinate_bound),
       coordinates_(static_cast<std::size_t>(metric.dimension())) {}
 
-/// Divides a cell that is worth it, and bounds the keys of its patches.
+/// Divides a cell that is worth it, and bounds the keys of its patches. Returns whether its points
+/// are in another order.
 template <class Scalar>
-void PairSwapper<Scalar>::divide(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteNumber cell,
+bool PairSwapper<Scalar>::divide(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteNumber cell,
                                  Side side, Part& part) {
-  patches.look(cells, cell, scratch_);
+  const bool sorted = patches.look(cells, cell, scratch_);
   part.divided = cut_.straight() && patches.has(cell);
-  if (!part.divided) return;
-  part.size = patches.size(cell);
-  cut_.bound_keys(side, patches.low(cell), patches.high(cell), part.bounds);
+  if (part.divided) {
+    part.size = patches.size(cell);
+    cut_.bound_keys(side, patches.low(cell), patches.high(cell), part.bounds);
+  }
+  return sorted;
 }
 
 /// Of a cell of so many points, the patches that may have keys beyond what is known: higher ones
@@ -220,9 +223,10 @@ Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, Patches<Scalar>& pat
                                       SiteState& sites, SiteNumber i, SiteNumber j) {
   cut_.place(sites, i, j);
   KeyBounds bounds{};
+  sorted_ = {};
   if (median_cut_ || pruning_ == PointPruning::extremes) {
-    divide(cells, patches, i, Side::i, part_i_);
-    divide(cells, patches, j, Side::j, part_j_);
+    sorted_.i = divide(cells, patches, i, Side::i, part_i_);
+    sorted_.j = divide(cells, patches, j, Side::j, part_j_);
     bounds = key_bounds(cells, i, j);
     if (bounds.separated()) return 0;
   }

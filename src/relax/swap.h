@@ -62,6 +62,12 @@ class PairSwapper {
   Index operator()(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteState& sites, SiteNumber i,
                    SiteNumber j);
 
+  /// Whether the last call put the points of the cells i and j into another order first.
+  struct Sorted {
+    bool i = false;
+    bool j = false;
+  };
+  [[nodiscard]] Sorted sorted() const { return sorted_; }
   /// What the last call exchanged, if it did.
   [[nodiscard]] const Exchange& moved() const { return moves_; }
 
@@ -94,7 +100,7 @@ class PairSwapper {
     Index size = 0;              ///< of a patch
     std::vector<Stretch> stretches;
   };
-  void divide(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteNumber cell, Side side,
+  bool divide(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteNumber cell, Side side,
               Part& part);
   /// Which keys of a side are those of points that may move.
   [[nodiscard]] static kernels::Beyond beyond(Side side) {
@@ -122,6 +128,7 @@ class PairSwapper {
   PairCut<Scalar> cut_;  ///< of the current pair
   Part part_i_;
   Part part_j_;
+  Sorted sorted_;
   typename Patches<Scalar>::Scratch scratch_;
   std::vector<Scalar> coordinates_;  ///< of one point
   std::vector<double> per_point_;    ///< exact keys, or squared distances, of one cell
