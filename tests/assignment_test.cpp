@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ccvt/capacity.h"
+#include "ccvt/sampling.h"
 #include "cell_sizes.h"
 #include "exact/cell_bounds.h"
 #include "exact/move_costs.h"
@@ -194,6 +195,28 @@ TEST_CASE("far clouds whose sizes do not fit the capacities") {
     const Solved solved = solve(Domain(), points, sites, equal_capacities(3000, n));
     CHECK(sizes(solved.owners, static_cast<std::size_t>(n)) == equal_capacities(3000, n));
     CHECK(violation(Domain(), points, sites, solved) < 1e-12);
+  }
+}
+
+TEST_CASE("the cheapest, too, where points are far from the origin") {
+  // On a grid, so that moving them by 2^26 is exact.
+  const auto on_grid = [](const auto& x) -> Points<double> {
+    return (x.array() * 0x1p26).round() / 0x1p26;
+  };
+  for (const int dimension : {1, 2}) {
+    CAPTURE(dimension);
+    const Box unit = Box::unit(dimension);
+    const auto points = on_grid(sample_uniform(unit, 3000, 1, Distribution::white));
+    const auto sites = on_grid(sample_uniform(unit, 100, 2, Distribution::white));
+    const auto solve_at = [&](double origin) {
+      const Points<double> moved = sites.array() + origin;
+      return solve(Domain(), Points<double>(points.array() + origin),
+                   {moved.data(), moved.data() + moved.size()}, equal_capacities(3000, 100));
+    };
+    const Solved near = solve_at(0);
+    const Solved far = solve_at(0x1p26);
+    CHECK(far.certificate.energy == doctest::Approx(near.certificate.energy).epsilon(1e-14));
+    CHECK(far.certificate.gap <= 1e-12 * far.certificate.energy);
   }
 }
 

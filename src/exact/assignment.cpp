@@ -44,14 +44,6 @@ ExactAssignment<Scalar>::ExactAssignment(const Metric& metric, PointsView<Scalar
   }
   fewer_ = count_ / sites;
   larger_ = count_ % sites;
-  for (Index p = 0; p < points.count; ++p) {
-    for (int d = 0; d < points.dimension; ++d) {
-      const double x = points[p][d];
-      largest_coordinate_ = std::max(largest_coordinate_, std::abs(x));
-    }
-  }
-  const std::vector<double> largest = of_all(part.ranks, largest_coordinate_);
-  largest_coordinate_ = *std::max_element(largest.begin(), largest.end());
 }
 
 /// Gives the larger capacities to the sites of least weight.
@@ -85,14 +77,14 @@ double ExactAssignment<Scalar>::capacity_gap(const std::vector<double>& weights,
   return gap;
 }
 
-/// A gap that rounding alone can cause.
+/// A gap that rounding alone can cause: that of sums. Squared distances are rounded as a share of
+/// themselves, however far points are from the origin, and are the same wherever they are computed.
 template <class Scalar>
 double ExactAssignment<Scalar>::rounding(double energy, const std::vector<double>& weights) const {
   const auto [low, high] = std::minmax_element(weights.begin(), weights.end());
   const double m = count_;
-  const double distances = largest_coordinate_ * std::sqrt(points_.dimension * m * energy);
   const double underflow = m * points_.dimension * std::numeric_limits<double>::min();
-  return 1e-15 * (points_.dimension * energy + m * (*high - *low) + distances) + underflow;
+  return 1e-15 * (points_.dimension * energy + m * (*high - *low)) + underflow;
 }
 
 template <class Scalar>

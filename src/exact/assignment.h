@@ -82,7 +82,6 @@ class ExactAssignment {
   Index count_;  ///< of the points of all ranks
   Pricer<Scalar> pricer_;
   std::optional<CellBounds> kept_;
-  double largest_coordinate_ = 0;
   double gap_;
   Certificate certificate_;
 };
