@@ -99,6 +99,25 @@ TEST_CASE("exact training ends, and certifies itself, where two groups are far a
   }
 }
 
+TEST_CASE("exact training goes on to the end where vectors are far from the origin") {
+  // As seconds are since 1970.
+  const Points<double> times =
+      1.7e9 + sample_uniform(Box::unit(1), 20000, 1, Distribution::white).array();
+  const auto summary = train_codebook(times, 64, {.effort = 0}).summary;
+  CHECK(summary.termination == Termination::stable);
+  CHECK(summary.gap <= 1e-12);
+}
+
+TEST_CASE("codewords may start farther away than vectors may be") {
+  const Points<float> vectors = clouds(400, 4, 3);
+  Points<double> start = Points<double>::Zero(3, 4);
+  start(1, 2) = -1e60;
+  const auto training =
+      train_codebook_from(vectors, Columns<double>(start), with(CodebookMethod::pairwise));
+  CHECK(training.summary.usage.smallest == 100);
+  CHECK(training.codebook.codewords().cwiseAbs().maxCoeff() < 50);
+}
+
 TEST_CASE("what a cancelled training ends with goes to near codewords") {
   const auto points = sample_uniform<float>(Box::unit(2), 20'000, 5, Distribution::white);
   for (const auto method :
@@ -108,6 +127,7 @@ TEST_CASE("what a cancelled training ends with goes to near codewords") {
     options.cancelled = [] { return true; };
     const auto [codebook, codes, summary] = train_codebook(points, 100, options);
     CHECK(summary.termination == Termination::cancelled);
+    CHECK((summary.gap == 1) == !summary.warnings.empty());
     CHECK(summary.distortion < 0.05);  // .17 where codes hang on nothing, .0017 at the end
     if (method != CodebookMethod::lloyd) CHECK(summary.usage.smallest == summary.usage.largest);
   }
@@ -340,6 +360,10 @@ TEST_CASE("a saved codebook comes back bit for bit") {
     CHECK(back.weights() == training.codebook.weights());
     CHECK(Codebook::load(words).weights().isZero());
   }
+  const auto same = directory / "." / "words.npy";
+  CHECK(refusal([&] {
+          training.codebook.save(directory / "words.npy", same);
+        }).starts_with("weights: are to go into "));
   // NumPy's arrays of one dimension are weights, too.
   const std::vector<Index> whole = {3, 1, 4, 1, 5, 9, 2, 6, 5};
   write_owners(directory / "flat.npy", whole);

@@ -67,8 +67,8 @@ struct CCVT_EXPORT CodebookOptions {
   int threads = 0;
   std::uint64_t seed = 0;
   /// Vectors of each codeword, summing to their number. Empty: equal, and where these cannot all
-  /// be, the method decides which have one more. To allow a codeword at most c vectors, give it c,
-  /// or less. Empty for `lloyd`.
+  /// be, the method decides which have one more. A codeword has at most c vectors where its
+  /// capacity is c or less. Empty for `lloyd`.
   std::vector<Index> capacities = {};
   /// `exact` ends when an assignment is proved to cost, for the centroids of its cells, at most
   /// this share more than the cheapest one that keeps the capacities. In [0, 1), and 0 for other
@@ -78,7 +78,8 @@ struct CCVT_EXPORT CodebookOptions {
   /// `exact` trains on so many vectors, drawn at random, and assigns all of them once, in the end:
   /// codewords are then the centroids of that sample's cells, while codes, capacities and
   /// CodebookSummary::gap are of all vectors. For millions of them, of which a codeword needs some
-  /// hundred to find its place. At least the number of codewords; 0: on all vectors.
+  /// hundred to find its place. At least the number of codewords; 0, or as many as there are or
+  /// more: on all vectors.
   Index train_sample = 0;
   /// Called after each iteration, from the thread that trains; false cancels.
   std::function<bool(const IterationRecord&)> on_iteration = {};
@@ -214,7 +215,8 @@ class CCVT_EXPORT Codebook {
   [[nodiscard]] double distortion(Ranks& ranks, PointsView<Scalar> own,
                                   std::span<const Index> codes) const;
 
-  /// As files of points: the codewords, one a row, and the weights, one a row. An empty path: not.
+  /// As files of points: the codewords, one a row, and the weights, one a row, in another file. An
+  /// empty path: not.
   /// Both appear together, see publication.h. load() takes weights as read_numbers() does, also of
   /// shape (n,).
   void save(const std::filesystem::path& codewords,

@@ -142,6 +142,11 @@ void check_arguments(const QuantizeArguments& arguments) {
   if (arguments.train_sample > 0 && arguments.method != CodebookMethod::exact) {
     throw InvalidInput("--train-sample: only --method exact assigns all vectors in the end");
   }
+  if (arguments.train_sample > 0 && arguments.train_sample < arguments.codewords) {
+    throw InvalidInput("--train-sample: " + std::to_string(arguments.train_sample) +
+                       " vectors are fewer than the " + std::to_string(arguments.codewords) +
+                       " codewords that they train");
+  }
   if (arguments.effort.value_or(0) > 0 && arguments.method == CodebookMethod::lloyd) {
     throw InvalidInput("--effort: --method lloyd keeps no capacities to search with");
   }

@@ -308,6 +308,11 @@ double Codebook::distortion(Ranks& ranks, PointsView<Scalar> own,
 void Codebook::save(const std::filesystem::path& codewords,
                     const std::filesystem::path& weights) const {
   require_codewords(*this);
+  if (!weights.empty() &&
+      std::filesystem::weakly_canonical(weights) == std::filesystem::weakly_canonical(codewords)) {
+    throw InvalidInput("weights: are to go into " + weights.string() +
+                       ", as the codewords are; the two files must differ");
+  }
   Publication together;
   if (!weights.empty()) {
     write_points(weights, PointsView<double>{weights_.data(), 1, size(), 1});

@@ -17,9 +17,8 @@ namespace {
 constexpr double kModerate = 32;
 
 /// The power of two to multiply vectors with so that their squares have all their digits.
-template <class Scalar>
-double unit_of(PointsView<Scalar> vectors, const Arena& arena) {
-  const double widest = box_around(vectors, arena).extent().maxCoeff();
+double unit_of(const Box& vectors) {
+  const double widest = vectors.extent().maxCoeff();
   const double exponent = widest > 0 ? -std::round(std::log2(widest)) : 0;
   return std::abs(exponent) > kModerate ? std::exp2(exponent) : 1;
 }
@@ -35,13 +34,23 @@ Points<Scalar> scaled(PointsView<Scalar> points, double unit) {
   return in_units;
 }
 
+/// Moves sites outside of the box to its faces.
+void bring_into(const Box& box, std::vector<double>& sites) {
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    const auto d = static_cast<Eigen::Index>(k) % box.dimension();
+    sites[k] = std::clamp(sites[k], box.lower[d], box.upper[d]);
+  }
+}
+
 }  // namespace
 
 template <class Scalar>
 PairwiseCells pairwise_cells(const Vectors<Scalar>& vectors, PointsView<Scalar> all,
-                             std::span<const double> sites, std::vector<Index> capacities,
+                             std::vector<double>& sites, std::vector<Index> capacities,
                              Options options, const Arena& arena) {
-  const double unit = unit_of(all, arena);
+  const Box box = box_around(all, arena);
+  bring_into(box, sites);
+  const double unit = unit_of(box);
   Points<Scalar> in_units;
   if (unit != 1) {
     in_units = scaled(all, unit);
@@ -76,10 +85,10 @@ PairwiseCells pairwise_cells(const Vectors<Scalar>& vectors, PointsView<Scalar> 
 }
 
 template PairwiseCells pairwise_cells(const Vectors<float>&, PointsView<float>,
-                                      std::span<const double>, std::vector<Index>, Options,
+                                      std::vector<double>&, std::vector<Index>, Options,
                                       const Arena&);
 template PairwiseCells pairwise_cells(const Vectors<double>&, PointsView<double>,
-                                      std::span<const double>, std::vector<Index>, Options,
+                                      std::vector<double>&, std::vector<Index>, Options,
                                       const Arena&);
 
 }  // namespace ccvt

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "ccvt/options.h"
@@ -17,11 +16,12 @@ struct PairwiseCells {
 };
 
 /// What tessellate() makes of the vectors, from `sites`, one after the other; for coordinates of
-/// any magnitude alike. Of several ranks, owners are those of a rank's own(), and `all` are
-/// gathered.
+/// any magnitude alike. Sites that are outside of the box around the vectors, from which sums would
+/// lose digits, move to its faces before. Of several ranks, owners are those of a rank's own(), and
+/// `all` are gathered.
 template <class Scalar>
 PairwiseCells pairwise_cells(const Vectors<Scalar>& vectors, PointsView<Scalar> all,
-                             std::span<const double> sites, std::vector<Index> capacities,
+                             std::vector<double>& sites, std::vector<Index> capacities,
                              Options options, const Arena& arena);
 
 }  // namespace ccvt

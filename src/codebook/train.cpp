@@ -251,6 +251,10 @@ void Trainer<Scalar>::settle_for_less() {
   if (options_.method == CodebookMethod::exact) {
     summary_.gap = 1;
     std::fill(weights_.begin(), weights_.end(), 0.0);
+    summary_.warnings.emplace_back(
+        "training ended before an exact assignment: codes keep the capacities, but may cost far "
+        "more "
+        "than they need to, and weights are 0");
   }
   stop_.allow(kTimeToDeal);
   try {
