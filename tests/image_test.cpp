@@ -162,7 +162,7 @@ TEST_CASE("JPEG, and contents rather than names") {
   CHECK(read_image(directory / "named.png").values == gradient.values);
 }
 
-TEST_CASE("JPEGs are turned upright as their Exif data say") {
+TEST_CASE("pictures are turned upright as their Exif data say") {
   const TemporaryDirectory directory;
   const std::string stored = get(fs::path(CCVT_TEST_DATA) / "gradient.jpg");
   const Image as_stored = read_image(fs::path(CCVT_TEST_DATA) / "gradient.jpg");
@@ -218,6 +218,23 @@ TEST_CASE("JPEGs are turned upright as their Exif data say") {
       CHECK(colours.width == image.width);
       CHECK(colours.rgb.size() == 3 * image.values.size());
     }
+  }
+  // Of PNG, before the picture's data or behind.
+  const std::string upright = make_png(3, 2, 8, 0, {0, 51, 102, 153, 204, 255});
+  const std::string exif = png_chunk("eXIf", little(6));
+  const std::string before = make_png(3, 2, 8, 0, {0, 51, 102, 153, 204, 255}, exif);
+  const std::string end = png_chunk("IEND", "");
+  const std::string behind = upright.substr(0, upright.size() - end.size()) + exif + end;
+  for (const std::string& bytes : {before, behind}) {
+    const Image image = read_image(put(directory / "p.png", bytes));
+    CHECK(image.width == 2);
+    CHECK(image.height == 3);
+    CHECK(image.values == std::vector<float>{0.6F, 0, 0.8F, 0.2F, 1, 0.4F});
+  }
+  for (const std::string& nothing : {"II*"s, ""s, little(9)}) {
+    const std::string bytes =
+        make_png(3, 2, 8, 0, {0, 51, 102, 153, 204, 255}, png_chunk("eXIf", nothing));
+    CHECK(read_image(put(directory / "p.png", bytes)).width == 3);
   }
   // What says nothing, or nothing that can be.
   const std::string right = little(6);

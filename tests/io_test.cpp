@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <sys/resource.h>
 
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstring>
@@ -344,6 +345,18 @@ TEST_CASE("any byte of a good .npy header may be wrong") {
   CHECK(refused > 200);
 }
 
+TEST_CASE("points that are not finite are not written") {
+  const TemporaryDirectory directory;
+  Points<float> points = Points<float>::Zero(2, 3);
+  points(1, 2) = -INFINITY;
+  for (const char* const name : {"p.npy", "p.csv", "p.txt"}) {
+    put(directory / name, "old");
+    CHECK(message_of([&] { write_points(directory / name, points); }) ==
+          "points: coordinate 1 of points[2] is -inf: it must be finite");
+    CHECK(get(directory / name) == "old");
+  }
+}
+
 TEST_CASE("indices") {
   const TemporaryDirectory directory;
   const std::vector<Index> values = {5, 0, -1, std::numeric_limits<Index>::max()};
@@ -353,6 +366,13 @@ TEST_CASE("indices") {
   }
   put(directory / "wide.npy", npy(header("<i8", "(2,)"), bytes_of<std::int64_t>({3, 1000000})));
   CHECK(read_indices(directory / "wide.npy") == std::vector<Index>{3, 1000000});
+  // As numpy.savetxt() and divisions have them.
+  const std::vector<Index> whole = {100, -3, 0, 2147483647};
+  put(directory / "exponents.txt", "1.000000000000000000e+02\n-3.0\n0e0\n2147483647.0\n");
+  CHECK(read_indices(directory / "exponents.txt") == whole);
+  put(directory / "reals.npy",
+      npy(header("<f8", "(4, 1)"), bytes_of<double>({100, -3, 0, 2147483647})));
+  CHECK(read_indices(directory / "reals.npy") == whole);
   CHECK(contains(message_of([&] { read_indices(put(directory / "p.ply", "3\n")); }),
                  "p.ply: unknown extension '.ply'; whole numbers come from .npy, .csv or .txt"));
 
@@ -364,12 +384,26 @@ TEST_CASE("indices") {
   const Case cases[] = {
       {"wide.npy", npy(header("<i8", "(2,)"), bytes_of<std::int64_t>({3, 1LL << 40})),
        "row 1: 1099511627776 does not fit 32 bits"},
-      {"floats.npy", npy(header("<f8", "(1,)"), bytes_of<double>({3})), "'<f8'"},
+      {"bools.npy", npy(header("|b1", "(1,)"), "\1"), "has dtype '|b1'; whole numbers are"},
+      {"floats.npy", npy(header("<f8", "(3,)"), bytes_of<double>({3, 4, 2.5})),
+       "row 2: 2.5 is not a whole number"},
+      {"nan.npy", npy(header("<f4", "(1,)"), bytes_of<float>({NAN})),
+       "row 0: nan is not a whole number"},
+      {"inf.npy", npy(header("<f4", "(1,)"), bytes_of<float>({INFINITY})),
+       "row 0: inf does not fit 32 bits"},
+      {"wide_floats.npy", npy(header("<f8", "(2,)"), bytes_of<double>({-0x1p31, 0x1p31})),
+       "row 1: 2147483648 does not fit 32 bits"},
       {"matrix.npy", npy(header("<i4", "(1, 2)"), bytes_of<std::int32_t>({3, 4})), "a vector"},
       {"none.npy", npy(header("<i4", "(0,)"), ""), "has no numbers"},
       {"cut.npy", npy(header("<i4", "(2,)"), bytes_of<std::int32_t>({3})), "is truncated"},
       {"half.csv", "3\n1.5\n", "line 2: '1.5' is not a whole number"},
       {"large.csv", "3\n2147483648\n", "line 2: '2147483648' does not fit 32 bits"},
+      {"large.csv", "3\n1e12\n", "line 2: '1e12' does not fit 32 bits"},
+      {"vast.csv", "3\n1e999\n", "line 2: '1e999' does not fit 32 bits"},
+      {"tiny.csv", "3\n1e-999\n", "line 2: '1e-999' is not a whole number"},
+      {"half.csv", "3\n15e-1\n", "line 2: '15e-1' is not a whole number"},
+      {"word.csv", "3\nfour\n", "line 2: 'four' is not a whole number"},
+      {"nan.csv", "3\nnan\n", "line 2: 'nan' is not a whole number"},
       {"pair.csv", "3\n1,5\n", "line 2: has 2 fields"},
       {"none.csv", "# none\n", "has no numbers"},
   };

@@ -134,7 +134,7 @@ Points<Scalar> read_points(const std::filesystem::path& path, const ReadOptions&
   return points;
 }
 
-/// `points`: one a row or line, float32 or float64 as Scalar is.
+/// `points`: one a row or line, float32 or float64 as Scalar is; all finite, else InvalidInput.
 template <class Scalar>
 CCVT_EXPORT void write_points(const std::filesystem::path& path, PointsView<Scalar> points);
 template <class Derived>
@@ -146,8 +146,9 @@ void write_points(const std::filesystem::path& path, const Columns<Scalar>& poin
   write_points(path, view_points(points));
 }
 
-/// Whole numbers, such as capacities or owners: one a line, or of any integer type and shape (#,).
-/// At least one. Throws InvalidInput for those that do not fit Index.
+/// Whole numbers, such as capacities or owners: one a line, or of shape (#,) or (#, 1); written in
+/// whatever way and of any type but bool, as 1e2 and floats, too. At least one. Throws InvalidInput
+/// for those that are not whole or do not fit Index.
 CCVT_EXPORT std::vector<Index> read_indices(const std::filesystem::path& path);
 
 /// Numbers, such as masses: one a line, or of any real type and shape (#,) or (#, 1). At least one,
@@ -175,14 +176,14 @@ struct Image {
 
 /// Reads PNG or JPEG, 8 or 16 bits, told by the file's contents. Colours become grey by the luma
 /// weights of Rec. 709 (0.2126, 0.7152, 0.0722); alpha is composited on white. White stays 1
-/// exactly. A JPEG is turned upright as its Exif data say. Throws InvalidInput for truncated and
-/// damaged files too; for more than 2^28 pixels, or more than the file can hold (1032 bytes of rows
-/// a byte of PNG, 1024 pixels a byte of JPEG), before it allocates any; and for JPEGs in CMYK, with
-/// other than 8 bits a sample, lossless, of arithmetic codes, or of more than 100 scans.
+/// exactly. Pictures are turned upright as their Exif data say. Throws InvalidInput for truncated
+/// and damaged files too; for more than 2^28 pixels, or more than the file can hold (1032 bytes of
+/// rows a byte of PNG, 1024 pixels a byte of JPEG), before it allocates any; and for JPEGs in CMYK,
+/// with other than 8 bits a sample, lossless, of arithmetic codes, or of more than 100 scans.
 CCVT_EXPORT Image read_image(const std::filesystem::path& path);
 
 /// Writes 8-bit grey; `path` ends in .png. Throws InvalidInput unless the image has pixels and as
-/// many values; values outside [0, 1] are clamped.
+/// many values; values outside [0, 1] are clamped, and NaN is black.
 CCVT_EXPORT void write_png(const std::filesystem::path& path, const Image& image);
 
 /// A picture in colour, row by row from the top.

@@ -25,16 +25,8 @@ Hdf5Session::Hdf5Session() : lock_(session_mutex()) {
 Hdf5Session::~Hdf5Session() { H5Eset_auto2(H5E_DEFAULT, printer_, client_); }
 
 Hdf5Output::Hdf5Output(std::filesystem::path target)
-    : unfinished_(std::move(target)),
-      descriptor_(unfinished_.take_descriptor()),
-      sink_(descriptor_),
-      file_(sink_.create()) {
+    : unfinished_(std::move(target)), sink_(unfinished_.descriptor()), file_(sink_.create()) {
   check(static_cast<bool>(file_));
-}
-
-Hdf5Output::~Hdf5Output() {
-  file_.close();
-  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 void Hdf5Output::check(bool good) const {
@@ -91,7 +83,7 @@ void Hdf5Output::commit() {
   const bool closed = file_.close();
   sink_.synchronize();
   check(closed);
-  if (::close(std::exchange(descriptor_, -1)) != 0) unfinished_.fail(errno);
+  if (::close(unfinished_.take_descriptor()) != 0) unfinished_.fail(errno);
   publish(std::move(unfinished_));
 }
 

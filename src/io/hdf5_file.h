@@ -48,9 +48,6 @@ hid_t hdf5_type() {
 class Hdf5Output {
  public:
   explicit Hdf5Output(std::filesystem::path target);
-  Hdf5Output(const Hdf5Output&) = delete;
-  Hdf5Output& operator=(const Hdf5Output&) = delete;
-  ~Hdf5Output();
 
   Hdf5Handle group(const char* name);
 
@@ -94,7 +91,6 @@ class Hdf5Output {
   Hdf5Handle checked(hid_t id, herr_t (*closer)(hid_t)) const;
 
   UnfinishedFile unfinished_;
-  int descriptor_;
   Hdf5Session session_;
   Hdf5Sink sink_;
   Hdf5Handle file_;

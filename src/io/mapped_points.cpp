@@ -1,5 +1,6 @@
 #include "ccvt/mapped_points.h"
 
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -44,6 +45,12 @@ struct MappedPoints<Scalar>::Implementation {
     const io::InputFile checked(path);
     io::require_countable(checked, rows.size());
     file.emplace(path, checked.size());
+    // What the layout is of may have been another file.
+    const auto last = static_cast<std::uint64_t>(layout.stride) * (layout.count - 1);
+    const std::uint64_t scalars = last + static_cast<std::uint64_t>(layout.dimension);
+    if (layout.offset + scalars * sizeof(Scalar) != checked.size()) {
+      checked.fail("has changed while it was read");
+    }
     const void* const first = file->data() + layout.offset;
     view = {
         static_cast<const Scalar*>(first) + static_cast<std::ptrdiff_t>(rows.begin) * layout.stride,

@@ -31,8 +31,8 @@ std::uint32_t number(std::span<const unsigned char> bytes, std::size_t at, std::
 }  // namespace
 
 Orientation::Orientation(std::span<const unsigned char> exif) {
-  if (!starts_with(exif, kExif)) return;
-  const std::span<const unsigned char> tiff = exif.subspan(sizeof kExif);
+  const std::span<const unsigned char> tiff =
+      exif.subspan(starts_with(exif, kExif) ? sizeof kExif : 0);
   const bool big_endian = starts_with(tiff, kBigEndian);
   if (!big_endian && !starts_with(tiff, kLittleEndian)) return;
   const auto get = [&](std::size_t at, std::size_t size) {

@@ -13,8 +13,8 @@ class Orientation {
  public:
   /// Upright.
   Orientation() = default;
-  /// Of the data of an Exif segment, "Exif", two zeros and a TIFF header; upright where these do
-  /// not say.
+  /// Of Exif data: a TIFF header, as a chunk of PNG has it, or "Exif", two zeros and that, as a
+  /// segment of JPEG does. Upright where these do not say.
   explicit Orientation(std::span<const unsigned char> exif);
 
   [[nodiscard]] bool upright() const { return tag_ == 1; }

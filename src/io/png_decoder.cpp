@@ -23,6 +23,24 @@ constexpr std::uint64_t kMostExpansion = 1032;
 /// all that follows, though it refuses the picture for it.
 constexpr std::size_t kMostSurplus = 4096;
 
+/// As the first chunk of Exif data says, before or behind the picture's own. libpng, which comes to
+/// it at last, or not at all, checks its sum.
+Orientation orientation_of(std::span<const unsigned char> bytes) {
+  constexpr std::size_t kSignature = 8;
+  constexpr std::size_t kBeforeData = 8;
+  constexpr std::size_t kAround = kBeforeData + 4;
+  std::size_t at = kSignature;
+  while (bytes.size() >= kAround && at <= bytes.size() - kAround) {
+    const std::size_t length = png_get_uint_32(bytes.data() + at);
+    if (length > bytes.size() - kAround - at) return {};
+    if (std::memcmp(bytes.data() + at + 4, "eXIf", 4) == 0) {
+      return Orientation(bytes.subspan(at + kBeforeData, length));
+    }
+    at += kAround + length;
+  }
+  return {};
+}
+
 /// What libpng's callbacks read from and leave behind.
 struct Source {
   std::span<const unsigned char> left;
@@ -112,6 +130,7 @@ class PngDecoder final : public PictureDecoder {
       : file_(file), source_{.left = bytes}, reading_(source_) {
     read_header();
     prepare_rows();
+    layout_.orientation = orientation_of(bytes);
   }
 
   [[nodiscard]] PictureLayout layout() const override { return layout_; }

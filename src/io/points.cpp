@@ -2,12 +2,13 @@
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "ccvt/io.h"
 #include "checks.h"
+#include "geometry/as_matrix.h"
+#include "geometry/finite_points.h"
 #include "io/columns.h"
 #include "io/finite.h"
 #include "io/formats.h"
@@ -22,6 +23,8 @@
 #include "io/points_map.h"
 #include "io/text.h"
 #include "io/vecs.h"
+#include "io/whole.h"
+#include "number_text.h"
 
 namespace ccvt {
 
@@ -220,6 +223,7 @@ template <class Scalar>
 void write_points(const std::filesystem::path& path, PointsView<Scalar> points) {
   require_data("points", points);
   const std::string extension = table_extension(path);
+  require_finite(as_matrix(points), "is");  // what no reader takes is not written
   if (extension == ".npy") return write_npy_points(path, points);
   const char separator = extension == ".csv" ? ',' : ' ';
   io::OutputFile file(path);
@@ -258,22 +262,20 @@ std::vector<Index> read_indices(const std::filesystem::path& path) {
   InputFile file(path);
   const io::NpyHeader header = io::read_npy_header(file);
   const auto item = io::parse_npy_descr(header.descr);
-  if (!item || item->type < io::NpyType::int8 || item->type > io::NpyType::uint64) {
+  if (!item || item->type == io::NpyType::boolean) {
     file.fail("has dtype " + io::quoted(header.descr) + "; whole numbers are expected");
   }
-  if (header.shape.size() != 1) {
+  const bool column = header.shape.size() == 2 && header.shape[1] == 1;
+  if (header.shape.size() != 1 && !column) {
     file.fail("has the shape " + io::shape_text(header.shape) + "; a vector is expected");
   }
   io::check_npy_size(file, header, item->bytes);
   if (header.shape[0] == 0) file.fail("has no numbers");
   values.reserve(header.shape[0]);
   io::read_npy_numbers(file, *item, header.shape[0], [&](auto number) {
-    values.push_back(static_cast<Index>(number));
-    if constexpr (std::is_integral_v<decltype(number)>) {
-      if (std::in_range<Index>(number)) return;
-      file.fail("row " + std::to_string(values.size() - 1) + ": " + std::to_string(number) +
-                " does not fit 32 bits");
-    }
+    const char* const wrong = io::to_whole(number, values.emplace_back());
+    if (wrong == nullptr) return;
+    file.fail("row " + std::to_string(values.size() - 1) + ": " + text(number) + " " + wrong);
   });
   return values;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <system_error>
 
+#include "io/whole.h"
 #include "number_text.h"
 
 namespace ccvt::io {
@@ -220,8 +221,13 @@ const char* parse(std::string_view field, float& value) {
 
 const char* parse(std::string_view field, std::int32_t& value) {
   const auto error = parse_whole(field, value).ec;
-  if (error == std::errc::result_out_of_range) return "does not fit 32 bits";
-  return error == std::errc() ? nullptr : "is not a whole number";
+  if (error == std::errc()) return nullptr;
+  // As numpy.savetxt() writes whole numbers: 1.000000000000000000e+02.
+  double number = 0;
+  const auto wide = parse_whole(field, number).ec;
+  if (wide == std::errc()) return to_whole(number, value);
+  const bool vast = wide == std::errc::result_out_of_range && !is_below_one(field);
+  return vast ? "does not fit 32 bits" : "is not a whole number";
 }
 
 void append_field(std::string& text, std::string_view field, char separator) {

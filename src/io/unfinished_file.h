@@ -28,7 +28,9 @@ class CCVT_EXPORT UnfinishedFile {
   [[nodiscard]] const std::filesystem::path& target() const { return target_; }
   /// Where the file is until it is published.
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// The file, open for reading and writing. The caller closes it; to be called once.
+  /// The file, open for reading and writing, until it is taken.
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+  /// The same, for the caller to close; to be called once.
   [[nodiscard]] int take_descriptor();
   /// Renames, no more: who publishes several has no pause between them. Throws IoError.
   void publish();

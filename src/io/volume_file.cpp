@@ -252,7 +252,17 @@ void check_volume(const InputFile& file, const VolumeHeader& header) {
   }
   const double volume = header.grid.axes.eigen().determinant();
   if (!header.grid.origin.eigen().allFinite() || !std::isfinite(volume) || volume == 0) {
-    file.fail("places its cells by axes and an origin that are not finite, or flat");
+    file.fail(
+        concat("places its cells by axes and an origin that are not finite, or flat: a cell's ",
+               "volume is ", volume));
+  }
+  const Eigen::VectorXd origin = header.grid.origin.eigen();
+  for (Eigen::Index d = 0; d < std::ssize(header.grid.shape); ++d) {
+    const auto extent = static_cast<double>(header.grid.shape[static_cast<std::size_t>(d)]);
+    if (origin + extent * header.grid.axes.eigen().col(d) != origin) continue;
+    file.fail(concat("has its origin at ",
+                     std::span(origin.data(), static_cast<std::size_t>(origin.size())),
+                     ", too far away to tell its cells along axis ", d, " apart"));
   }
 }
 
