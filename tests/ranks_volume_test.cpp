@@ -325,6 +325,9 @@ TEST_CASE("ranks: parts and masks that do not fit a volume are refused") {
   CHECK(whole.greatest(std::vector<std::uint8_t>(512, 0)) ==
         -std::numeric_limits<double>::infinity());
   CHECK(whole.greatest() == -2);
+  whole.data.resize(1024);
+  CHECK(message_of([&] { (void)whole.greatest(); }) ==
+        "volume: has 1024 bytes of data for 512 cells of uint8; needs 512");
 }
 
 TEST_SUITE_END();

@@ -269,6 +269,13 @@ TEST_CASE("dot radius: single dots and overlaps") {
     CHECK(union_area(ccvt::Columns<double>(random), radius, 80, 80) ==
           doctest::Approx(ink).epsilon(0.015));
   }
+  // Dots on both sides of the picture, too far to cover anything.
+  for (const double far : {500.0, 1e21}) {
+    Points<double> outside(2, 2);
+    outside << -far, far, 5, 5;
+    CHECK(dot_radius_for(outside, 10, 10, 5) ==
+          doctest::Approx(std::sqrt(5 / (2 * std::numbers::pi))).epsilon(1e-12));
+  }
   CHECK_THROWS_AS(dot_radius_for(random, 80, 80, 0), InvalidInput);
   CHECK_THROWS_AS(dot_radius_for(random, 80, 80, 6401), InvalidInput);
   CHECK_THROWS_AS(dot_radius_for(Points<double>(2, 0), 80, 80, 10), InvalidInput);
@@ -321,6 +328,9 @@ TEST_CASE("render: the ink of a dot is its area, at any place and scale") {
       CHECK(image(0, 0) == 1);
     }
   }
+  stippling.dot_radius = 1e200;
+  CHECK(ink_of(render(stippling, 1)) == 200);
+  stippling.dot_radius = 2;
   // Smaller than a pixel as well: at each place nearly, and exactly on the average.
   for (const double scale : {0.02, 0.1, 0.2, 0.28}) {
     stippling.width = stippling.height = 1000;

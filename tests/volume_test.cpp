@@ -159,6 +159,14 @@ TEST_CASE("capacities, weights and radii are those of the cells") {
   }
 }
 
+TEST_CASE("weights are finite where the integral is") {
+  const std::vector<double> values(8, 1e304);
+  const Eigen::Vector3d one(1, 1, 1);
+  const DensityGrid density = Grid::spaced({2, 2, 2}, one, one).density(values);
+  const auto samples = ccvt::sample_volume<float>(density, 4, {.points_per_site = 20000});
+  for (const double weight : samples.weights) CHECK(weight == doctest::Approx(2e304));
+}
+
 TEST_CASE("one seed gives the same samples for any number of threads") {
   const Bump bump;
   const auto run = [&](int threads) {

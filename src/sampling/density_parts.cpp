@@ -57,7 +57,8 @@ void require_total(const DensityGrid& grid, std::span<const double> masses, bool
   for (const double mass : masses) total.add(mass);
   if (total.value() == 0) {
     throw InvalidInput(
-        concat("grid: all ", cells_of(grid.shape), plain ? " values are 0" : " densities are 0"));
+        concat("grid: all ", cells_of(grid.shape),
+               plain ? " values are 0" : " densities are 0, as their map, or the mask, has it"));
   }
   if (!std::isfinite(total.value())) throw InvalidInput("grid: the sum of the values overflows");
 }

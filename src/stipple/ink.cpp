@@ -137,7 +137,8 @@ double dot_radius_for(PointsView<Scalar> dots, int width, int height, double ink
   }
   // Dots that do not overlap: no radius below this one covers enough.
   const double least = std::sqrt(ink / (std::numbers::pi * dots.count));
-  for (double reach = 1.5 * least;; reach *= 2) {
+  const double beyond = 2 * std::hypot(width, height);  // of dots inside all places are nearer
+  for (double reach = 1.5 * least; reach <= beyond; reach *= 2) {
     const Interval x = covered(dots, 0, reach, width);
     const Interval y = covered(dots, 1, reach, height);
     const double part = x.length() * y.length();
@@ -153,6 +154,7 @@ double dot_radius_for(PointsView<Scalar> dots, int width, int height, double ink
     const double squared = raster.nth_squared(rank);
     if (std::isfinite(squared)) return std::sqrt(squared);
   }
+  return least;
 }
 
 template CCVT_EXPORT double dot_radius_for<float>(PointsView<float>, int, int, double);

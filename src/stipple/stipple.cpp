@@ -35,7 +35,7 @@ void require_pixels(const Image& image) {
   }
   throw InvalidInput("image: has " + std::to_string(image.values.size()) + " values for " +
                      std::to_string(image.width) + " x " + std::to_string(image.height) +
-                     " pixels; needs one value for each");
+                     " pixels; needs at least one pixel, and one value for each");
 }
 
 /// Moves dots on paper that is to stay blank to the nearest of their points.

@@ -64,7 +64,7 @@ void settle(const Triangles& triangles, const Sheets& sheets, PointsView<Scalar>
     samples.normals.eigen().col(column) = turned ? Eigen::Vector3d(-normal) : normal;
     samples.triangles[k] = nearest;
     samples.capacities[k] = static_cast<Index>(cell.size());
-    samples.weights[k] = samples.mass * capacity / points.count;
+    samples.weights[k] = samples.mass * (capacity / points.count);  // finite where the mass is
     samples.radii[k] = std::sqrt(2 * squared / capacity);
     moved[k] = std::sqrt(best.squared);
   });

@@ -36,7 +36,7 @@ inline void weigh_cells(double mass, VolumeSamples& samples) {
   double owned = 0;
   for (const Index capacity : samples.capacities) owned += capacity;
   for (const Index capacity : samples.capacities) {
-    samples.weights.push_back(mass * capacity / owned);
+    samples.weights.push_back(mass * (capacity / owned));  // finite where the mass is
   }
 }
 

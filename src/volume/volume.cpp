@@ -159,6 +159,11 @@ GridValues Volume::stored() const& {
 
 double Volume::greatest(std::span<const std::uint8_t> mask) const {
   require_entries(*this, mask);
+  if (data.size() != bytes()) {
+    throw InvalidInput("volume: has " + std::to_string(data.size()) + " bytes of data for " +
+                       std::to_string(cells()) + " cells of " + to_string(type) + "; needs " +
+                       std::to_string(bytes()));
+  }
   double least = std::numeric_limits<double>::infinity();
   double most = -least;
   std::visit(
