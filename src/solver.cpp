@@ -68,6 +68,7 @@ void Solver<Scalar>::cancel() {
 
 template <class Scalar>
 void Solver<Scalar>::save(const std::filesystem::path& file) const {
+  if (file.empty()) throw InvalidInput("file: is empty, but must name the file to be written");
   resting("Solver::save", implementation_).save(file);
 }
 

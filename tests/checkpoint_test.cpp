@@ -152,6 +152,8 @@ TEST_CASE("What is loaded is saved again as it was, cell by cell") {
   Solver<float> first(problem, options);
   for (int k = 0; k < 8; ++k) REQUIRE(first.step());
   first.save(directory / "first");
+  CHECK(message_of([&] { first.save(""); }) ==
+        "file: is empty, but must name the file to be written");
   Solver<float> second(problem, options);
   second.load(directory / "first");
   second.save(directory / "second");

@@ -238,6 +238,10 @@ TEST_CASE("stipple: every output") {
             "-o r.svg")
             .status == 0);
   CHECK(get(directory / "r.svg").find("r=\"1.25\"") != std::string::npos);
+  const Ran pale = run(
+      directory, "stipple picture.png --sites 20 --points-per-site 16 --dot-radius 1e-9 -o w.png");
+  CHECK(pale.status == 0);
+  CHECK(pale.errors.find("ccvt: warning: w.png is white: its pixels") != std::string::npos);
 }
 
 TEST_CASE("help and version") {
@@ -331,7 +335,6 @@ TEST_CASE("bad input: one line, status 2, nothing written") {
       {"quantize p.csv --codewords 2 --effort -1 -o o.npy", {"--effort", "'-1'"}},
       {"quantize p.csv --codewords 2 --method lloyd --train-sample 3 -o o.npy",
        {"--train-sample", "exact"}},
-      {"quantize p.csv --codewords 2 --train-sample 1 -o o.npy", {"train_sample is 1"}},
       {"quantize p.csv --codewords 2 --method lloyd --gap 0.1 -o o.npy", {"--gap", "exact"}},
       {"tessellate p.csv -o o.npy", {"--sites", "--initial-sites"}},
       {"tessellate --sites 2 -o o.npy", {"POINTS"}},
@@ -366,6 +369,8 @@ TEST_CASE("bad input: one line, status 2, nothing written") {
       {"stipple white.png --sites 2 -o o.svg --gamma -1", {"--gamma", "'-1'"}},
       {"stipple white.png --sites 2 -o o.svg --dot-radius 0", {"--dot-radius", "above 0"}},
       {"stipple white.png --sites 2 -o o.npy --dot-radius 1", {"--dot-radius", "not into .npy"}},
+      {"quantize p.csv --codewords 3 --train-sample 2 -o o.npy",
+       {"--train-sample: 2 vectors", "3"}},
   };
   const auto before = contents(directory);
   for (const Case& c : cases) {

@@ -178,6 +178,8 @@ TEST_CASE("mistyped commands and options: what was likely meant") {
       {"sample --points", "unknown argument '--points'; see ccvt sample --help"},
       {"--versoin", "unknown argument '--versoin'; did you mean --version? See ccvt --help"},
       {"sample -", "unknown argument '-'; see ccvt sample --help"},
+      {"sample --sites 5 --dim 2 -o=s.csv",
+       "--output: '=s.csv' begins with '='; a file of that name is './=s.csv'"},
       {"--sites 5 sample",
        "'--sites' is out of place: options stand behind the command, and before any '--'; see "
        "ccvt sample --help"},
@@ -211,8 +213,18 @@ TEST_CASE("help fits into 100 columns, in groups") {
   }
 }
 
+TEST_CASE("help is a command, too") {
+  const TemporaryDirectory directory;
+  for (const auto& [line, same] : {std::pair("help", "--help"), {"help thin", "thin --help"}}) {
+    const Ran ran = run(directory, line);
+    CHECK(ran.status == 0);
+    CHECK(ran.output == run(directory, same).output);
+  }
+}
+
 TEST_CASE("the version says what the program is made of") {
   const TemporaryDirectory directory;
+  CHECK(run(directory, "-V").output == run(directory, "--version").output);
   const std::string text = run(directory, "--version").output;
   CHECK(text.starts_with("ccvt " CCVT_VERSION "\ncompiler: "));
   for (const char* const part :

@@ -56,6 +56,19 @@ TEST_CASE("particles: sample writes a load, analyze takes its box from it") {
     CHECK(of_load[key].get<double>() == doctest::Approx(of_sites[key].get<double>()).epsilon(1e-4));
   }
   CHECK(analyze("one.gadget --box 0 0 0 60 60 60")["periodic"] == false);
+  const auto tessellate = [&](const std::string& arguments) {
+    return run(directory, "tessellate one.gadget --sites 7 -q -o cells.npy " + arguments);
+  };
+  CHECK(tessellate("--periodic").status == 0);
+  const std::string of_own_box = get(directory / "cells.npy");
+  CHECK(tessellate("--periodic --box 0 0 0 50 50 50").status == 0);
+  CHECK(get(directory / "cells.npy") == of_own_box);
+  CHECK(tessellate("--periodic-along 1,3").status == 0);
+  CHECK(get(directory / "cells.npy") != of_own_box);
+  CHECK(tessellate("--periodic --columns 1,2").errors.find("--periodic: needs --box") !=
+        std::string::npos);
+  CHECK(tessellate("--periodic --whiten").errors.find("--whiten: excludes --box") !=
+        std::string::npos);
   const Ran other = run(directory, "analyze one.gadget a.gadget -o out");
   CHECK(other.status == 2);
   CHECK(other.errors.find("a.gadget: fills another box than one.gadget") != std::string::npos);

@@ -363,6 +363,12 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
   check("v.raw --shape 2,2,3 --type uint8", "is truncated");
   check("v.raw --shape 2,0,3 --type uint8", "of at least 1");
   check("v.raw --shape 2,2,2 --type uint8 --spacing 1,0,1", "above 0");
+  check("v.raw --shape 2,2,2 --type uint8 --spacing 1,1e200,1", "--spacing: '1e200' is not");
+  check("v.raw --shape 2,2,2 --type uint8 --spacing 1e-120,1e-120,1e-120",
+        "or flat: a cell's volume is 0");
+  check(
+      "v.raw --shape 2,2,2 --type uint8 --origin 0,1e20,0",
+      "v.raw: has its origin at (0, 1e+20, 0), too far away to tell its cells along axis 1 apart");
   CHECK(directory.entries() == before);
 }
 

@@ -99,11 +99,12 @@ struct CCVT_EXPORT Options {
   /// With so many points a site or more, in the mean, a level is not lowered by exchanges of pairs,
   /// which creep the more the finer the points are. Until stable, and if the finest level has four
   /// times as many: by quasi-Newton steps of all sites at once, on power diagrams [Liu et al. 2009;
-  /// de Goes et al. 2012]; pairs settle the rest on the finest. If it has less, but is not the only
-  /// one, by one such step there, before pairs. Until blue_noise: the points of
-  /// such a level, beyond the first level, change their owners to those of one power diagram. In
-  /// both cases with `pairs` that meet, and where cells have no more than 64 neighbours in the mean
-  /// and 512 at most, and are small beside a torus; else by pairs. At least 0; 0: never.
+  /// de Goes et al. 2012]; pairs settle the rest on the finest, and where that takes hundreds of
+  /// passes, such steps come again. If it has less, but is not the only one, by one such step
+  /// there, before pairs. Until blue_noise: the points of such a level, beyond the first level,
+  /// change their owners to those of one power diagram. In both cases with `pairs` that meet, and
+  /// where cells have no more than 64 neighbours in the mean and 512 at most, and are small beside
+  /// a torus; else by pairs. At least 0; 0: never.
   int descent_points = 512;
 
   SwapMethod swap = SwapMethod::median;

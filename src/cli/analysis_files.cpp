@@ -109,7 +109,7 @@ std::vector<Figure> figures_of(const Analysis& analysis) {
     figures.push_back({"six_sided", "six-sided cells",
                        "Share of the Voronoi cells with six neighbours", analysis.order.six_sided});
   }
-  figures.push_back({"star_discrepancy", "star discrepancy",
+  figures.push_back({"star_discrepancy", "L2 star discrepancy",
                      "L2 star discrepancy in the box, by Warnock's formula",
                      analysis.star_discrepancy});
   const char* const what =

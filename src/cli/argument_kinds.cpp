@@ -42,7 +42,14 @@ CLI::Option* add_path(CLI::App& app, const std::string& name, const Take& take,
   auto* const option = app.add_option_function<std::string>(name, take, description);
   option->type_name(placeholder);
   option->check(CLI::Validator(
-      [](std::string& text) { return text.empty() ? std::string("is empty") : std::string(); },
+      [](std::string& text) -> std::string {
+        if (text.empty()) return "is empty";
+        // Of -o=FILE.
+        if (text.front() == '=') {
+          return "'" + text + "' begins with '='; a file of that name is './" + text + "'";
+        }
+        return {};
+      },
       ""));
   return option;
 }
@@ -222,6 +229,10 @@ std::vector<std::string> reversed_arguments(int argc, const char* const* argv) {
     for (; i + 1 < argc && is_number(argv[i + 1]); ++i) {
       word += (word == "--box" ? "=" : " ") + std::string(argv[i + 1]);
     }
+  }
+  if (!result.empty() && result.front() == "help") {
+    result.erase(result.begin());
+    result.emplace_back("--help");
   }
   std::reverse(result.begin(), result.end());
   return result;

@@ -37,7 +37,8 @@ constexpr const char* kExamples =
 }  // namespace
 
 void set_up(CLI::App& app) {
-  app.set_version_flag("--version", version_text, "Print what this program is made of, and exit");
+  app.set_version_flag("-V,--version", version_text,
+                       "Print what this program is made of, and exit");
   app.set_help_flag("-h,--help", "Print this help, and exit");
   app.require_subcommand(1);
   app.formatter(std::make_shared<HelpFormatter>());

@@ -166,10 +166,11 @@ int finish(const CommonArguments& common, Publication& outputs, const Summary& s
   const int status = publish(outputs);
   warn(common.quiet, summary.warnings);
   if (!common.quiet && put_back && put_back->sites > 0) {
-    const char* const where = common.command == "stipple" ? " dots lay where the picture is blank"
-                                                          : " sites lay where the density is 0";
-    print("put back: " + std::to_string(put_back->sites) + where +
-          ", and are now on the nearest point of their cells, up to " +
+    const bool dots = common.command == "stipple";
+    const bool one = put_back->sites == 1;
+    print("put back: " + std::to_string(put_back->sites) + (dots ? " dot" : " site") +
+          (one ? "" : "s") + " lay where the " + (dots ? "picture is blank" : "density is 0") +
+          ", now on the nearest point of " + (one ? "its cell" : "their cells") + ", up to " +
           text(put_back->farthest, 3) + " away\n");
   }
   if (!common.quiet) print(summary.brief() + "\n");

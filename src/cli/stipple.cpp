@@ -1,5 +1,6 @@
 #include "ccvt/stipple.h"
 
+#include <algorithm>
 #include <cstdint>
 
 #include "ccvt/io.h"
@@ -8,10 +9,22 @@
 #include "cli/outputs.h"
 #include "cli/run.h"
 #include "io/formats.h"
+#include "number_text.h"
 
 namespace ccvt::cli {
 
 namespace {
+
+/// Dots that are asked to be small may be paler than a picture of 256 greys can show.
+void warn_if_blank(const StippleArguments& arguments, const Image& drawn) {
+  constexpr float kWhite = 1 - 0.5F / 255;
+  if (std::any_of(drawn.values.begin(), drawn.values.end(), [](float v) { return v < kWhite; })) {
+    return;
+  }
+  warn(arguments.quiet,
+       {concat(arguments.output.string(), " is white: its pixels, ", drawn.width, " x ",
+               drawn.height, ", are too large for dots of radius ", arguments.dot_radius)});
+}
 
 template <class Scalar>
 int stipple_file(const StippleArguments& arguments) {
@@ -38,7 +51,9 @@ int stipple_file(const StippleArguments& arguments) {
   if (extension == ".svg") {
     write_svg(arguments.output, stippling);
   } else if (extension == ".png") {
-    write_png(arguments.output, render(stippling));
+    const Image drawn = render(stippling);
+    write_png(arguments.output, drawn);
+    warn_if_blank(arguments, drawn);
   } else {
     write_points(arguments.output, stippling.dots);
   }

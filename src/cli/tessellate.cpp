@@ -30,11 +30,21 @@ std::optional<LinearMap> make_map(const TessellateArguments& arguments,
   return units_of(arguments, static_cast<int>(points.rows()));
 }
 
+bool is_periodic(const TessellateArguments& arguments) {
+  return arguments.periodic || !arguments.periodic_along.empty();
+}
+
+[[noreturn]] void fail_without_box(const TessellateArguments& arguments) {
+  throw InvalidInput(
+      std::string(arguments.periodic_along.empty() ? "--periodic" : "--periodic-along") +
+      ": needs --box, the bounds of one period; see ccvt tessellate --help");
+}
+
 template <class Scalar>
 int tessellate_file(const TessellateArguments& arguments, const PointsHeader& header) {
   const KeptRun kept(arguments);
   check_memory(arguments.points.string(), header.count, header.dimension, sizeof(Scalar));
-  Domain domain = make_domain(arguments, header.dimension);
+  Domain domain = make_domain(arguments, header);
   Points<Scalar> initial_sites;
   Points<Scalar> fixed_sites(header.dimension, 0);
   Points<Scalar> mapped_fixed_sites;
@@ -89,9 +99,13 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
 
 }  // namespace
 
-Domain make_domain(const TessellateArguments& arguments, int dimension) {
-  if (arguments.box.empty()) return {};
-  Box box = make_box(arguments.box, dimension, arguments.points.string());
+Domain make_domain(const TessellateArguments& arguments, const PointsHeader& header) {
+  const int dimension = header.dimension;
+  if (arguments.box.empty() && !is_periodic(arguments)) return {};
+  if (arguments.box.empty() && header.box.empty()) fail_without_box(arguments);
+  Box box = arguments.box.empty()
+                ? Box{Coordinates::constant(dimension, 0), Coordinates(header.box)}
+                : make_box(arguments.box, dimension, arguments.points.string());
   std::vector<bool> along(static_cast<std::size_t>(dimension), arguments.periodic);
   for (const int d : arguments.periodic_along) {
     if (d > dimension) {
@@ -117,14 +131,15 @@ void check_arguments(const TessellateArguments& arguments) {
   if (arguments.sites == 0 && arguments.initial_sites.empty()) {
     throw InvalidInput("tessellate: needs --sites or --initial-sites; see ccvt tessellate --help");
   }
-  const bool along = !arguments.periodic_along.empty();
-  if ((arguments.periodic || along) && arguments.box.empty()) {
-    throw InvalidInput(std::string(along ? "--periodic-along" : "--periodic") +
-                       ": needs --box, the bounds of one period; see ccvt tessellate --help");
+  const bool may_have_box = io::is_among(io::kParticleFiles, io::extension_of(arguments.points)) &&
+                            arguments.reading.columns.empty();
+  if (is_periodic(arguments) && arguments.box.empty() && !may_have_box) {
+    fail_without_box(arguments);
   }
-  if (arguments.whiten && (!arguments.units.empty() || !arguments.box.empty())) {
-    throw InvalidInput(std::string("--whiten: excludes ") +
-                       (arguments.units.empty() ? "--box, which it would turn" : "--units"));
+  if (!arguments.whiten) return;
+  if (!arguments.units.empty()) throw InvalidInput("--whiten: excludes --units");
+  if (!arguments.box.empty() || is_periodic(arguments)) {
+    throw InvalidInput("--whiten: excludes --box, which it would turn");
   }
 }
 
@@ -152,7 +167,7 @@ int run_tessellate(const TessellateArguments& arguments) {
   TessellateArguments chosen = arguments;
   chosen.reading = reading;
   if (has_masses) {
-    return run_with_masses(chosen, header, make_domain(chosen, header.dimension));
+    return run_with_masses(chosen, header, make_domain(chosen, header));
   }
   return chosen.scalar.value_or(header.scalar) == ScalarType::float32
              ? tessellate_file<float>(chosen, header)

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "ccvt/domain.h"
+#include "ccvt/io.h"
 #include "ccvt/linear_map.h"
 #include "ccvt/types.h"
 #include "cli/arguments.h"
@@ -16,8 +17,8 @@ void check_arguments(const TessellateArguments& arguments);
 /// Throws InvalidInput unless the files can be written.
 void check_outputs(const TessellateArguments& arguments);
 
-/// What the options say of the domain of points of so many dimensions.
-Domain make_domain(const TessellateArguments& arguments, int dimension);
+/// What the options say of the domain of points, with the file's box where they do not say which.
+Domain make_domain(const TessellateArguments& arguments, const PointsHeader& header);
 
 /// How distances are measured by --units; none without. Of points of so many dimensions.
 std::optional<LinearMap> units_of(const TessellateArguments& arguments, int dimension);

@@ -94,7 +94,8 @@ CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
             io::kTableFiles);
   add_spaces(*command, arguments);
   add_masses(*command, arguments.mass);
-  add_box(*command, arguments.box, "The box that holds the points");
+  add_box(*command, arguments.box,
+          "The box that holds the points [with --periodic that of a particle load]");
   add_common(*command, arguments, io::kTableFiles, "as the points are stored; text: float64",
              "stable");
   add_checkpoint(*command, arguments);

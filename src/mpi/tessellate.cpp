@@ -44,7 +44,7 @@ Inputs<Scalar> read_inputs(const Session& session, const Session::Share& share,
   session.check_memory(arguments.points.string(), share.size(), header.dimension, sizeof(Scalar),
                        all / std::max<Index>(1, arguments.sites));
   Inputs<Scalar> read;
-  read.domain = cli::make_domain(arguments, header.dimension);
+  read.domain = cli::make_domain(arguments, header);
   read.points = read_points<Scalar>(arguments.points, share.of(arguments.reading));
   const auto sites = [&](const std::filesystem::path& file, const char* what) {
     return file.empty() ? Points<Scalar>(header.dimension, 0)

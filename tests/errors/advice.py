@@ -85,6 +85,7 @@ ADVICE = {
     "src/io/input_file.cpp": "Check the name, the permissions and whether the file is complete.",
     "src/io/jpeg_decoder.cpp": _DAMAGED + " Convert other kinds of JPEG to 8-bit RGB or grey.",
     "src/io/lines.cpp": _DAMAGED,
+    "src/io/mapped_points.cpp": "Replace files when nobody is opening them.",
     "src/io/mapped_file.cpp": "Nobody may write to a file that is mapped; let there be address space "
                               "for all of it.",
     "src/io/mesh_file.cpp": "Meshes need triangles or polygons of vertices that exist; densities are "
@@ -179,6 +180,8 @@ CANNOT_BE_PROVOKED = {
     ("src/mpi/shared_file.cpp", ": cannot be opened by all ranks: "): "needs machines that do not see the same "
                                                                   "files",
     ("src/cli/analyze.cpp", ": cannot be read"): _KERNEL,
+    ("src/io/mapped_points.cpp", "has changed while it was read"):
+        "needs a file that is replaced between two system calls",
     ("src/io/input_file.cpp", ": cannot be read: "): _KERNEL,
     ("src/io/input_file.cpp", ": its size is unknown: "): _KERNEL,
     ("src/io/hdf5_absent.cpp",

@@ -109,6 +109,8 @@ def test_results_own_their_memory(points):
     (lambda p: ccvt.sample_volume(np.ones((3, 3)), 2, threshold=np.nan), "threshold: is nan"),
     (lambda p: ccvt.sample_volume(np.ones((3, 3)), 2, window=(2,)), r"window: is \(2,\)"),
     (lambda p: ccvt.sample_volume(np.ones((3, 3)), 2, window=(1, 2), gamma=2), "gamma: cannot"),
+    (lambda p: ccvt.sample_volume(-np.ones((3, 3)), 2, gamma=2, invert=True),
+     "gamma: the greatest value is -1.0, but must be positive"),
     (lambda p: ccvt.stipple(np.ones((4, 4)), 3), "image: is white everywhere"),
     (lambda p: ccvt.stipple(np.full((4, 4), 7.), 3), "from 0 .black. to 1"),
     (lambda p: ccvt.stipple(np.zeros((4, 4), int), 3), "image: is of int64"),

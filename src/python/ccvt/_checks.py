@@ -39,6 +39,13 @@ def finite(name: str, value: Any) -> float:
     return number
 
 
+def share(name: str, value: Any) -> float:
+    number = real(name, value)
+    if not 0 <= number < 1:
+        raise ValueError(f"{name}: is {number}, but must be at least 0 and less than 1")
+    return number
+
+
 def seed_of(value: Any) -> int:
     return whole("seed", value, 0, _UINT64_MAX)
 

@@ -81,7 +81,10 @@ def _map(
             given.update(gamma=_checks.real("gamma", gamma))
         if gamma is not None or invert:
             inside = values if mask is None else values[mask != 0]
-            given.update(greatest=float(inside.max()) if inside.size else 0.0)
+            greatest = float(inside.max()) if inside.size else 0.0
+            if gamma is not None and greatest <= 0:
+                raise ValueError(f"gamma: the greatest value is {greatest}, but must be positive")
+            given.update(greatest=greatest)
     return given
 
 
@@ -225,7 +228,12 @@ def _grey(image: Any) -> Array:
             "channels of colour"
         )
     if not (np.all(values >= 0) and np.all(values <= np.float32(1.0001))):
-        raise ValueError("image: floats must be from 0 (black) to 1 (white)")
+        outside = ~((values >= 0) & (values <= np.float32(1.0001)))
+        row, column = np.argwhere(outside)[0]
+        raise ValueError(
+            f"image: entry ({row}, {column}) is {values[row, column]}, but floats must be from "
+            "0 (black) to 1 (white)"
+        )
     return np.ascontiguousarray(np.minimum(values, np.float32(1)))
 
 

@@ -237,8 +237,8 @@ class BalancedKMeans(Estimator):
         options: Dict[str, Any] = {
             "method": self.method,
             "max_iter": _checks.whole("max_iter", self.max_iter, 0),
-            "tol": _checks.real("tol", self.tol),
-            "gap": _checks.real("gap", self.gap),
+            "tol": _checks.share("tol", self.tol),
+            "gap": _checks.share("gap", self.gap),
             "seed": self._seed(),
             "threads": self._threads(),
         }

@@ -371,6 +371,7 @@ class Analysis:
     psi6_local, psi6_global, six_sided : float
         Bond order; in 2D only.
     star_discrepancy : float
+        In the L2 norm.
     integration_gaussian, integration_disk, integration_step : float
         Variance of integrals of such functions, over that of white noise.
     """
