@@ -79,6 +79,13 @@ function(install_and_consume binary_dir name)
     if(result EQUAL 0 OR NOT errors MATCHES "libopenmpi-dev")
       message(FATAL_ERROR "Without MPI, find_package(ccvt COMPONENTS mpi) says: ${errors}")
     endif()
+  else()
+    execute_process(COMMAND ${CMAKE_COMMAND} -S ${consumer} -B ${WORK_DIR}/${name}_mpi ${common}
+      -D CMAKE_PREFIX_PATH=${WORK_DIR}/${name} -D CMAKE_FIND_USE_PACKAGE_REGISTRY=OFF -D MPI=ON
+      OUTPUT_QUIET ERROR_VARIABLE errors RESULT_VARIABLE result)
+    if(result EQUAL 0 OR NOT errors MATCHES "without -DCCVT_BUILD_MPI=ON")
+      message(FATAL_ERROR "Built without MPI, find_package(ccvt COMPONENTS mpi) says: ${errors}")
+    endif()
   endif()
 
   find_program(PKG_CONFIG NAMES pkgconf pkg-config REQUIRED)
