@@ -220,6 +220,8 @@ TEST_CASE("help is a command, too") {
     CHECK(ran.status == 0);
     CHECK(ran.output == run(directory, same).output);
   }
+  CHECK(run(directory, "help thn").errors.find("unknown command 'thn'; did you mean thin?") !=
+        std::string::npos);
 }
 
 TEST_CASE("the version says what the program is made of") {

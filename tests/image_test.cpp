@@ -236,6 +236,7 @@ TEST_CASE("pictures are turned upright as their Exif data say") {
         make_png(3, 2, 8, 0, {0, 51, 102, 153, 204, 255}, png_chunk("eXIf", nothing));
     CHECK(read_image(put(directory / "p.png", bytes)).width == 3);
   }
+  CHECK(read_image(put(directory / "p.png", upright + exif)).width == 3);  // behind the end
   // What says nothing, or nothing that can be.
   const std::string right = little(6);
   for (std::size_t size = 0; size < right.size() - 3; ++size) {

@@ -67,7 +67,7 @@ TEST_CASE("particles: sample writes a load, analyze takes its box from it") {
   CHECK(get(directory / "cells.npy") != of_own_box);
   CHECK(tessellate("--periodic --columns 1,2").errors.find("--periodic: needs --box") !=
         std::string::npos);
-  CHECK(tessellate("--periodic --whiten").errors.find("--whiten: excludes --box") !=
+  CHECK(tessellate("--periodic --whiten").errors.find("--whiten: excludes periodic boxes") !=
         std::string::npos);
   const Ran other = run(directory, "analyze one.gadget a.gadget -o out");
   CHECK(other.status == 2);

@@ -270,6 +270,13 @@ TEST_CASE("samples are as dense as the vertices say") {
   }
 }
 
+TEST_CASE("weights are finite where the integral is") {
+  TriangleMesh mesh = square(2);
+  mesh.density.assign(static_cast<std::size_t>(mesh.vertices.cols()), 1e306);
+  const auto samples = ccvt::sample_surface<float>(mesh, 4, options(20000));
+  for (const double weight : samples.weights) CHECK(weight == doctest::Approx(2.5e305));
+}
+
 TEST_CASE("one seed gives the same samples for any number of threads") {
   const TriangleMesh mesh = torus(40, 20);
   const auto run = [&](int threads, std::uint64_t seed) {

@@ -365,7 +365,8 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
   check("v.raw --shape 2,2,2 --type uint8 --spacing 1,0,1", "above 0");
   check("v.raw --shape 2,2,2 --type uint8 --spacing 1,1e200,1", "--spacing: '1e200' is not");
   check("v.raw --shape 2,2,2 --type uint8 --spacing 1e-120,1e-120,1e-120",
-        "or flat: a cell's volume is 0");
+        "or flat: the volume of a cell is 0");
+  check("v.raw --shape 2,2,2 --type uint8 --origin 1e16,0,0", "along axis 0 apart");
   check(
       "v.raw --shape 2,2,2 --type uint8 --origin 0,1e20,0",
       "v.raw: has its origin at (0, 1e+20, 0), too far away to tell its cells along axis 1 apart");

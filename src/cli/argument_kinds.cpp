@@ -230,10 +230,6 @@ std::vector<std::string> reversed_arguments(int argc, const char* const* argv) {
       word += (word == "--box" ? "=" : " ") + std::string(argv[i + 1]);
     }
   }
-  if (!result.empty() && result.front() == "help") {
-    result.erase(result.begin());
-    result.emplace_back("--help");
-  }
   std::reverse(result.begin(), result.end());
   return result;
 }

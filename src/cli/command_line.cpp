@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <memory>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "cli/argument_kinds.h"
 #include "cli/commands.h"
@@ -46,8 +49,18 @@ void set_up(CLI::App& app) {
 
 int parse_and_run(CLI::App& app, const Commands& commands, int argc, const char* const* argv,
                   const std::function<void(const std::string&)>& show) {
+  std::vector<std::string> words = reversed_arguments(argc, argv);
+  if (!words.empty() && words.back() == "help") {
+    words.pop_back();
+    // What is no command is left to be refused.
+    const std::vector<const CLI::App*> all = commands_of(app);
+    const auto is_meant = [&](const CLI::App* one) { return one->get_name() == words.back(); };
+    if (words.empty() || std::any_of(all.begin(), all.end(), is_meant)) {
+      words.insert(words.begin(), "--help");
+    }
+  }
   try {
-    app.parse(reversed_arguments(argc, argv));
+    app.parse(std::move(words));
   } catch (const CLI::Success& success) {  // help, version
     std::ostringstream text;
     const int status = app.exit(success, text);

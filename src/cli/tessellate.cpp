@@ -131,15 +131,19 @@ void check_arguments(const TessellateArguments& arguments) {
   if (arguments.sites == 0 && arguments.initial_sites.empty()) {
     throw InvalidInput("tessellate: needs --sites or --initial-sites; see ccvt tessellate --help");
   }
+  if (arguments.whiten && !arguments.units.empty()) {
+    throw InvalidInput("--whiten: excludes --units");
+  }
+  if (arguments.whiten && !arguments.box.empty()) {
+    throw InvalidInput("--whiten: excludes --box, which it would turn");
+  }
+  if (arguments.whiten && is_periodic(arguments)) {
+    throw InvalidInput("--whiten: excludes periodic boxes, which it would turn");
+  }
   const bool may_have_box = io::is_among(io::kParticleFiles, io::extension_of(arguments.points)) &&
                             arguments.reading.columns.empty();
   if (is_periodic(arguments) && arguments.box.empty() && !may_have_box) {
     fail_without_box(arguments);
-  }
-  if (!arguments.whiten) return;
-  if (!arguments.units.empty()) throw InvalidInput("--whiten: excludes --units");
-  if (!arguments.box.empty() || is_periodic(arguments)) {
-    throw InvalidInput("--whiten: excludes --box, which it would turn");
   }
 }
 

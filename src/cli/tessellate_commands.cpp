@@ -20,7 +20,8 @@ void add_fixed_sites(CLI::App& command, std::filesystem::path& target) {
 /// What distances are.
 void add_spaces(CLI::App& command, TessellateArguments& arguments) {
   constexpr double infinity = std::numeric_limits<double>::max();
-  add_flag(command, "--periodic", arguments.periodic, "Opposite faces of --box are one");
+  add_flag(command, "--periodic", arguments.periodic,
+           "Opposite faces of --box, or of a particle load's, are one");
   auto* const along = add_parsed(
       command, "--periodic-along", arguments.periodic_along,
       [](const std::string& text, std::vector<int>& values) {
@@ -95,7 +96,7 @@ CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
   add_spaces(*command, arguments);
   add_masses(*command, arguments.mass);
   add_box(*command, arguments.box,
-          "The box that holds the points [with --periodic that of a particle load]");
+          "The box that holds the points [of a particle load that is periodic its own]");
   add_common(*command, arguments, io::kTableFiles, "as the points are stored; text: float64",
              "stable");
   add_checkpoint(*command, arguments);

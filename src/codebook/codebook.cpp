@@ -305,11 +305,21 @@ double Codebook::distortion(Ranks& ranks, PointsView<Scalar> own,
   return sum.value() / static_cast<double>(all);
 }
 
+namespace {
+
+/// Of paths that the system does not let be followed it is left to the writers to say so.
+bool are_one_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code error;
+  const std::filesystem::path whole = std::filesystem::weakly_canonical(a, error);
+  return !error && whole == std::filesystem::weakly_canonical(b, error) && !error;
+}
+
+}  // namespace
+
 void Codebook::save(const std::filesystem::path& codewords,
                     const std::filesystem::path& weights) const {
   require_codewords(*this);
-  if (!weights.empty() &&
-      std::filesystem::weakly_canonical(weights) == std::filesystem::weakly_canonical(codewords)) {
+  if (!weights.empty() && are_one_file(weights, codewords)) {
     throw InvalidInput("weights: are to go into " + weights.string() +
                        ", as the codewords are; the two files must differ");
   }

@@ -248,13 +248,13 @@ void Trainer<Scalar>::train() {
 template <class Scalar>
 void Trainer<Scalar>::settle_for_less() {
   summary_.termination = Termination::cancelled;
+  std::string warning;
   if (options_.method == CodebookMethod::exact) {
     summary_.gap = 1;
     std::fill(weights_.begin(), weights_.end(), 0.0);
-    summary_.warnings.emplace_back(
+    warning =
         "training ended before an exact assignment: codes keep the capacities, but may cost far "
-        "more "
-        "than they need to, and weights are 0");
+        "more than they need to, and weights are 0";
   }
   stop_.allow(kTimeToDeal);
   try {
@@ -270,9 +270,9 @@ void Trainer<Scalar>::settle_for_less() {
     for (const SiteNumber s : sites_below(problem_.site_count())) {
       owners_.insert(owners_.end(), static_cast<std::size_t>(problem_.capacities()[s]), s.index());
     }
-    summary_.warnings.emplace_back(
-        "training ended before vectors had codewords: they were dealt out in their order");
+    warning = "training ended before vectors had codewords: they were dealt out in their order";
   }
+  if (!warning.empty()) summary_.warnings.push_back(warning);
   stop_.off();
 }
 

@@ -77,8 +77,9 @@ double ExactAssignment<Scalar>::capacity_gap(const std::vector<double>& weights,
   return gap;
 }
 
-/// A gap that rounding alone can cause: that of sums. Squared distances are rounded as a share of
-/// themselves, however far points are from the origin, and are the same wherever they are computed.
+/// A gap that rounding alone can cause: that of sums. Squared distances are the same wherever they
+/// decide, and rounded as a share of themselves, or, on a torus, of its extent, however far points
+/// are from the origin.
 template <class Scalar>
 double ExactAssignment<Scalar>::rounding(double energy, const std::vector<double>& weights) const {
   const auto [low, high] = std::minmax_element(weights.begin(), weights.end());

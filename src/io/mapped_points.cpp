@@ -45,7 +45,7 @@ struct MappedPoints<Scalar>::Implementation {
     const io::InputFile checked(path);
     io::require_countable(checked, rows.size());
     file.emplace(path, checked.size());
-    // What the layout is of may have been another file.
+    // What the layout is of may have been another file: one of another size is told.
     const auto last = static_cast<std::uint64_t>(layout.stride) * (layout.count - 1);
     const std::uint64_t scalars = last + static_cast<std::uint64_t>(layout.dimension);
     if (layout.offset + scalars * sizeof(Scalar) != checked.size()) {

@@ -23,8 +23,8 @@ constexpr std::uint64_t kMostExpansion = 1032;
 /// all that follows, though it refuses the picture for it.
 constexpr std::size_t kMostSurplus = 4096;
 
-/// As the first chunk of Exif data says, before or behind the picture's own. libpng, which comes to
-/// it at last, or not at all, checks its sum.
+/// As the first chunk of Exif data says, before or behind the picture's own. Its sum is libpng's to
+/// check, which reads on to the end.
 Orientation orientation_of(std::span<const unsigned char> bytes) {
   constexpr std::size_t kSignature = 8;
   constexpr std::size_t kBeforeData = 8;
@@ -33,6 +33,7 @@ Orientation orientation_of(std::span<const unsigned char> bytes) {
   while (bytes.size() >= kAround && at <= bytes.size() - kAround) {
     const std::size_t length = png_get_uint_32(bytes.data() + at);
     if (length > bytes.size() - kAround - at) return {};
+    if (std::memcmp(bytes.data() + at + 4, "IEND", 4) == 0) return {};
     if (std::memcmp(bytes.data() + at + 4, "eXIf", 4) == 0) {
       return Orientation(bytes.subspan(at + kBeforeData, length));
     }

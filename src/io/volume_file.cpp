@@ -250,19 +250,20 @@ void check_volume(const InputFile& file, const VolumeHeader& header) {
     file.fail("scales its values by " + text(header.slope) + " and " + text(header.intercept) +
               "; must be finite");
   }
-  const double volume = header.grid.axes.eigen().determinant();
-  if (!header.grid.origin.eigen().allFinite() || !std::isfinite(volume) || volume == 0) {
-    file.fail(
-        concat("places its cells by axes and an origin that are not finite, or flat: a cell's ",
-               "volume is ", volume));
-  }
   const Eigen::VectorXd origin = header.grid.origin.eigen();
+  const auto place = concat("(", origin[0], ", ", origin[1], ", ", origin[2], ")");
+  if (!origin.allFinite()) file.fail("has its origin at " + place + "; must be finite");
+  const double volume = header.grid.axes.eigen().determinant();
+  if (!std::isfinite(volume) || volume == 0) {
+    file.fail(concat("has axes that are not finite, or flat: the volume of a cell is ", volume));
+  }
   for (Eigen::Index d = 0; d < std::ssize(header.grid.shape); ++d) {
     const auto extent = static_cast<double>(header.grid.shape[static_cast<std::size_t>(d)]);
-    if (origin + extent * header.grid.axes.eigen().col(d) != origin) continue;
-    file.fail(concat("has its origin at ",
-                     std::span(origin.data(), static_cast<std::size_t>(origin.size())),
-                     ", too far away to tell its cells along axis ", d, " apart"));
+    const Eigen::VectorXd cell = header.grid.axes.eigen().col(d);
+    const Eigen::VectorXd end = origin + extent * cell;
+    if (origin + cell != origin && end - cell != end) continue;
+    file.fail(concat("has its origin at ", place, ", too far away to tell its cells along axis ", d,
+                     " apart"));
   }
 }
 

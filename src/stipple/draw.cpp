@@ -112,7 +112,7 @@ Image render(const Stippling<Scalar>& stippling, double scale) {
   // A pixel at distance d from the centre is covered by clamp(r - d + 1/2). The area under that
   // ramp is pi (r^2 + 1/12) from r = 1/2 on: drawn with r^2 - 1/12, a dot keeps its amount of ink.
   // Smaller ones are as wide as that of r = 1/2, so that none falls between the pixels, but paler.
-  constexpr double kLargest = 1e9;  // covers any picture, and has a finite square
+  constexpr double kLargest = 1e150;  // its square is finite
   const double given = std::min(stippling.dot_radius * scale, kLargest);
   const double square = std::max(given * given, 1.0 / 3);
   const double radius = std::sqrt(square - 1.0 / 12);
