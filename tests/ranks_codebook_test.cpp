@@ -195,6 +195,22 @@ TEST_CASE("ranks: what is wrong with vectors to encode is thrown on all") {
         "codes[1] is 5: it must be in 0..2");
   check(messages_of(2, [&](ccvt::Ranks& ranks) { ccvt::code_usage(ranks, {}, 3); }),
         "codes: there are none");
+  const Codebook other(Points<double>(vectors.leftCols(4)));
+  check(messages_of(2,
+                    [&](ccvt::Ranks& ranks) {
+                      const Codebook& one = ranks.rank() == 0 ? codebook : other;
+                      (void)one.encode(ranks, own_of(ranks, vectors));
+                    }),
+        "codewords: rank 1 and rank 0 must be given the same");
+  const Codebook weighted(codebook.codewords(), Eigen::Vector3d(0, 1, 2));
+  const auto encode_unlike = [&](Coding coding) {
+    return messages_of(2, [&](ccvt::Ranks& ranks) {
+      const Codebook& one = ranks.rank() == 0 ? codebook : weighted;
+      (void)one.encode(ranks, own_of(ranks, vectors), coding);
+    });
+  };
+  check(encode_unlike(Coding::weighted), "weights: rank 1 and rank 0 must be given the same");
+  CHECK(encode_unlike(Coding::nearest) == std::set<std::string>{"nothing thrown"});
   // All in one place but for what has no digits, on different ranks.
   Points<double> near = Points<double>::Zero(1, 90);
   near(0, 80) = 1e-160;

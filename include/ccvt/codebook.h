@@ -183,8 +183,8 @@ class CCVT_EXPORT Codebook {
                                           const std::function<bool()>& cancelled = {}) const;
   /// The same of the vectors of all ranks, which make this call together: `own` are those of this
   /// rank, perhaps none, and follow those of the lower ranks; what it gets are their codes. All
-  /// have the same codebook and `coding`. There may be more than 2^31 vectors in all. What is wrong
-  /// on one rank is thrown on all.
+  /// have the same codebook and `coding`, else InvalidInput. There may be more than 2^31 vectors in
+  /// all. What is wrong on one rank is thrown on all.
   template <class Scalar>
   [[nodiscard]] std::vector<Index> encode(Ranks& ranks, PointsView<Scalar> own,
                                           Coding coding = Coding::nearest, int threads = 0) const;

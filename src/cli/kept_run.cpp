@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <chrono>
 #include <fstream>
-#include <iostream>
 #include <system_error>
 #include <thread>
 
@@ -105,11 +104,11 @@ void KeptRun::tell(const CheckpointRecord& record, Progress& progress) const {
   if (quiet_ || record.event == CheckpointRecord::Event::saved) return;
   progress.clear();
   if (record.event == CheckpointRecord::Event::continued) {
-    std::cerr << one_line("ccvt: goes on from " + directory_.string() + ", after iteration " +
-                          std::to_string(record.iteration));
+    cli::tell("goes on from " + directory_.string() + ", after iteration " +
+              std::to_string(record.iteration));
   } else {
-    std::cerr << one_line("ccvt: warning: " + record.failure +
-                          ": the run goes on, and what was kept of it before stays");
+    cli::tell("warning: " + record.failure +
+              ": the run goes on, and what was kept of it before stays");
   }
 }
 
@@ -122,10 +121,9 @@ void KeptRun::end(const Summary& summary) const {
     fs::remove(file_, ignored);
   } else if (!quiet_) {
     const std::string there = directory_.string();
-    std::cerr << one_line(
-        fs::exists(file_, ignored)
-            ? "ccvt: the same command, or one with other limits, goes on from " + there
-            : "ccvt: " + there + ": nothing is kept there: the same command begins anew");
+    cli::tell(fs::exists(file_, ignored)
+                  ? "the same command, or one with other limits, goes on from " + there
+                  : there + ": nothing is kept there: the same command begins anew");
   }
 }
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -22,6 +21,7 @@
 #include "cli/rank_json.h"
 #include "cli/run.h"
 #include "cli/signals.h"
+#include "cli/standard_streams.h"
 #include "cli/streams.h"
 #include "io/formats.h"
 
@@ -124,14 +124,14 @@ void check_memory(const QuantizeArguments& arguments, const PointsHeader& header
       check_bytes(name, std::min<std::uint64_t>(processes * vectors, header.count),
                   header.dimension, bytes, processes);
   if (!arguments.quiet && bytes >= kWorthTelling) {
-    std::cerr << one_line("ccvt: " + name + ": training takes up to about " + needed +
-                          " of memory");
+    tell(name + ": training takes up to about " + needed + " of memory");
   }
 }
 
 void check_arguments(const QuantizeArguments& arguments) {
   if (!arguments.image_out.empty() && arguments.image_blocks == 0) {
-    throw InvalidInput("--image-out: needs --image-blocks; see ccvt quantize --help");
+    throw InvalidInput("--image-out: needs --image-blocks; see " + program_name() +
+                       " quantize --help");
   }
   if (!arguments.weights_out.empty() && arguments.method != CodebookMethod::exact) {
     throw InvalidInput("--weights-out: only --method exact finds weights");

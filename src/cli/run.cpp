@@ -130,7 +130,7 @@ void tell_columns(const std::filesystem::path& path, const PointsHeader& header,
   std::string told = path.string() + ": coordinates are " + few_of(header.columns);
   if (header.reordered) told += ", in this order";
   if (!left_out.empty()) told += "; left out: " + few_of(left_out);
-  std::cerr << one_line("ccvt: " + told + advice);
+  tell(told + advice);
 }
 
 PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptions& options,
@@ -148,6 +148,8 @@ std::string one_line(std::string message) {
   return message + "\n";
 }
 
+void tell(const std::string& message) { std::cerr << one_line(program_name() + ": " + message); }
+
 void write_summary(const CommonArguments& common, const Summary& summary,
                    const std::optional<PutBack>& put_back, const std::optional<MassFigures>& masses,
                    const std::optional<RankFigures>& ranks) {
@@ -158,7 +160,7 @@ void write_summary(const CommonArguments& common, const Summary& summary,
 
 void warn(bool quiet, const std::vector<std::string>& warnings) {
   if (quiet) return;
-  for (const std::string& warning : warnings) std::cerr << one_line("ccvt: warning: " + warning);
+  for (const std::string& warning : warnings) tell("warning: " + warning);
 }
 
 int finish(const CommonArguments& common, Publication& outputs, const Summary& summary,

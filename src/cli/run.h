@@ -57,6 +57,8 @@ PointsHeader inspect_and_tell(const std::filesystem::path& path, const ReadOptio
 /// `message` with streams for the files that stand in for them, what is no letter replaced, and a
 /// line end: one line, whatever names it holds.
 std::string one_line(std::string message);
+/// Prints such a line on standard error, behind the program's name.
+void tell(const std::string& message);
 
 /// How far the masses of cells are from their capacities.
 struct MassFigures {

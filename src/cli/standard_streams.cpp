@@ -185,6 +185,8 @@ void refuse_streams(const std::string& program) { refusing() = program; }
 
 bool streams_are_refused() { return !refusing().empty(); }
 
+std::string program_name() { return streams_are_refused() ? refusing() : "ccvt"; }
+
 bool names_stream(const std::string& text) {
   return text == "-" || (text.ends_with(kMark) && text.size() > kMark.size() &&
                          text.find('/') == std::string::npos);

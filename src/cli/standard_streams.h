@@ -16,6 +16,8 @@ enum class Stream { input, output };
 /// From now on stand_in() throws InvalidInput: `program` knows files only.
 void refuse_streams(const std::string& program);
 [[nodiscard]] bool streams_are_refused();
+/// The program that runs: ccvt, or what refuses streams.
+[[nodiscard]] std::string program_name();
 
 /// "-", or "npy:-".
 bool names_stream(const std::string& text);

@@ -14,6 +14,7 @@
 #include "cli/memory.h"
 #include "cli/outputs.h"
 #include "cli/run.h"
+#include "cli/standard_streams.h"
 #include "cli/tessellate_masses.h"
 
 namespace ccvt::cli {
@@ -37,7 +38,7 @@ bool is_periodic(const TessellateArguments& arguments) {
 [[noreturn]] void fail_without_box(const TessellateArguments& arguments) {
   throw InvalidInput(
       std::string(arguments.periodic_along.empty() ? "--periodic" : "--periodic-along") +
-      ": needs --box, the bounds of one period; see ccvt tessellate --help");
+      ": needs --box, the bounds of one period; see " + program_name() + " tessellate --help");
 }
 
 template <class Scalar>
@@ -129,7 +130,8 @@ std::optional<LinearMap> units_of(const TessellateArguments& arguments, int dime
 
 void check_arguments(const TessellateArguments& arguments) {
   if (arguments.sites == 0 && arguments.initial_sites.empty()) {
-    throw InvalidInput("tessellate: needs --sites or --initial-sites; see ccvt tessellate --help");
+    throw InvalidInput("tessellate: needs --sites or --initial-sites; see " + program_name() +
+                       " tessellate --help");
   }
   if (arguments.whiten && !arguments.units.empty()) {
     throw InvalidInput("--whiten: excludes --units");

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cli/outputs.h"
+#include "cli/standard_streams.h"
 #include "cli/volume_input.h"
 #include "io/formats.h"
 
@@ -124,7 +125,8 @@ std::vector<std::uint8_t> reordered(const std::vector<std::uint8_t>& mask, const
 
 void check_mask_options(const VolumeArguments& arguments) {
   if (!arguments.labels.empty() && arguments.mask.empty()) {
-    throw InvalidInput("--label: needs --mask, the volume of labels; see ccvt volume --help");
+    throw InvalidInput("--label: needs --mask, the volume of labels; see " + program_name() +
+                       " volume --help");
   }
   if (arguments.mask_layout.type && !is_raw(arguments.mask)) {
     throw InvalidInput(

@@ -10,12 +10,14 @@
 #include "ccvt/io.h"
 #include "ccvt/publication.h"
 #include "cell_sizes.h"
+#include "checkpoint/digest.h"
 #include "checks.h"
 #include "codebook/encode.h"
 #include "exact_sum.h"
 #include "geometry/squares.h"
 #include "number_text.h"
 #include "numbers.h"
+#include "parallel/alike.h"
 #include "parallel/together.h"
 #include "scales.h"
 #include "thread_count.h"
@@ -252,9 +254,15 @@ std::vector<Index> Codebook::encode(Ranks& ranks, PointsView<Scalar> own, Coding
     require_enumerator("coding", coding, Coding::weighted);
     check_vectors(own, dimension(), part.first);
   });
+  const Coordinates weights = weights_for(coding);
+  const auto digest = [](const double* first, std::ptrdiff_t count) {
+    return concat(digest_of(std::span(first, static_cast<std::size_t>(count))));
+  };
+  require_alike(
+      ranks, std::vector<Given>{{"codewords", digest(codewords_.data(), codewords_.size()), false},
+                                {"weights", digest(weights.data(), weights.size()), false}});
   check_extent(&ranks, own, codewords_.eigen());
   std::vector<Index> codes;
-  const Coordinates weights = weights_for(coding);
   agree(&ranks, [&] {
     codes = cheapest_sites(own,
                            {{codewords_.data(), codewords_.data() + codewords_.size()},

@@ -91,6 +91,7 @@ int run_encode(const Session& session, const EncodeArguments& given) {
     if (session.is_first()) cli::check_outputs(arguments);
     header = cli::inspect_and_tell(arguments.vectors, arguments.reading, arguments.quiet);
   });
+  require_one_file(session, arguments.vectors, header);
   return header.scalar == ScalarType::float32 ? encode<float>(session, arguments, header)
                                               : encode<double>(session, arguments, header);
 }

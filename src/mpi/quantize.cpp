@@ -117,6 +117,7 @@ int run_quantize(const Session& session, const QuantizeArguments& given) {
     if (session.is_first()) cli::check_outputs(arguments);
     header = cli::inspect_and_tell(arguments.vectors, arguments.reading, arguments.quiet);
   });
+  require_one_file(session, arguments.vectors, header);
   return header.scalar == ScalarType::float32 ? quantize<float>(session, arguments, header)
                                               : quantize<double>(session, arguments, header);
 }

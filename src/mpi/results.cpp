@@ -2,10 +2,12 @@
 
 #include "ccvt/presets.h"
 #include "ccvt/publication.h"
+#include "checkpoint/digest.h"
 #include "cli/outputs.h"
 #include "cli/streams.h"
 #include "io/formats.h"
 #include "number_text.h"
+#include "parallel/alike.h"
 #include "run.h"
 
 namespace ccvt::mpi {
@@ -15,6 +17,31 @@ void require_parts(const std::filesystem::path& path) {
   if (extension == ".npy" || extension == ".fvecs" || extension == ".bvecs") return;
   throw InvalidInput(path.string() +
                      ": several processes read files in .npy, .fvecs and .bvecs, each its part");
+}
+
+void require_one_file(const Session& session, const std::filesystem::path& path,
+                      const PointsHeader& header) {
+  const std::string name = path.string() + ": its number of ";
+  require_alike(
+      session.ranks(),
+      std::vector<Given>{{name + "rows", concat(header.count)},
+                         {name + "dimensions", concat(header.dimension)},
+                         {name + "bits", header.scalar == ScalarType::float32 ? "32" : "64"}});
+}
+
+void require_one_file(const Session& session, const std::filesystem::path& path,
+                      const VolumeHeader& header) {
+  const std::string name = path.string() + ": its ";
+  std::vector<double> places = {header.slope, header.intercept};
+  places.insert(places.end(), header.grid.origin.begin(), header.grid.origin.end());
+  const auto& axes = header.grid.axes.eigen();
+  places.insert(places.end(), axes.data(), axes.data() + axes.size());
+  require_alike(
+      session.ranks(),
+      std::vector<Given>{
+          {name + "shape", concat(std::span<const std::int64_t>(header.grid.shape))},
+          {name + "type", to_string(header.type)},
+          {name + "scale and places", concat(digest_of(std::span<const double>(places))), false}});
 }
 
 void require_balanced(const cli::CommonArguments& arguments, const std::string& source,

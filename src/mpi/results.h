@@ -9,6 +9,7 @@
 #include "ccvt/io.h"
 #include "ccvt/region.h"
 #include "ccvt/summary.h"
+#include "ccvt/volume.h"
 #include "kept.h"
 #include "session.h"
 #include "shared_file.h"
@@ -24,6 +25,12 @@ inline void require_npy(const std::string& option, const std::filesystem::path& 
 
 /// Throws InvalidInput unless each rank can read its part of such a file.
 void require_parts(const std::filesystem::path& path);
+
+/// Throws InvalidInput, on all ranks, where a file has not the same header on all of them.
+void require_one_file(const Session& session, const std::filesystem::path& path,
+                      const PointsHeader& header);
+void require_one_file(const Session& session, const std::filesystem::path& path,
+                      const VolumeHeader& header);
 
 /// Throws InvalidInput unless points of so many dimensions start balanced, as several ranks can.
 /// `source` is what has them.

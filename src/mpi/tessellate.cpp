@@ -133,6 +133,7 @@ int run_tessellate(const Session& session, const TessellateArguments& given) {
     header = cli::inspect_and_tell(arguments.points, arguments.reading, arguments.quiet);
     require_balanced(arguments, arguments.points.string(), header.dimension);
   });
+  require_one_file(session, arguments.points, header);
   return arguments.scalar.value_or(header.scalar) == ScalarType::float32
              ? tessellate_file<float>(session, arguments, header)
              : tessellate_file<double>(session, arguments, header);

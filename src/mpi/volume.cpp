@@ -123,6 +123,8 @@ int sample(const Session& session, const VolumeArguments& arguments, const Heade
 int run_volume(const Session& session, const VolumeArguments& given) {
   const VolumeArguments arguments = session.own(given);
   const Headers headers = check(session, arguments);
+  require_one_file(session, arguments.volume, headers.volume);
+  if (headers.mask) require_one_file(session, arguments.mask, *headers.mask);
   return arguments.scalar == ScalarType::float64 ? sample<double>(session, arguments, headers)
                                                  : sample<float>(session, arguments, headers);
 }

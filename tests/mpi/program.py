@@ -340,6 +340,15 @@ def faults():
          "row 4999, column 1: nan is not finite")
     pathlib.Path("short.npy").write_bytes(broken[:-9])
     ends(together(3, "tessellate", "short.npy", "--sites", "40", *outputs), 2, "short.npy")
+    # As where each machine has a file of its own under one name.
+    for name, sites in (("a", "10"), ("b", "9")):
+        pathlib.Path(name).mkdir()
+        alone("sample", "--dim", "2", "--sites", sites, "--points-per-site", "50", "-o", f"{name}/x.npy",
+              "--points-out", f"{name}/points.npy")
+    read = [TOGETHER, "tessellate", "points.npy", "--sites", "5", "-o", f"{work.name}/bad-sites.npy"]
+    unlike = [given.mpirun, "-n", "1", "-wdir", "a", *read, ":", "-n", "1", "-wdir", "b", *read]
+    ends(subprocess.run(unlike, capture_output=True, text=True, timeout=300), 2,
+         "points.npy: its number of rows is 450 on rank 1, but 500 on rank 0")
 
 
 def sample_of(sites):
