@@ -216,9 +216,8 @@ class CCVT_EXPORT Codebook {
                                   std::span<const Index> codes) const;
 
   /// As files of points: the codewords, one a row, and the weights, one a row, in another file. An
-  /// empty path: not.
-  /// Both appear together, see publication.h. load() takes weights as read_numbers() does, also of
-  /// shape (n,).
+  /// empty path: not. Both appear together, see publication.h. load() takes weights as
+  /// read_numbers() does, also of shape (n,).
   void save(const std::filesystem::path& codewords,
             const std::filesystem::path& weights = {}) const;
   static Codebook load(const std::filesystem::path& codewords,
