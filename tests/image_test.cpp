@@ -220,9 +220,12 @@ TEST_CASE("pictures are turned upright as their Exif data say") {
     }
   }
   // Of PNG, before the picture's data or behind.
-  const std::string upright = make_png(3, 2, 8, 0, {0, 51, 102, 153, 204, 255});
+  const auto with_chunk = [](const std::string& chunk) {
+    return make_png(3, 2, 8, 0, {0, 51, 102, 153, 204, 255}, chunk);
+  };
+  const std::string upright = with_chunk("");
   const std::string exif = png_chunk("eXIf", little(6));
-  const std::string before = make_png(3, 2, 8, 0, {0, 51, 102, 153, 204, 255}, exif);
+  const std::string before = with_chunk(exif);
   const std::string end = png_chunk("IEND", "");
   const std::string behind = upright.substr(0, upright.size() - end.size()) + exif + end;
   for (const std::string& bytes : {before, behind}) {
@@ -232,8 +235,7 @@ TEST_CASE("pictures are turned upright as their Exif data say") {
     CHECK(image.values == std::vector<float>{0.6F, 0, 0.8F, 0.2F, 1, 0.4F});
   }
   for (const std::string& nothing : {"II*"s, ""s, little(9)}) {
-    const std::string bytes =
-        make_png(3, 2, 8, 0, {0, 51, 102, 153, 204, 255}, png_chunk("eXIf", nothing));
+    const std::string bytes = with_chunk(png_chunk("eXIf", nothing));
     CHECK(read_image(put(directory / "p.png", bytes)).width == 3);
   }
   CHECK(read_image(put(directory / "p.png", upright + exif)).width == 3);  // behind the end

@@ -124,7 +124,7 @@ void check_unit_box(const fs::path& path, const Points<double>& points) {
 /// `ccvt sample` fills. A box that only the file tells is periodic.
 Domain domain_of(const AnalyzeArguments& arguments, const PointsHeader& header) {
   if (arguments.box.empty() && !header.box.empty()) {
-    return Domain::periodic({Coordinates::constant(3, 0), Coordinates(header.box)});
+    return Domain::periodic(box_of(header));
   }
   const Box box = arguments.box.empty() ? Box::unit(header.dimension)
                                         : make_box(arguments.box, header.dimension,

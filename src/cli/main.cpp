@@ -1,5 +1,4 @@
 #include <exception>
-#include <iostream>
 #include <new>
 #include <string>
 
@@ -12,7 +11,7 @@
 namespace {
 
 int report(const std::string& message, int status) {
-  std::cerr << ccvt::cli::one_line("ccvt: error: " + message);
+  ccvt::cli::tell("error: " + message);
   return status;
 }
 

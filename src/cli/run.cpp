@@ -121,6 +121,10 @@ Box make_box(const std::vector<double>& numbers, int dimension, const std::strin
   return box;
 }
 
+Box box_of(const PointsHeader& particles) {
+  return {Coordinates::constant(particles.dimension, 0), Coordinates(particles.box)};
+}
+
 void tell_columns(const std::filesystem::path& path, const PointsHeader& header, bool quiet,
                   const std::string& used, const std::string& advice) {
   std::vector<std::string> left_out = header.left_out;

@@ -27,6 +27,8 @@ Options make_options(const CommonArguments& common, const Options& defaults, Ind
 /// The box that --box gives: all lower bounds, then all upper bounds. Throws InvalidInput unless it
 /// has `dimension` dimensions, those of the points in `file`, of positive extent.
 Box make_box(const std::vector<double>& numbers, int dimension, const std::string& file);
+/// The box that a file of particles names.
+Box box_of(const PointsHeader& particles);
 
 /// Says on standard error, unless `quiet`, which columns are coordinates where others are left out,
 /// they are reordered, or their names do not tell. `used` is another column that is not left out;

@@ -104,9 +104,8 @@ Domain make_domain(const TessellateArguments& arguments, const PointsHeader& hea
   const int dimension = header.dimension;
   if (arguments.box.empty() && !is_periodic(arguments)) return {};
   if (arguments.box.empty() && header.box.empty()) fail_without_box(arguments);
-  Box box = arguments.box.empty()
-                ? Box{Coordinates::constant(dimension, 0), Coordinates(header.box)}
-                : make_box(arguments.box, dimension, arguments.points.string());
+  Box box = arguments.box.empty() ? box_of(header)
+                                  : make_box(arguments.box, dimension, arguments.points.string());
   std::vector<bool> along(static_cast<std::size_t>(dimension), arguments.periodic);
   for (const int d : arguments.periodic_along) {
     if (d > dimension) {

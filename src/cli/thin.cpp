@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <string>
 
 #include "ccvt/point_cloud.h"
@@ -35,26 +34,25 @@ std::string kind_of(const std::filesystem::path& path) {
 }
 
 /// What of the file does not come along, and what of it is not known.
-void tell(const ThinArguments& arguments, const PointCloud& cloud) {
+void tell_of_losses(const ThinArguments& arguments, const PointCloud& cloud) {
   if (arguments.quiet) return;
-  const std::string file = "ccvt: " + arguments.points.string() + ": ";
+  const std::string file = arguments.points.string() + ": ";
   std::string elements;
   for (const std::string& name : cloud.dropped) {
     elements += (elements.empty() ? "'" : ", '") + name.substr(0, 40) + "'";
   }
   if (!elements.empty()) {
-    std::cerr << one_line(file + "only vertices are thinned; dropped: " + elements);
+    tell(file + "only vertices are thinned; dropped: " + elements);
   }
   const bool has_more = !cloud.kept.empty() || cloud.normals.cols() > 0;
   if (has_more && kind_of(arguments.points) != kind_of(arguments.output)) {
-    std::cerr << one_line(file +
-                          "what its points carry besides coordinates is kept in files of its "
-                          "own kind only, not in " +
-                          io::extension_of(arguments.output));
+    tell(
+        file +
+        "what its points carry besides coordinates is kept in files of its own kind only, not in " +
+        io::extension_of(arguments.output));
   }
   if (cloud.unknown_normals > 0) {
-    std::cerr << one_line(
-        concat(file, cloud.unknown_normals, " normals are not finite; nothing is known of these"));
+    tell(concat(file, cloud.unknown_normals, " normals are not finite; nothing is known of these"));
   }
 }
 
@@ -77,9 +75,7 @@ Thinning thin_cloud(const ThinArguments& arguments, const PointCloud& cloud, Ind
 void tell_of_counts(const ThinArguments& arguments, const PointsHeader& header) {
   if (arguments.quiet || !header.columns.empty()) return;
   if (kind_of(arguments.points) != ".csv" || kind_of(arguments.output) != ".csv") return;
-  std::cerr << one_line(
-      "ccvt: the last column written says how many points each one stands for; it is no "
-      "coordinate");
+  tell("the last column written says how many points each one stands for; it is no coordinate");
 }
 
 /// Points that count for another than they would without normals.
@@ -121,7 +117,7 @@ int run_thin(const ThinArguments& arguments) {
     throw InvalidInput("--normal-weight: " + arguments.points.string() +
                        " has no normals nx, ny, nz that could count");
   }
-  tell(arguments, cloud);
+  tell_of_losses(arguments, cloud);
   const Index sites = sites_of(arguments, cloud.points.cols());
   const Thinning result = arguments.scalar.value_or(cloud.scalar) == ScalarType::float32
                               ? thin_cloud<float>(arguments, cloud, sites)

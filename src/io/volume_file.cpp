@@ -251,7 +251,8 @@ void check_volume(const InputFile& file, const VolumeHeader& header) {
               "; must be finite");
   }
   const Eigen::VectorXd origin = header.grid.origin.eigen();
-  const auto place = concat("(", origin[0], ", ", origin[1], ", ", origin[2], ")");
+  const std::string place =
+      concat(std::span(origin.data(), static_cast<std::size_t>(origin.size())));
   if (!origin.allFinite()) file.fail("has its origin at " + place + "; must be finite");
   const double volume = header.grid.axes.eigen().determinant();
   if (!std::isfinite(volume) || volume == 0) {

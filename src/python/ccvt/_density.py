@@ -227,8 +227,8 @@ def _grey(image: Any) -> Array:
             f"image: has the shape {pixels.shape}, but must be (height, width), or with 3 or 4 "
             "channels of colour"
         )
-    if not (np.all(values >= 0) and np.all(values <= np.float32(1.0001))):
-        outside = ~((values >= 0) & (values <= np.float32(1.0001)))
+    outside = ~((values >= 0) & (values <= np.float32(1.0001)))
+    if outside.any():
         row, column = np.argwhere(outside)[0]
         raise ValueError(
             f"image: entry ({row}, {column}) is {values[row, column]}, but floats must be from "
