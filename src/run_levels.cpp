@@ -10,8 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "bounds.h"
 #include "descent/descent.h"
 #include "parallel/loops.h"
+#include "relax/along_curve.h"
 #include "relax/deal.h"
 #include "relax/initialize.h"
 #include "relax/levels.h"
@@ -50,11 +52,17 @@ void Run<Scalar>::divide_points() {
   for (const SiteNumber given : site_of) capacities.push_back(problem.capacities()[given]);
   levels.resize(1);
   levels[0].capacities = capacities;
-  levels = make_levels(capacities, problem.point_count(), options, arena);
-  if (ranks() == nullptr) return;
+  std::vector<Level> made = make_levels(capacities, options);
   const auto first = static_cast<std::size_t>(problem.first_own_point());
-  for (Level& made : levels) {
-    made.joining.keep_own(first, first + static_cast<std::size_t>(problem.points().count));
+  if (made.size() > 1) {
+    const PointsAlongCurve along(own_points(), problem.point_count(),
+                                 box_around_points(problem, arena), arena);
+    share_points(made, along, first, options.seed, arena);
+  }
+  levels = std::move(made);
+  if (ranks() == nullptr) return;
+  for (Level& each : levels) {
+    each.joining.keep_own(first, first + static_cast<std::size_t>(problem.points().count));
   }
 }
 

@@ -18,7 +18,6 @@
 #include "relax/meeting_pairs.h"
 #include "relax/site_graph.h"
 #include "relax/site_order.h"
-#include "relax/subsets.h"
 #include "support/generate.h"
 
 using ccvt::Arena;
@@ -68,40 +67,6 @@ static_assert(!std::is_constructible_v<PointOfAll, PointNumber>);
 static_assert(!std::is_constructible_v<Tile, SiteNumber>);
 static_assert(!std::is_convertible_v<Index, SiteNumber>);
 static_assert(std::is_convertible_v<SiteNumber, std::size_t>);
-
-TEST_CASE("subsets of points are exact, nested and the same for any threads") {
-  for (const std::size_t points : std::initializer_list<std::size_t>{1, 2, 1000, 300000}) {
-    std::vector<std::size_t> sizes;
-    for (const std::size_t divisor : std::initializer_list<std::size_t>{1000, 16, 4, 1}) {
-      if (points >= divisor) sizes.push_back(points / divisor);
-    }
-    std::vector<std::vector<std::size_t>> expected;
-    for (const int threads : {1, 3}) {
-      const ccvt::NestedSubsets subsets(7, 1, points, sizes, Arena(threads));
-      std::vector<std::vector<std::size_t>> members(sizes.size());
-      for (std::size_t p = 0; p < points; ++p) {
-        int in = 0;
-        for (std::size_t s = 0; s <= sizes.size(); ++s) {
-          if (!subsets.members(s).contains(p)) continue;
-          ++in;
-          for (std::size_t larger = s; larger < sizes.size(); ++larger) {
-            members[larger].push_back(p);
-          }
-        }
-        if (in != 1) FAIL("a point is first in one subset, or in none");
-      }
-      for (std::size_t s = 0; s < sizes.size(); ++s) {
-        CHECK(members[s].size() == sizes[s]);
-        std::size_t counted = 0;
-        for (std::size_t b = 0; b * subsets.kBlock < points; ++b) counted += subsets.count(b, s);
-        CHECK(counted == sizes[s]);
-      }
-      if (threads == 1) expected = members;
-      CHECK(members == expected);
-    }
-  }
-  CHECK(ccvt::NestedSubsets(7, 1, 10, {}, Arena(1)).members(0).contains(3));
-}
 
 TEST_CASE("tiles cover the sites in runs, and hold no more points than fit the cache") {
   for (const Index sites : {1, 5, 64, 65, 1000}) {

@@ -187,7 +187,7 @@ TEST_SUITE("point_numbers") {
 
   TEST_CASE("points join by their numbers of this process, wherever these begin") {
     constexpr std::size_t kStart = std::size_t{1} << 33;
-    constexpr std::size_t kBlock = ccvt::NestedSubsets::kBlock;
+    constexpr std::size_t kBlock = JoiningPoints::kBlock;
     // From the middle of one block to that of another, within one, and whole ones.
     const std::size_t begins[] = {5 * kBlock + 100, 7 * kBlock + 3, 2 * kBlock, 10 * kBlock};
     const std::size_t ends[] = {8 * kBlock + 5, 7 * kBlock + 900, 4 * kBlock, 10 * kBlock + 77};

@@ -193,6 +193,18 @@ TEST_CASE("with tiles of one site the schedule is the paper's") {
   }
 }
 
+/// With their points, on a line in their order.
+std::vector<ccvt::Level> levels_of(const std::vector<Index>& capacities, const Options& options) {
+  std::vector<ccvt::Level> levels = ccvt::make_levels(capacities, options);
+  if (levels.size() == 1) return levels;
+  const Index count = ccvt::test::sum_of(capacities);
+  const Eigen::RowVectorXd line = Eigen::RowVectorXd::LinSpaced(count, 0, 1);
+  const ccvt::PointsAlongCurve along(ccvt::OwnPoints<double>(ccvt::view_points(line)), count,
+                                     ccvt::Box::unit(1), ccvt::Arena(2));
+  ccvt::share_points(levels, along, 0, options.seed, ccvt::Arena(2));
+  return levels;
+}
+
 TEST_CASE("levels are nested, exact, and each point joins once") {
   const auto unequal = ccvt::test::unequal_capacities(30);
   for (const auto& capacities : {std::vector<Index>(40, 256), std::vector<Index>(3, 17), unequal,
@@ -206,7 +218,7 @@ TEST_CASE("levels are nested, exact, and each point joins once") {
         Options options;
         options.level_points = level_points;
         options.level_factor = factor;
-        const auto levels = ccvt::make_levels(capacities, points, options);
+        const auto levels = levels_of(capacities, options);
         CHECK(levels.back().capacities == capacities);
         std::vector<int> joins(static_cast<std::size_t>(points), 0);
         Index joined = 0;
@@ -243,7 +255,7 @@ TEST_CASE("levels are nested, exact, and each point joins once") {
 TEST_CASE("the points of a level come in parts of so many, the same for any threads") {
   const std::vector<Index> capacities(1200, 256);  // five blocks of points
   const Index points = ccvt::test::sum_of(capacities);
-  const auto levels = ccvt::make_levels(capacities, points, Options());
+  const auto levels = levels_of(capacities, Options());
   REQUIRE(levels.size() > 1);
   std::vector<int> joins(static_cast<std::size_t>(points), 0);
   for (const auto& level : levels) {
@@ -267,10 +279,10 @@ TEST_CASE("the points of a level come in parts of so many, the same for any thre
 TEST_CASE("without multilevel, or with small capacities, there is one level") {
   const std::vector<Index> capacities(10, 100);
   Options options;
-  CHECK(ccvt::make_levels(capacities, 1000, options).size() == 2);  // 25, 100 points a site
+  CHECK(levels_of(capacities, options).size() == 2);  // 25, 100 points a site
   options.multilevel = false;
-  CHECK(ccvt::make_levels(capacities, 1000, options).size() == 1);
-  CHECK(ccvt::make_levels(std::vector<Index>(10, 15), 150, {}).size() == 1);
+  CHECK(levels_of(capacities, options).size() == 1);
+  CHECK(levels_of(std::vector<Index>(10, 15), {}).size() == 1);
 }
 
 TEST_CASE("every point is as likely as any to be on the coarsest level") {
@@ -280,7 +292,7 @@ TEST_CASE("every point is as likely as any to be on the coarsest level") {
   for (int t = 0; t < trials; ++t) {
     Options options;
     options.seed = static_cast<std::uint64_t>(t);
-    const auto levels = ccvt::make_levels(capacities, 128, options);
+    const auto levels = levels_of(capacities, options);
     REQUIRE(levels.size() == 2);
     for (const auto p : levels[0].joining.all()) ++chosen[p];
   }

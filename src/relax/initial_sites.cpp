@@ -9,6 +9,7 @@
 
 #include "parallel/loops.h"
 #include "parallel/together.h"
+#include "random.h"
 #include "relax/own_points.h"
 #include "relax/subsets.h"
 #include "schedule/tiling.h"
@@ -19,17 +20,18 @@ namespace ccvt {
 namespace {
 
 constexpr std::size_t kSitesPerGrain = 4096;
+constexpr std::size_t kPointsPerGrain = 1 << 16;
 
 /// `count` distinct points, each set of so many equally likely, ascending.
 Buffer<PointOfAll> distinct_points(std::size_t count, std::size_t points, std::uint64_t seed,
                                    const Arena& arena) {
-  const NestedSubsets subset(seed, streams::initial_sites, points, std::array{count}, arena);
-  const NestedSubsets::Members first = subset.members(0);
+  const NestedSubsets subset(NestedSubsets::Order::random, Random(seed, streams::initial_sites),
+                             points, std::array{count}, arena);
   return collect_together<PointOfAll>(
-      arena, points, NestedSubsets::kBlock,
+      arena, points, kPointsPerGrain,
       [&](std::size_t begin, std::size_t end, std::vector<PointOfAll>& out, int) {
         for (std::size_t p = begin; p < end; ++p) {
-          if (first.contains(p)) out.emplace_back(p);
+          if (subset.smallest_with(p) == 0) out.emplace_back(p);
         }
       });
 }

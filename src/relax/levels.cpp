@@ -6,65 +6,91 @@
 #include <utility>
 
 #include "parallel/loops.h"
+#include "parallel/together.h"
+#include "random.h"
+#include "relax/subsets.h"
 #include "streams.h"
 
 namespace ccvt {
 namespace {
 
-constexpr std::size_t kBlock = NestedSubsets::kBlock;
-
 std::int64_t total(std::span<const Index> capacities) {
   return std::accumulate(capacities.begin(), capacities.end(), std::int64_t{0});
 }
 
-/// Levels with their capacities, the coarsest first.
-std::vector<Level> divide(std::span<const Index> capacities, const Options& options) {
-  std::vector<Level> finest_first(1);
-  finest_first[0].capacities.assign(capacities.begin(), capacities.end());
-  const auto coarsest = std::int64_t{options.level_points} * std::ssize(capacities);
-  while (options.multilevel &&
-         total(finest_first.back().capacities) / options.level_factor >= coarsest) {
-    Level coarse;
-    coarse.capacities.reserve(capacities.size());
-    for (const Index c : finest_first.back().capacities) {
-      coarse.capacities.push_back((c - 1) / options.level_factor + 1);
-    }
-    finest_first.push_back(std::move(coarse));
+/// How many points join on each level, of each block: a row a block.
+std::vector<std::size_t> counts_by_block(const LevelOfPoints& own, std::size_t levels,
+                                         std::size_t points, const Arena& arena) {
+  constexpr std::size_t kBlock = JoiningPoints::kBlock;
+  const std::size_t end = own.first + own.level.size();
+  const std::size_t first_block = own.first / kBlock;
+  const std::size_t end_block = own.level.empty() ? first_block : (end - 1) / kBlock + 1;
+  std::vector<std::size_t> counts((end_block - first_block) * levels, 0);
+  arena.for_each(end_block - first_block, 1, [&](std::size_t k) {
+    const std::size_t begin = (first_block + k) * kBlock;
+    const std::size_t last = std::min(begin + kBlock, end);
+    for (std::size_t p = std::max(begin, own.first); p < last; ++p) ++counts[k * levels + own[p]];
+  });
+  if (arena.ranks() == nullptr) return counts;
+  // Two ranks may have points of one block.
+  const std::vector<std::size_t> firsts = of_all(arena.ranks(), first_block);
+  const std::vector<std::size_t> sizes = of_all(arena.ranks(), counts.size());
+  const std::vector<std::size_t> rows = joined(arena.ranks(), std::move(counts), sizes);
+  std::vector<std::size_t> all(((points - 1) / kBlock + 1) * levels, 0);
+  for (std::size_t r = 0, k = 0; r < sizes.size(); ++r) {
+    for (std::size_t c = 0; c < sizes[r]; ++c) all[firsts[r] * levels + c] += rows[k++];
   }
-  std::reverse(finest_first.begin(), finest_first.end());
-  return finest_first;
+  return all;
 }
 
 }  // namespace
 
-/// The points of a level are the first of a random order.
-std::vector<Level> make_levels(std::span<const Index> capacities, std::int64_t points,
-                               const Options& options, const Arena& arena) {
-  std::vector<Level> levels = divide(capacities, options);
-  const auto count = static_cast<std::size_t>(points);
-  std::vector<std::size_t> sizes;
-  for (const Level& level : levels) {
-    sizes.push_back(static_cast<std::size_t>(total(level.capacities)));
-  }
-  sizes.pop_back();  // all points
-  const auto subsets =
-      std::make_shared<NestedSubsets>(options.seed, streams::levels, count, sizes, arena);
-
-  std::vector<std::size_t> counts((count - 1) / kBlock + 1);  // of points that join, in each block
-  for (std::size_t l = 0; l < levels.size(); ++l) {
-    for (std::size_t b = 0; b < counts.size(); ++b) {
-      const std::size_t here =
-          l < sizes.size() ? subsets->count(b, l) : std::min(kBlock, count - b * kBlock);
-      counts[b] = l > 0 ? here - subsets->count(b, l - 1) : here;
+std::vector<Level> make_levels(std::span<const Index> capacities, const Options& options) {
+  std::vector<Level> levels(1);  // the finest first
+  levels[0].capacities.assign(capacities.begin(), capacities.end());
+  const auto coarsest = std::int64_t{options.level_points} * std::ssize(capacities);
+  while (options.multilevel && total(levels.back().capacities) / options.level_factor >= coarsest) {
+    Level coarse;
+    coarse.capacities.reserve(capacities.size());
+    for (const Index c : levels.back().capacities) {
+      coarse.capacities.push_back((c - 1) / options.level_factor + 1);
     }
-    levels[l].joining = JoiningPoints(subsets, l, counts, count);
+    levels.push_back(std::move(coarse));
+  }
+  std::reverse(levels.begin(), levels.end());
+  if (levels.size() == 1) {
+    const auto points = static_cast<std::size_t>(total(capacities));
+    levels[0].joining = JoiningPoints::between(0, points);
   }
   return levels;
 }
 
-JoiningPoints::JoiningPoints(std::shared_ptr<const NestedSubsets> subsets, std::size_t subset,
+void share_points(std::span<Level> levels, const PointsAlongCurve& points, std::size_t first,
+                  std::uint64_t seed, const Arena& arena) {
+  std::vector<std::size_t> sizes;
+  for (const Level& level : levels.first(levels.size() - 1)) {
+    sizes.push_back(static_cast<std::size_t>(total(level.capacities)));
+  }
+  const NestedSubsets subsets(NestedSubsets::Order::even, Random(seed, streams::levels),
+                              points.count(), sizes, arena);
+  const auto own = std::make_shared<LevelOfPoints>();
+  own->level.resize(points.own_count());
+  own->first = first;
+  points.for_each(arena, [&](PointNumber point, std::size_t place, int) {
+    own->level[point] = static_cast<std::uint8_t>(subsets.smallest_with(place));
+  });
+  const std::vector<std::size_t> counts =
+      counts_by_block(*own, levels.size(), points.count(), arena);
+  std::vector<std::size_t> of_level(counts.size() / levels.size());
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    for (std::size_t b = 0; b < of_level.size(); ++b) of_level[b] = counts[b * levels.size() + l];
+    levels[l].joining = JoiningPoints(own, l, of_level, points.count());
+  }
+}
+
+JoiningPoints::JoiningPoints(std::shared_ptr<const LevelOfPoints> levels, std::size_t level,
                              std::span<const std::size_t> counts, std::size_t points)
-    : subsets_(std::move(subsets)), subset_(subset), end_(points) {
+    : levels_(std::move(levels)), level_(level), end_(points) {
   for (const std::size_t count : counts) before_.push_back(before_.back() + count);
 }
 
@@ -96,10 +122,16 @@ Buffer<PointNumber> JoiningPoints::in_blocks(std::size_t first, std::size_t last
   const PointNumber* points_end = points.begin();
   const auto fill = [&](std::size_t block, const auto& joins) {
     PointNumber* next = points.data() + (before_[block] - before_[first]);
-    const std::size_t begin = start_ + block * kBlock;
+    std::size_t begin = start_ + block * kBlock;
     const std::size_t end = std::min({begin + kBlock, end_, own_end});
     // Written in any case, so that there is nothing to predict; the last one not beyond its room.
     PointNumber* const stop = points.data() + (before_[block + 1] - before_[first]);
+    if (levels_ != nullptr && begin < own_begin_) {
+      begin = std::min(own_begin_, end);
+      std::ptrdiff_t own = 0;
+      for (std::size_t p = begin; p < end; ++p) own += joins(p) ? 1 : 0;
+      while (block + 1 < last && stop - next > own) *next++ = PointNumber(-1);
+    }
     for (std::size_t p = begin; p < end && next != stop; ++p) {
       *next = PointNumber(p - own_begin_);  // negative: of a lower rank
       next += joins(p) ? 1 : 0;
@@ -107,9 +139,8 @@ Buffer<PointNumber> JoiningPoints::in_blocks(std::size_t first, std::size_t last
     if (block + 1 == last) points_end = next;
   };
   arena.for_each(last - first, 1, [&](std::size_t k) {
-    if (subsets_ == nullptr) return fill(first + k, [](std::size_t) { return true; });
-    fill(first + k,
-         [members = subsets_->members(subset_)](std::size_t p) { return members.contains(p); });
+    if (levels_ == nullptr) return fill(first + k, [](std::size_t) { return true; });
+    fill(first + k, [this](std::size_t p) { return (*levels_)[p] == level_; });
   });
   if (whole) return points;
   const PointNumber* const begin =

@@ -12,17 +12,28 @@
 #include "numbers.h"
 #include "parallel/arena.h"
 #include "parallel/buffer.h"
-#include "relax/subsets.h"
+#include "relax/along_curve.h"
 
 namespace ccvt {
+
+/// The level on which each point of a rank joins, from the first of them on.
+struct LevelOfPoints {
+  std::vector<std::uint8_t> level;
+  std::size_t first = 0;
+
+  [[nodiscard]] std::uint8_t operator[](std::size_t point) const { return level[point - first]; }
+};
 
 /// The points that join on a level. They are not kept but found again when they are asked for: a
 /// list of all would be the half of a point set in two dimensions.
 class JoiningPoints {
  public:
+  /// Points that are looked at, and counted, together.
+  static constexpr std::size_t kBlock = 1 << 16;
+
   JoiningPoints() = default;
-  /// Those of points 0.. that are in `subset` and in no smaller one: `counts` of each block.
-  JoiningPoints(std::shared_ptr<const NestedSubsets> subsets, std::size_t subset,
+  /// Those of points 0.. on a level: `counts` of each block of points.
+  JoiningPoints(std::shared_ptr<const LevelOfPoints> levels, std::size_t level,
                 std::span<const std::size_t> counts, std::size_t points);
   /// Points start.. to end - 1.
   static JoiningPoints between(std::size_t start, std::size_t end);
@@ -52,7 +63,7 @@ class JoiningPoints {
   [[nodiscard]] std::vector<PointOfAll> parts(std::size_t most) const {
     std::vector<PointOfAll> begins;
     for_blocks(most, [&](std::size_t first, std::size_t) {
-      begins.emplace_back(start_ + first * NestedSubsets::kBlock);
+      begins.emplace_back(start_ + first * kBlock);
     });
     return begins;
   }
@@ -66,8 +77,8 @@ class JoiningPoints {
                      const Visit& visit) const {
     const std::size_t begin = std::max(own_begin_, start_) - start_;
     const std::size_t end = std::max(std::min(own_end_, end_) - start_, begin);
-    std::size_t first = begin / NestedSubsets::kBlock;
-    const std::size_t blocks = (end + NestedSubsets::kBlock - 1) / NestedSubsets::kBlock;
+    std::size_t first = begin / kBlock;
+    const std::size_t blocks = (end + kBlock - 1) / kBlock;
     for_blocks(most_of_all, [&](std::size_t, std::size_t part_end) {
       const std::size_t stop = std::min(part_end, blocks);
       for (std::size_t last = first; first < stop; first = last) {
@@ -90,8 +101,8 @@ class JoiningPoints {
   [[nodiscard]] Buffer<PointNumber> in_blocks(std::size_t first, std::size_t last,
                                               const Arena& arena) const;
 
-  std::shared_ptr<const NestedSubsets> subsets_;
-  std::size_t subset_ = 0;
+  std::shared_ptr<const LevelOfPoints> levels_;  ///< or none: all points join
+  std::size_t level_ = 0;
   std::size_t start_ = 0;
   std::size_t end_ = 0;
   std::size_t own_begin_ = 0;
@@ -105,11 +116,15 @@ struct Level {
   JoiningPoints joining;
 };
 
+/// The levels of a run, the coarsest first. Of the last one capacities are those given; one level
+/// without Options::multilevel, or when capacities are too small to divide. Where there is one, all
+/// points join.
+std::vector<Level> make_levels(std::span<const Index> capacities, const Options& options);
+
 /// Splits the points into nested random subsets: level l holds the points that join on levels
-/// 0..l, as many as its capacities sum to, each subset of that size equally likely. On the last
-/// level all points have joined and capacities are those given. One level without
-/// Options::multilevel, or when capacities are too small to divide. O(m).
-std::vector<Level> make_levels(std::span<const Index> capacities, std::int64_t points,
-                               const Options& options, const Arena& arena = Arena(1));
+/// 0..l, as many as its capacities sum to, evenly along the curve: see NestedSubsets. On the last
+/// level all have joined. `first`: of this rank's points. O(m).
+void share_points(std::span<Level> levels, const PointsAlongCurve& points, std::size_t first,
+                  std::uint64_t seed, const Arena& arena);
 
 }  // namespace ccvt

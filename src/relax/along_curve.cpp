@@ -1,0 +1,125 @@
+#include "relax/along_curve.h"
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "parallel/together.h"
+#include "sampling/hilbert.h"
+
+namespace ccvt {
+namespace {
+
+/// So that subsets of a quarter tell bins apart; of more, the table of bins leaves the cache.
+constexpr std::size_t kPointsPerBin = 4;
+constexpr std::size_t kMostBins = 1 << 18;
+
+/// Its bins are numbered along the curve.
+class Grid {
+ public:
+  /// The widest sides are divided, so that bins are about as long as wide.
+  Grid(const Box& box, std::size_t points)
+      : lower_(box.lower), inverse_width_(static_cast<std::size_t>(box.dimension()), 0.0) {
+    std::vector<double> side;
+    for (int d = 0; d < box.dimension(); ++d) side.push_back(box.upper[d] - box.lower[d]);
+    shape_.assign(side.size(), 1);
+    std::size_t bins = 1;
+    for (; bins < kMostBins && bins * kPointsPerBin < points; bins *= 2) {
+      const auto widest = std::max_element(side.begin(), side.end());
+      if (!(*widest > 0)) break;
+      *widest /= 2;
+      shape_[static_cast<std::size_t>(widest - side.begin())] *= 2;
+    }
+    for (std::size_t d = 0; d < side.size(); ++d) {
+      const double inverse = 1 / side[d];
+      if (shape_[d] > 1 && std::isfinite(inverse)) inverse_width_[d] = inverse;
+    }
+    number_.resize(bins);
+    std::uint32_t next = 0;
+    HilbertCurve(shape_).visit(
+        [&](std::int64_t bin) { number_[static_cast<std::size_t>(bin)] = next++; });
+  }
+
+  [[nodiscard]] std::size_t bins() const { return number_.size(); }
+
+  template <class Scalar>
+  [[nodiscard]] std::uint32_t bin_of(const Scalar* x) const {
+    std::size_t bin = 0;
+    std::size_t stride = 1;
+    for (std::size_t d = 0; d < shape_.size(); ++d) {
+      if (shape_[d] == 1) continue;
+      const auto last = static_cast<double>(shape_[d] - 1);
+      const double along = (x[d] - lower_[static_cast<std::ptrdiff_t>(d)]) * inverse_width_[d];
+      bin += stride * static_cast<std::size_t>(std::clamp(along, 0.0, last));
+      stride *= static_cast<std::size_t>(shape_[d]);
+    }
+    return number_[bin];
+  }
+
+ private:
+  Coordinates lower_;
+  std::vector<double> inverse_width_;
+  std::vector<std::int64_t> shape_;
+  std::vector<std::uint32_t> number_;
+};
+
+}  // namespace
+
+template <class Scalar>
+PointsAlongCurve::PointsAlongCurve(const OwnPoints<Scalar>& points, std::int64_t points_of_all,
+                                   const Box& box, const Arena& arena)
+    : count_(static_cast<std::size_t>(points_of_all)) {
+  const Grid grid(box, count_);
+  by_bin_ = group_by_key<Binned>(
+      arena, static_cast<std::size_t>(points.view().count), grid.bins(),
+      [&](std::size_t p) {
+        return Binned{PointNumber(p), grid.bin_of(points[PointNumber(p)])};
+      },
+      [](const Binned& item) { return item.bin; });
+  if (arena.ranks() != nullptr) count_before(*arena.ranks());
+}
+
+/// Each rank finds it out for some of the bins, from what all have in these.
+void PointsAlongCurve::count_before(Ranks& ranks) {
+  const auto all = static_cast<std::size_t>(ranks.count());
+  const std::size_t bins = by_bin_.count();
+  const auto begin_of = [&](std::size_t rank) { return rank * bins / all; };
+  std::vector<ByteWriter> counts(all);
+  for (std::size_t r = 0; r < all; ++r) {
+    for (std::size_t b = begin_of(r); b < begin_of(r + 1); ++b) {
+      counts[r].put(static_cast<std::uint32_t>(by_bin_[b].size()));
+    }
+  }
+  const std::vector<Ranks::Bytes> come = exchanged(ranks, std::move(counts));
+  std::vector<ByteReader> readers(come.begin(), come.end());
+  const auto own = static_cast<std::size_t>(ranks.rank());
+  const std::size_t own_bins = begin_of(own + 1) - begin_of(own);
+  std::vector<std::size_t> before(own_bins * all);  // in a bin, first of these
+  std::size_t sum = 0;
+  for (std::size_t b = 0; b < own_bins; ++b) {
+    for (std::size_t r = 0; r < all; ++r) {
+      before[r * own_bins + b] = sum;
+      sum += readers[r].template get<std::uint32_t>();
+    }
+  }
+  std::size_t in_bins_before = 0;
+  const std::vector<std::size_t> sums = of_all(&ranks, sum);
+  for (std::size_t r = 0; r < own; ++r) in_bins_before += sums[r];
+  for (std::size_t& places : before) places += in_bins_before;
+  std::vector<ByteWriter> places(all);
+  for (std::size_t r = 0; r < all; ++r) {
+    places[r].put(std::span(std::as_const(before)).subspan(r * own_bins, own_bins));
+  }
+  for (const Ranks::Bytes& of_bins : exchanged(ranks, std::move(places))) {
+    ByteReader reader(of_bins);
+    while (!reader.done()) before_.push_back(reader.template get<std::size_t>());
+  }
+}
+
+template PointsAlongCurve::PointsAlongCurve(const OwnPoints<float>&, std::int64_t, const Box&,
+                                            const Arena&);
+template PointsAlongCurve::PointsAlongCurve(const OwnPoints<double>&, std::int64_t, const Box&,
+                                            const Arena&);
+
+}  // namespace ccvt
