@@ -6,6 +6,7 @@
 #include "bindings.h"
 #include "ccvt/metrics.h"
 #include "listener.h"
+#include "lock.h"
 
 namespace ccvt::python {
 
@@ -86,7 +87,7 @@ double energy_of(const py::array& points, const py::array& sites, const py::arra
   return visit_points(points, [&]<class Scalar>(PointsView<Scalar> view) {
     const PointsView<Scalar> places = view_of<Scalar>(sites);
     const std::span<const Index> of_points = span_of(owners);
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     return energy(view, places, of_points, domain);
   });
 }

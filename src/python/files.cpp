@@ -11,6 +11,7 @@
 #include "ccvt/particles.h"
 #include "ccvt/surface.h"
 #include "ccvt/volume.h"
+#include "lock.h"
 
 namespace ccvt::python {
 
@@ -21,7 +22,7 @@ using Path = std::string;
 template <class Scalar>
 py::array read_as(const Path& path, const ReadOptions& options) {
   const auto points = [&] {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     return ccvt::read_points<Scalar>(path, options);
   }();
   return array_of(points);
@@ -38,7 +39,7 @@ py::array read_points_file(const Path& path, const std::vector<std::string>& col
 
 void write_points_file(const Path& path, const py::array& points) {
   visit_points(points, [&](auto view) {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     write_points(path, view);
   });
 }
@@ -52,7 +53,7 @@ void write_particle_file(const Path& path, const py::array& sites, const py::dic
   options.gadget_format = given["gadget_format"].cast<int>();
   options.type = given["gas"].cast<bool>() ? ParticleType::gas : ParticleType::dark_matter;
   visit_points(sites, [&](auto view) {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     write_particles(path, view, options);
   });
 }
@@ -74,7 +75,7 @@ void write_colour(const Path& path, const py::array_t<std::uint8_t>& values) {
 
 py::dict read_volume_file(const Path& path) {
   const Volume volume = [&] {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     return read_volume(path);
   }();
   py::dict result;
@@ -93,7 +94,7 @@ py::dict read_volume_file(const Path& path) {
 
 py::tuple read_mesh_file(const Path& path, const std::string& density) {
   const TriangleMesh mesh = [&] {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     return read_mesh(path, density);
   }();
   return py::make_tuple(

@@ -12,10 +12,13 @@ std::function<bool()> Listener::cancelled() {
 
 bool Listener::hear(const IterationRecord& record) {
   if (error_) return false;
-  const py::gil_scoped_acquire acquire;
+  const Locked locked(*unlocked_);
   try {
+    const py::tuple fields = tuple_of(record);
+    const auto answer = py::reinterpret_steal<py::object>(
+        outlive([&] { return PyObject_CallOneArg(progress_.ptr(), fields.ptr()); }));
+    if (!answer) throw py::error_already_set();
     // Whatever is not False, of Python or of NumPy, goes on; None in particular.
-    const py::object answer = progress_(tuple_of(record));
     py::detail::make_caster<bool> truth;
     return answer.is_none() || !truth.load(answer, false) || static_cast<bool>(truth);
   } catch (const py::error_already_set&) {
@@ -26,8 +29,8 @@ bool Listener::hear(const IterationRecord& record) {
 
 bool Listener::ask() {
   if (error_) return true;
-  const py::gil_scoped_acquire acquire;
-  if (PyErr_CheckSignals() == 0) return false;
+  const Locked locked(*unlocked_);
+  if (outlive([] { return PyErr_CheckSignals(); }) == 0) return false;
   error_ = std::make_exception_ptr(py::error_already_set());
   return true;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ccvt/summary.h"
+#include "lock.h"
 
 namespace ccvt::python {
 
@@ -21,7 +22,8 @@ class Listener {
   explicit Listener(py::object progress) : progress_(std::move(progress)) {}
   Listener(const Listener&) = delete;
 
-  /// For Options::on_iteration and Options::cancelled. They must not outlive this object.
+  /// For Options::on_iteration and Options::cancelled, which are called within run(). They must not
+  /// outlive this object.
   [[nodiscard]] std::function<bool(const IterationRecord&)> on_iteration();
   [[nodiscard]] std::function<bool()> cancelled();
 
@@ -41,7 +43,8 @@ class Listener {
   auto run(const Work& work) {
     try {
       auto result = [&] {
-        const py::gil_scoped_release release;
+        Unlocked unlocked;
+        unlocked_ = &unlocked;
         return work();
       }();
       rethrow();
@@ -57,6 +60,7 @@ class Listener {
   bool ask();
 
   py::object progress_;
+  Unlocked* unlocked_ = nullptr;
   std::exception_ptr error_;
 };
 

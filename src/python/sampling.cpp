@@ -10,6 +10,7 @@
 #include "ccvt/surface.h"
 #include "ccvt/thin.h"
 #include "listener.h"
+#include "lock.h"
 #include "options.h"
 
 namespace ccvt::python {
@@ -29,7 +30,7 @@ template <class Scalar>
 py::array uniform(const Box& box, Index count, std::uint64_t seed, Distribution distribution,
                   int threads) {
   const auto points = [&] {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     return sample_uniform<Scalar>(box, count, seed, distribution, threads);
   }();
   return array_of(points);
@@ -88,7 +89,7 @@ auto with_stippling(const py::array& dots, int width, int height, double radius,
 py::array render_dots(const py::array& dots, int width, int height, double radius, double scale) {
   return with_stippling(dots, width, height, radius, [&](const auto& stippling) -> py::array {
     const Image image = [&] {
-      const py::gil_scoped_release release;
+      const Unlocked unlocked;
       return render(stippling, scale);
     }();
     return array_of(image.values.data(), {image.height, image.width});
@@ -98,7 +99,7 @@ py::array render_dots(const py::array& dots, int width, int height, double radiu
 void write_dots(const std::string& path, const py::array& dots, int width, int height,
                 double radius) {
   with_stippling(dots, width, height, radius, [&](const auto& stippling) {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     write_svg(path, stippling);
   });
 }

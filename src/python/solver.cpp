@@ -12,6 +12,7 @@
 #include "ccvt/lloyd.h"
 #include "ccvt/weighted.h"
 #include "listener.h"
+#include "lock.h"
 #include "options.h"
 
 namespace ccvt::python {
@@ -47,7 +48,7 @@ template <class Scalar>
 Problem<Scalar> make_problem(PointsView<Scalar> points, Index sites, const Given& given,
                              int threads) {
   Problem<Scalar> problem = [&] {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     return Problem<Scalar>(points, sites, threads);
   }();
   problem.set_domain(domain_of(given.box, given.along));
