@@ -28,9 +28,10 @@ bool Listener::hear(const IterationRecord& record) {
 }
 
 bool Listener::ask() {
-  if (error_) return true;
+  if (error_ || stopped_) return true;
   const Locked locked(*unlocked_);
-  if (outlive([] { return PyErr_CheckSignals(); }) == 0) return false;
+  // A handler of signals may be what stops.
+  if (outlive([] { return PyErr_CheckSignals(); }) == 0) return stopped_;
   error_ = std::make_exception_ptr(py::error_already_set());
   return true;
 }

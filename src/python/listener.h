@@ -2,6 +2,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <atomic>
 #include <exception>
 #include <functional>
 #include <utility>
@@ -34,6 +35,10 @@ class Listener {
     options.cancelled = cancelled();
   }
 
+  /// From any thread: what asks, now or later, is told to stop.
+  void stop() { stopped_ = true; }
+  [[nodiscard]] bool stopped() const { return stopped_; }
+
   /// With the lock.
   void rethrow();
 
@@ -62,6 +67,7 @@ class Listener {
   py::object progress_;
   Unlocked* unlocked_ = nullptr;
   std::exception_ptr error_;
+  std::atomic<bool> stopped_ = false;
 };
 
 /// The fields of a record, in the order of `Iteration` in _records.py.

@@ -91,19 +91,18 @@ class SolverOf final : public AnySolver {
   }
 
   bool step() override {
-    const Use use(*this);
-    return listener_.run([&] { return solver_->step(); });
+    return work([&] { return solver_->step(); });
   }
   bool run() override {
-    const Use use(*this);
-    return listener_.run([&] {
+    return work([&] {
       solver_->run();
       return true;
     });
   }
   void cancel() override {
-    const Use use(*this);
-    solver_->cancel();
+    // First, so that a call which is at work hears of it, or the next one.
+    listener_.stop();
+    if (!busy_) work([] { return false; });
   }
   py::array sites() override {
     const Use use(*this);
@@ -134,7 +133,7 @@ class SolverOf final : public AnySolver {
     explicit Use(SolverOf& solver) : solver_(solver) {
       if (!solver.busy_.exchange(true)) return;
       throw std::runtime_error(
-          "Solver: is at work in another call; to stop it, let the progress function return False");
+          "Solver: is at work in another call; until that is over, there is only cancel()");
     }
     Use(const Use&) = delete;
     ~Use() { solver_.busy_ = false; }
@@ -142,6 +141,21 @@ class SolverOf final : public AnySolver {
    private:
     SolverOf& solver_;
   };
+
+  /// call(), without the lock; cancel() counts before it, meanwhile, and just after it.
+  template <class Call>
+  bool work(const Call& call) {
+    const Use use(*this);
+    const auto end_if_told = [&] {
+      if (listener_.stopped()) solver_->cancel();
+    };
+    return listener_.run([&] {
+      end_if_told();
+      const bool result = call();
+      end_if_told();
+      return result;
+    });
+  }
 
   py::array points_;  ///< what the solver looks at
   Listener listener_;

@@ -182,7 +182,7 @@ def test_one_solver_in_two_threads_is_refused():
         try:
             solver.sites
         except RuntimeError as error:
-            assert "at work in another call" in str(error)
+            assert "at work in another call; until that is over, there is only cancel()" in str(error)
             refused += 1
             time.sleep(0.001)
     thread.join()

@@ -56,7 +56,8 @@ class Solver:
     """A tessellation, one iteration at a time: an iterator of :class:`Iteration`.
 
     Arguments are those of :func:`tessellate`. The points are looked at where they are, and must not
-    be changed while the solver is used.
+    be changed while the solver is used. While a step is at work in one thread, others may call
+    :meth:`cancel`; all else raises RuntimeError there.
 
     Parameters
     ----------
@@ -129,7 +130,11 @@ energy_tolerance, time_limit, preset
         return self
 
     def cancel(self) -> None:
-        """Ends the run with the termination ``"cancelled"``, unless it has ended already."""
+        """Ends the run with the termination ``"cancelled"``, unless it has ended already.
+
+        Other threads and handlers of signals may call it while the solver is at work, which then ends
+        within a fraction of a second.
+        """
         self._solver.cancel()
 
     @property
