@@ -140,3 +140,12 @@ def test_refused(points, call, text):
 def test_wrong_type(points, call, text):
     with pytest.raises(TypeError, match=text):
         call(points)
+
+
+def test_analyze_takes_float32_on_faces():
+    """0.1f is above 0.1: as float64 such points were outside."""
+    box = [[0, 0], [0.1, 0.1]]
+    on_face = np.append(0.1 * np.random.default_rng(1).random((99, 2)), [[0.1, 0.05]], axis=0)
+    single = on_face.astype(np.float32)
+    found = ccvt.analyze(single, box=box)
+    assert np.isclose(found.mean_distance, ccvt.analyze(on_face, box=box).mean_distance, rtol=1e-5)

@@ -54,7 +54,7 @@ def analyze(
         sets: List[Any] = list(points)
     else:
         sets = [points]
-    checked = [_checks.table("points", one, np.float64) for one in sets]
+    checked = [_checks.table("points", one) for one in sets]
     dimension = checked[0].shape[1]
     for one in checked:
         if one.shape[1] != dimension:
