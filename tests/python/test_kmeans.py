@@ -283,3 +283,16 @@ def test_import_is_light():
     code = "import sys, ccvt; assert 'sklearn' not in sys.modules and 'tqdm' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
     assert ccvt.BalancedKMeans is BalancedKMeans
+
+
+@pytest.mark.parametrize("weights", [None, "given"])
+def test_what_progress_raises_passes_as_it_is(X, weights):
+    error = ValueError("points: of the user")
+
+    def raising(record):
+        raise error
+
+    weight = None if weights is None else np.random.default_rng(1).random(len(X))
+    with pytest.raises(ValueError) as caught:
+        BalancedKMeans(4, progress=raising).fit(X, sample_weight=weight)
+    assert caught.value is error and str(error) == "points: of the user"

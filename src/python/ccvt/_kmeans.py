@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-from typing import Any, Dict, Iterator, Optional, Union
+from typing import Any, Dict, Iterator, List, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from . import _ccvt, _checks
 from ._estimator import Estimator, NotFittedError
 from ._progress import listener
-from ._records import Array
+from ._records import Array, Iteration
 from ._tessellate import Progress, tessellate
 
 _METHODS = ("exact", "pairwise", "lloyd")
@@ -21,12 +21,24 @@ _NAMES = {"points": "X", "vectors": "X", "masses": "sample_weight"}
 
 
 @contextlib.contextmanager
-def _own_names() -> Iterator[None]:
-    """What is wrong with an argument is told by the name that it has here, not in the library."""
+def _own_names(progress: Progress = None) -> Iterator[Progress]:
+    """What is wrong with an argument is told by the name that it has here, not in the library.
+
+    Gives the function that is to hear of iterations: what `progress` raises passes as it is.
+    """
+    raised: List[ValueError] = []
+
+    def heard(record: Iteration) -> Any:
+        try:
+            return progress(record) if callable(progress) else None
+        except ValueError as error:
+            raised.append(error)
+            raise
+
     try:
-        yield
+        yield heard if callable(progress) else progress
     except ValueError as error:
-        if type(error) is not ValueError:  # somebody else's
+        if type(error) is not ValueError or error in raised:  # somebody else's
             raise
         names = "|".join(_NAMES)
         told = re.sub(
@@ -220,7 +232,7 @@ class BalancedKMeans(Estimator):
                 raise ValueError(
                     f"init: has the shape {start.shape}, but must be ({clusters}, {X.shape[1]})"
                 )
-        with listener(self.progress) as heard, _own_names():
+        with _own_names(self.progress) as progress, listener(progress) as heard:
             found = _ccvt.train_codebook(X, clusters, start, options, heard)
         summary = found["summary"]
         self.cluster_centers_: Array = found["codewords"]
@@ -276,7 +288,7 @@ class BalancedKMeans(Estimator):
     def _fit_masses(self, X: Array, clusters: int, weights: Array) -> None:
         if not isinstance(self.init, str):
             raise ValueError("init: an array cannot be given with sample_weight")
-        with _own_names():
+        with _own_names(self.progress) as progress:
             found: Any = tessellate(
                 X,
                 clusters,
@@ -286,7 +298,7 @@ class BalancedKMeans(Estimator):
                 threads=self._threads(),
                 max_iterations=_checks.whole("max_iter", self.max_iter, 0),
                 energy_tolerance=self.tol,
-                progress=self.progress,
+                progress=progress,
             )
         self.cluster_centers_ = found.sites.astype(np.float64)
         self.weights_ = np.zeros(clusters)
