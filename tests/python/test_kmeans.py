@@ -296,3 +296,24 @@ def test_what_progress_raises_passes_as_it_is(X, weights):
     with pytest.raises(ValueError) as caught:
         BalancedKMeans(4, progress=raising).fit(X, sample_weight=weight)
     assert caught.value is error and str(error) == "points: of the user"
+
+
+@pytest.mark.parametrize("weights", [None, "given"])
+def test_a_fit_that_fails_leaves_the_last_one(X, weights):
+    weight = None if weights is None else np.random.default_rng(1).random(len(X))
+
+    def interrupting(record):
+        raise KeyboardInterrupt
+
+    model = BalancedKMeans(4, random_state=1).fit(X)
+    before, labels = dict(vars(model)), model.predict(X)
+    for wider, arguments in [(X[:, :3], {"progress": interrupting}), (X[:2], {"progress": None})]:
+        with pytest.raises((KeyboardInterrupt, ValueError)):
+            model.set_params(**arguments).fit(wider, sample_weight=weight)
+        assert model.n_features_in_ == 5
+        assert np.array_equal(model.predict(X), labels)
+    assert all(vars(model)[name] is before[name] for name in before)
+    unfitted = BalancedKMeans(4)
+    with pytest.raises(ValueError):
+        unfitted.fit(X[:2])
+    assert not hasattr(unfitted, "n_features_in_")

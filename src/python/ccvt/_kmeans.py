@@ -175,6 +175,18 @@ class BalancedKMeans(Estimator):
         -------
         self
         """
+        fitted = {name: value for name, value in vars(self).items() if name.endswith("_")}
+        try:
+            self._fit(X, sample_weight)
+        except BaseException:
+            # As the last fit that ended left it.
+            for name in [name for name in vars(self) if name.endswith("_")]:
+                delattr(self, name)
+            vars(self).update(fitted)
+            raise
+        return self
+
+    def _fit(self, X: Any, sample_weight: Any) -> None:
         checked = self._checked(X, fitting=True)
         clusters = _checks.whole("n_clusters", self.n_clusters, 1)
         if len(checked) < clusters:
@@ -187,7 +199,6 @@ class BalancedKMeans(Estimator):
             self._fit_codebook(checked, clusters)
         else:
             self._fit_weighted(checked, clusters, weights)
-        return self
 
     def fit_predict(
         self, X: ArrayLike, y: Any = None, sample_weight: Optional[ArrayLike] = None
