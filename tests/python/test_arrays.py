@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 import ccvt
-from ccvt import _checks
+from ccvt import _checks, _density
+
+
+def unaligned(array):
+    """The same one byte further on; in the same order."""
+    moved = np.frombuffer(b"." + array.tobytes("A"), np.uint8)[1:].view(array.dtype)
+    return moved.reshape(array.shape, order="F" if array.flags.fnc else "C")
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
@@ -20,7 +26,7 @@ def test_no_copy(dtype):
     lambda points: points.astype(points.dtype.newbyteorder()),
     lambda points: points[::-1][::-1].tolist(),
     lambda points: np.repeat(points, 2, axis=1)[:, ::2],
-    lambda points: np.frombuffer(b"." + points.tobytes(), np.uint8)[1:].view(points.dtype).reshape(points.shape),
+    lambda points: unaligned(points),
 ])  # fmt: skip
 def test_any_layout_gives_the_same(points, change):
     expected = ccvt.tessellate(points, 20)
@@ -149,3 +155,28 @@ def test_analyze_takes_float32_on_faces():
     single = on_face.astype(np.float32)
     found = ccvt.analyze(single, box=box)
     assert np.isclose(found.mean_distance, ccvt.analyze(on_face, box=box).mean_distance, rtol=1e-5)
+
+
+@pytest.mark.parametrize("take", [
+    lambda array: _checks.table("points", array),
+    lambda array: _checks.vector("masses", array[:, 0]),
+    lambda array: _checks.vector("masses", unaligned(array[:, 0].copy())),
+    lambda array: _checks.indices("triangles", array, 2),
+    lambda array: _checks.indices("triangles", unaligned(np.arange(6, dtype=np.int32)[:, None]), 2),
+    lambda array: _checks.domain_of(array, False, 2)[0],
+    lambda array: _density._values(array),
+    lambda array: _density._values(unaligned(np.asfortranarray(array))),
+])  # fmt: skip
+def test_numbers_reach_the_library_aligned(take):
+    array = unaligned(np.arange(4.0).reshape(2, 2))
+    taken = take(array)
+    assert not array.flags.aligned and taken.flags.aligned
+    if taken.shape == array.shape:
+        assert np.array_equal(taken, array)
+
+
+def test_contiguous_values_keep_their_order():
+    values = np.arange(6.0).reshape(2, 3)
+    for array in [values, values.T, values[0]]:
+        assert _density._values(array) is array
+    assert _density._values(unaligned(np.asfortranarray(values))).flags.f_contiguous

@@ -84,6 +84,11 @@ def _numeric(name: str, value: Any) -> Array:
     return array
 
 
+def contiguous(array: Array, dtype: Any = None) -> Array:
+    """In C order, each number at a multiple of its size, as C++ may look at it."""
+    return np.require(array, dtype, ["C", "A"])
+
+
 def as_float(name: str, value: Any, dtype: Any = None) -> Array:
     """An array of native float32 or float64: of `dtype`, or as it is, or else float64."""
     array = _numeric(name, value)
@@ -112,7 +117,7 @@ def table(name: str, value: Any, dtype: Any = None) -> Array:
         and array.strides[0] % item == 0
         and array.strides[0] >= array.shape[1] * item
     )
-    return array if in_place else np.ascontiguousarray(array)
+    return array if in_place else contiguous(array)
 
 
 def samples(X: Any) -> Array:
@@ -161,7 +166,7 @@ def vector(name: str, value: Any) -> Array:
     array = as_float(name, value, np.float64)
     if array.ndim != 1:
         raise ValueError(f"{name}: has the shape {array.shape}, but must have one dimension")
-    return np.ascontiguousarray(array)
+    return contiguous(array)
 
 
 def indices(name: str, value: Any, ndim: int = 1) -> Array:
@@ -181,7 +186,7 @@ def indices(name: str, value: Any, ndim: int = 1) -> Array:
             f"{name}: entry {', '.join(str(i) for i in where)} is {array[where]}, but must be a "
             "whole number below 2147483648"
         )
-    return np.ascontiguousarray(array, dtype=np.int32)
+    return contiguous(array, np.int32)
 
 
 def domain_of(box: Any, periodic: Any, dimension: int) -> Tuple[Optional[Array], List[bool]]:
@@ -203,7 +208,7 @@ def domain_of(box: Any, periodic: Any, dimension: int) -> Tuple[Optional[Array],
             f"box: has the shape {corners.shape}, but must be (2, {dimension}): the lower corner and "
             "the upper one"
         )
-    return np.ascontiguousarray(corners), flags
+    return contiguous(corners), flags
 
 
 def dtype_of(dtype: Any) -> np.dtype[Any]:

@@ -29,9 +29,9 @@ def _values(array: Any) -> Array:
         raise ValueError(f"array: is of {values.dtype}, but must be of real numbers")
     if values.ndim == 0 or values.size == 0:
         raise ValueError(f"array: has the shape {values.shape}, but needs a value and a dimension")
-    if values.flags.c_contiguous or values.flags.f_contiguous:
-        return values
-    return np.ascontiguousarray(values)
+    if values.flags.f_contiguous and not values.flags.c_contiguous:
+        return np.require(values, requirements=["F", "A"])
+    return _checks.contiguous(values)
 
 
 def _placement(affine: Any, dimension: int) -> Tuple[Array, Array]:
@@ -46,7 +46,7 @@ def _placement(affine: Any, dimension: int) -> Tuple[Array, Array]:
         )
     if len(matrix) > dimension and not np.array_equal(matrix[-1], np.eye(dimension + 1)[-1]):
         raise ValueError(f"affine: its last row is {matrix[-1]}, but must be 0 .. 0 1")
-    return matrix[:dimension, :dimension], np.ascontiguousarray(matrix[:dimension, dimension])
+    return matrix[:dimension, :dimension], _checks.contiguous(matrix[:dimension, dimension])
 
 
 def _map(
@@ -184,7 +184,7 @@ def sample_volume(
     given: Dict[str, Any] = {
         "values": values,
         "shape": shape,
-        "axes": np.ascontiguousarray(axes),
+        "axes": _checks.contiguous(axes),
         "origin": origin,
         "interpolation": interpolation,
         "points_per_site": _checks.whole("points_per_site", points_per_site, 1),
