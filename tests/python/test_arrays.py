@@ -180,3 +180,14 @@ def test_contiguous_values_keep_their_order():
     for array in [values, values.T, values[0]]:
         assert _density._values(array) is array
     assert _density._values(unaligned(np.asfortranarray(values))).flags.f_contiguous
+
+
+@pytest.mark.parametrize("options", [{}, {"gamma": 2}, {"invert": True}, {"gamma": 2, "invert": True}])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_is_not_finite_is_named(options, value):
+    values = np.ones((4, 5))
+    values[2, 3] = value
+    with pytest.raises(ValueError, match=r"values\[13\], cell .* is (nan|inf)"):
+        ccvt.sample_volume(values, 2, **options)
+    with pytest.raises(ValueError, match=r"values\[0\], cell .* is (nan|inf)"):
+        ccvt.sample_volume(np.full((4, 5), value), 2, **options)

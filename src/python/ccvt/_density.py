@@ -81,7 +81,10 @@ def _map(
             given.update(gamma=_checks.real("gamma", gamma))
         if gamma is not None or invert:
             inside = values if mask is None else values[mask != 0]
-            greatest = float(inside.max()) if inside.size else 0.0
+            finite = inside[np.isfinite(inside)]
+            greatest = float(finite.max()) if finite.size else 0.0
+            if finite.size < inside.size:
+                greatest = max(greatest, 1.0)  # any that lets the library come to what is not finite
             if gamma is not None and greatest <= 0:
                 raise ValueError(f"gamma: the greatest value is {greatest}, but must be positive")
             given.update(greatest=greatest)
