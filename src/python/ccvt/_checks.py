@@ -189,6 +189,18 @@ def indices(name: str, value: Any, ndim: int = 1) -> Array:
     return contiguous(array, np.int32)
 
 
+def shades(name: str, values: Array) -> Array:
+    """Grey values of float32 in [0, 1], of what has shape (height, width)."""
+    outside = ~((values >= 0) & (values <= np.float32(1.0001)))
+    if outside.any():
+        row, column = np.argwhere(outside)[0]
+        raise ValueError(
+            f"{name}: entry ({row}, {column}) is {values[row, column]}, but floats must be from "
+            "0 (black) to 1 (white)"
+        )
+    return contiguous(np.minimum(values, np.float32(1)), np.float32)
+
+
 def domain_of(box: Any, periodic: Any, dimension: int) -> Tuple[Optional[Array], List[bool]]:
     """Both corners, and of each dimension whether it is periodic."""
     along = np.asarray(periodic)

@@ -230,14 +230,7 @@ def _grey(image: Any) -> Array:
             f"image: has the shape {pixels.shape}, but must be (height, width), or with 3 or 4 "
             "channels of colour"
         )
-    outside = ~((values >= 0) & (values <= np.float32(1.0001)))
-    if outside.any():
-        row, column = np.argwhere(outside)[0]
-        raise ValueError(
-            f"image: entry ({row}, {column}) is {values[row, column]}, but floats must be from "
-            "0 (black) to 1 (white)"
-        )
-    return np.ascontiguousarray(np.minimum(values, np.float32(1)))
+    return _checks.shades("image", values)
 
 
 def stipple(

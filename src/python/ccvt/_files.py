@@ -154,7 +154,7 @@ def write_png(path: Path, image: ArrayLike) -> None:
         )
     if pixels.dtype.kind == "u":
         pixels = pixels / np.float32(np.iinfo(pixels.dtype).max)
-    _ccvt.write_grey(_named(path), _checks.contiguous(pixels, np.float32))
+    _ccvt.write_grey(_named(path), _checks.shades("image", pixels))
 
 
 class VolumeFile(NamedTuple):
