@@ -37,6 +37,10 @@ PointsView<Scalar> view_of(const py::array& points) {
     throw InvalidInput("points: there are " + std::to_string(points.shape(0)) +
                        " of them, but at most 2147483647 are supported");
   }
+  if (points.shape(1) > INT32_MAX) {
+    throw InvalidInput("points: have " + std::to_string(points.shape(1)) +
+                       " dimensions, but at most 2147483647 are supported");
+  }
   return {static_cast<const Scalar*>(points.data()), static_cast<int>(points.shape(1)),
           static_cast<Index>(points.shape(0)), rows ? points.strides(0) / item : points.shape(1)};
 }

@@ -234,9 +234,8 @@ py::dict run_masses(const py::array& points, const py::array_t<double>& masses, 
 }  // namespace
 
 void bind_solver(py::module_& module) {
-  py::class_<AnySolver>(module, "Solver")
-      .def(py::init(&make_solver))
-      .def("step", &AnySolver::step)
+  py::class_<AnySolver> solver(module, "Solver");
+  solver.def("step", &AnySolver::step)
       .def("run", &AnySolver::run)
       .def("cancel", &AnySolver::cancel)
       .def("sites", &AnySolver::sites)
@@ -244,6 +243,10 @@ void bind_solver(py::module_& module) {
       .def("summary", &AnySolver::summary)
       .def("iterations", &AnySolver::iterations)
       .def("last", &AnySolver::last);
+  // Of this type there is what make_solver() gives: __new__() alone, as copy and pickle call it,
+  // would leave an object without a solver.
+  reinterpret_cast<PyTypeObject*>(solver.ptr())->tp_new = nullptr;
+  module.def("make_solver", &make_solver);
   module.def("lloyd", &run_lloyd);
   module.def("tessellate_masses", &run_masses);
 }

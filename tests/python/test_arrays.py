@@ -87,6 +87,7 @@ def test_results_own_their_memory(points):
     (lambda p: ccvt.tessellate(np.zeros((0, 2)), 1), "sites|points"),
     (lambda p: ccvt.tessellate(p, np.zeros((0, 2))), "sites"),
     (lambda p: ccvt.tessellate(np.where(p > 0.999, np.nan, p), 3), "points.*nan"),
+    (lambda p: ccvt.tessellate(np.zeros((0, 2**31), "f4"), 1), "points: have 2147483648 dimensions, but at most"),
     (lambda p: ccvt.tessellate(p, 0), "sites: is 0, but must be from 1 to 2147483647"),
     (lambda p: ccvt.tessellate(p, 7000), "sites.*7000"),
     (lambda p: ccvt.tessellate(p, p[:4, :1]), "sites: have 1 dimensions, the points 2"),

@@ -1,5 +1,6 @@
 """Runs as they go: iterating, hearing of progress, stopping, threads of Python, pickling."""
 
+import copy
 import pickle
 import signal
 import subprocess
@@ -243,3 +244,13 @@ def test_time_per_call_is_small():
     for _ in range(100):
         ccvt.tessellate(points, 2, threads=1)
     assert (time.perf_counter() - begin) / 100 < 0.02
+
+
+def test_a_solver_is_not_copied(points):
+    solver = ccvt.Solver(points, 64)
+    inner = solver._solver
+    for call in [lambda: type(inner)(), lambda: type(inner).__new__(type(inner)),
+                 lambda: copy.copy(inner), lambda: copy.deepcopy(solver), lambda: pickle.dumps(solver)]:  # fmt: skip
+        with pytest.raises(TypeError):
+            call().sites()
+    assert solver.run().summary.termination == "stable"

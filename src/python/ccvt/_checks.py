@@ -110,6 +110,10 @@ def table(name: str, value: Any, dtype: Any = None) -> Array:
     if array.ndim != 2:
         hint = "; one dimension is points[:, None]" if array.ndim == 1 else ""
         raise ValueError(f"{name}: has the shape {array.shape}, but must be (N, D), one a row{hint}")
+    if array.shape[1] > _INT32_MAX:
+        raise ValueError(
+            f"{name}: have {array.shape[1]} dimensions, but at most {_INT32_MAX} are supported"
+        )
     item = array.itemsize
     in_place = (
         array.flags.aligned

@@ -111,7 +111,7 @@ energy_tolerance, time_limit, preset
         checked = _checks.table("points", points)
         count, start = _sites(sites, checked)
         given = _given(checked, start, capacities, box, periodic, fixed_sites, owners)
-        self._solver = _ccvt.Solver(checked, count, given, options, None)
+        self._solver = _ccvt.make_solver(checked, count, given, options, None)
 
     def __iter__(self) -> Iterator[Iteration]:
         return self
@@ -160,7 +160,7 @@ def _result(values: Tuple[Array, Array, Dict[str, Any]]) -> Result:
 def _run(
     points: Array, count: int, given: Dict[str, Any], options: Dict[str, Any], heard: Listener
 ) -> Result:
-    solver = _ccvt.Solver(points, count, given, options, heard)
+    solver = _ccvt.make_solver(points, count, given, options, heard)
     solver.run()
     return _result((solver.sites(), solver.owners(), solver.summary()))
 
