@@ -2,6 +2,8 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <span>
 #include <string>
 
 #include "arrays.h"
@@ -26,14 +28,28 @@ Distribution distribution_from(const std::string& word) {
                      "', but must be one of white, jittered, square, hexagonal");
 }
 
+/// As sample_uniform() does, but in parts, so that Python is heard between them.
 template <class Scalar>
 py::array uniform(const Box& box, Index count, std::uint64_t seed, Distribution distribution,
                   int threads) {
-  const auto points = [&] {
-    const Unlocked unlocked;
-    return sample_uniform<Scalar>(box, count, seed, distribution, threads);
-  }();
-  return array_of(points);
+  constexpr Index at_once = 1 << 20;
+  detail::check_sampling(box, count, Eigen::Dynamic, sizeof(Scalar));
+  const py::ssize_t dimension = box.dimension();
+  py::array_t<Scalar> points({static_cast<py::ssize_t>(count), dimension});
+  const std::span<Scalar> coordinates(points.mutable_data(),
+                                      static_cast<std::size_t>(points.size()));
+  Listener listener((py::none()));
+  listener.run([&, cancelled = listener.cancelled()] {
+    for (std::int64_t first = 0; first < count; first += at_once) {
+      if (cancelled()) throw Cancelled();
+      const auto size = std::min<std::int64_t>(at_once, count - first) * dimension;
+      detail::fill_uniform_part(box, count, first, seed, distribution, threads,
+                                coordinates.subspan(static_cast<std::size_t>(first * dimension),
+                                                    static_cast<std::size_t>(size)));
+    }
+    return true;
+  });
+  return points;
 }
 
 py::array sample_box(const py::array_t<double>& box, Index count, std::uint64_t seed,

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import ccvt
+from ccvt import _ccvt
 
 # A daemon thread, and the end of the main one while that is at work.
 DAEMON = """
@@ -70,3 +71,34 @@ def test_cancel_after_the_end_changes_nothing(points):
     solver = ccvt.Solver(points, 64).run()
     solver.cancel()
     assert solver.summary.termination == "stable"
+
+
+def test_signals_are_heard_while_points_are_drawn():
+    def draw():
+        begin = time.monotonic()
+        try:
+            _ccvt.sample_uniform(np.array([[0.0, 0.0], [1.0, 1.0]]), 20_000_000, 1, "jittered", 1, False)
+        except KeyboardInterrupt:
+            return "interrupted", time.monotonic() - begin
+        return "drawn", time.monotonic() - begin
+
+    _, whole = draw()
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, whole / 10)
+        end, seconds = draw()
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert end == "interrupted" and seconds < whole / 2
+
+
+def test_time_to_draw_counts(monkeypatch):
+    drawn = _ccvt.sample_uniform
+
+    def slow(*arguments):
+        time.sleep(0.2)
+        return drawn(*arguments)
+
+    assert ccvt.sample(16, time_limit=100).summary.termination != "time_limit"
+    monkeypatch.setattr(_ccvt, "sample_uniform", slow)
+    assert ccvt.sample(16, time_limit=0.2).summary.termination == "time_limit"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Optional
 
 import numpy as np
@@ -81,9 +82,14 @@ time_limit
     if box is None:
         box = np.array([np.zeros(dimension), np.ones(dimension)])
     corners, _ = _checks.domain_of(box, False, dimension)
+    begin = time.monotonic()
     points = _ccvt.sample_uniform(
         corners, number, options["seed"], str(distribution), options["threads"], scalar == np.float64
     )
+    if options["time_limit"] > 0:
+        # At once where no time is left: 0 would be no limit.
+        left = options["time_limit"] - (time.monotonic() - begin)
+        options["time_limit"] = max(left, 1e-9)
     given = _given(points, None, None, corners, periodic, fixed_sites, None)
     with listener(progress) as heard:
         found = _run(points, count, given, options, heard)
