@@ -33,6 +33,16 @@ def version():
     return re.search(r"project\(ccvt\s+VERSION ([0-9.]+)", text).group(1)
 
 
+def parallel():
+    """As many compilers at once as CMAKE_BUILD_PARALLEL_LEVEL says, which cmake reads, or as there
+    are processors for this process."""
+    if os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL"):
+        return []
+    if hasattr(os, "sched_getaffinity"):
+        return ["--parallel", str(len(os.sched_getaffinity(0)))]
+    return ["--parallel", str(os.cpu_count() or 1)]
+
+
 class BuildWithCMake(build_ext):
     """Builds `ccvt._ccvt`, the one extension there is."""
 
@@ -53,8 +63,7 @@ class BuildWithCMake(build_ext):
         if not (build / "CMakeCache.txt").exists():
             configure += ["-G", "Ninja"]
         self.run_cmake(configure + shlex.split(_settings.get("cmake-args", "")))
-        self.run_cmake(["cmake", "--build", build, "--target", "ccvt_python",
-                        "--parallel", str(os.cpu_count())])  # fmt: skip
+        self.run_cmake(["cmake", "--build", build, "--target", "ccvt_python", *parallel()])
         made = next(build.glob(f"**/package/ccvt/{module.name}"))
         module.parent.mkdir(parents=True, exist_ok=True)
         self.copy_file(str(made), str(module))

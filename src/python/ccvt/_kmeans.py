@@ -47,6 +47,13 @@ def _own_names(progress: Progress = None) -> Iterator[Progress]:
         raise ValueError(told) from None
 
 
+def _processors() -> int:
+    """Those for this process, where the system tells."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 class BalancedKMeans(Estimator):
     """K-means with clusters of given sizes: equal ones, but for one, by default.
 
@@ -58,7 +65,7 @@ class BalancedKMeans(Estimator):
     random_state : int, RandomState, Generator or None, default None
         What fixes the random choices. None: fresh ones each time.
     n_jobs : int or None, default None
-        Threads; None and -1: one per processor. Any number gives identical bits.
+        Threads; None and -1: one per processor, -2: one less, ... Any number gives identical bits.
     capacities : array_like of int, shape (n_clusters,), optional
         How many samples each cluster gets, summing to their number. With `sample_weight`: how much
         weight, summing to all of it.
@@ -434,4 +441,4 @@ class BalancedKMeans(Estimator):
         jobs = _checks.whole("n_jobs", self.n_jobs, -4096, 4096)
         if jobs == 0:
             raise ValueError("n_jobs: is 0, but must be None, a number of threads, or negative")
-        return jobs if jobs > 0 else max(1, (os.cpu_count() or 1) + 1 + jobs)
+        return jobs if jobs > 0 else max(1, _processors() + 1 + jobs)
