@@ -48,13 +48,21 @@ def test_types(tmp_path):
     """mypy on the package as it is installed, and on code that uses it."""
     user = tmp_path / "user.py"
     user.write_text(
-        "import numpy as np\nimport ccvt\n"
+        "from typing import Sequence, Tuple\nimport numpy as np\nimport ccvt\n"
         "result: ccvt.Result = ccvt.tessellate(np.zeros((3, 2)), 2, seed=1)\n"
         "energy: float = result.summary.energy\n"
         "model: ccvt.BalancedKMeans = ccvt.BalancedKMeans(3).fit([[1.0, 2.0]])\n"
+        "count = np.int64(2)\n"
+        "heavy: ccvt.MassResult = ccvt.tessellate(np.zeros((3, 2)), count, masses=[1, 1, 1], seed=count)\n"
+        "def periodic(along: Sequence[bool]) -> ccvt.PointSample:\n"
+        "    return ccvt.sample(count, count, periodic=along, seed=count, max_iterations=count)\n"
+        "figures: Tuple[float, int, float, str] = (\n"
+        "    model.inertia_, model.n_iter_, model.gap_, model.termination_)\n"
+        "words: str = model.gap_  # type: ignore[assignment]\n"
         "for record in ccvt.Solver([[0.0]], 1):\n    level: int = record.level\n"
-        'ccvt.tessellate([[0.0]], 1, seed="x")  # type: ignore[arg-type]\n'
-        "ccvt.tessellate([[0.0]], 1, sead=1)  # type: ignore[call-arg]\n"
+        'ccvt.tessellate([[0.0]], 1, seed="x")  # type: ignore[call-overload]\n'
+        'ccvt.lloyd([[0.0]], 1, seed="x")  # type: ignore[arg-type]\n'
+        "ccvt.tessellate([[0.0]], 1, sead=1)  # type: ignore[call-overload]\n"
     )
     command = ["/usr/bin/mypy", "--strict", "--warn-unused-ignores", "--implicit-reexport",
                "--cache-dir", str(tmp_path / "cache"), "--python-executable", sys.executable]  # fmt: skip

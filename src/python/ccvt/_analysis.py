@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, List, Optional, Sequence, Union
+from typing import Any, List, Optional, Sequence, SupportsIndex, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,8 +18,8 @@ def analyze(
     box: Optional[ArrayLike] = None,
     periodic: Periodic = False,
     max_frequency: float = 2.0,
-    seed: int = 0,
-    threads: int = 0,
+    seed: SupportsIndex = 0,
+    threads: SupportsIndex = 0,
 ) -> Analysis:
     """Spectra, distances, order and errors of integration of point sets.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, Optional, Tuple, Union
+from typing import Any, Dict, Optional, SupportsIndex, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -93,7 +93,7 @@ def _map(
 
 def sample_volume(
     array: ArrayLike,
-    sites: int,
+    sites: SupportsIndex,
     affine: Optional[ArrayLike] = None,
     mask: Optional[ArrayLike] = None,
     *,
@@ -102,14 +102,14 @@ def sample_volume(
     gamma: Optional[float] = None,
     invert: bool = False,
     interpolation: str = "linear",
-    points_per_site: int = 256,
+    points_per_site: SupportsIndex = 256,
     keep_points: bool = False,
     dtype: DTypeLike = np.float32,
-    seed: int = 0,
-    threads: int = 0,
+    seed: SupportsIndex = 0,
+    threads: SupportsIndex = 0,
     progress: Progress = None,
     until: Optional[str] = "blue_noise",
-    max_iterations: Optional[int] = None,
+    max_iterations: Optional[SupportsIndex] = None,
     energy_tolerance: float = 0.0,
     time_limit: float = 0.0,
 ) -> VolumeSamples:
@@ -235,18 +235,18 @@ def _grey(image: Any) -> Array:
 
 def stipple(
     image: Union[str, os.PathLike[str], ArrayLike],
-    dots: int,
+    dots: SupportsIndex,
     *,
     invert: bool = False,
     gamma: float = 1.0,
     dot_radius: float = 0.0,
-    points_per_site: int = 256,
+    points_per_site: SupportsIndex = 256,
     dtype: DTypeLike = np.float32,
-    seed: int = 0,
-    threads: int = 0,
+    seed: SupportsIndex = 0,
+    threads: SupportsIndex = 0,
     progress: Progress = None,
     until: Optional[str] = "blue_noise",
-    max_iterations: Optional[int] = None,
+    max_iterations: Optional[SupportsIndex] = None,
     energy_tolerance: float = 0.0,
     time_limit: float = 0.0,
 ) -> Stippling:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import errno
 import os
-from typing import Any, Dict, NamedTuple, Optional, Sequence, Union
+from typing import Any, Dict, NamedTuple, Optional, Sequence, SupportsIndex, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -274,11 +274,11 @@ def write_particles(
     sites: ArrayLike,
     *,
     box_size: float = 1.0,
-    repeat: int = 1,
+    repeat: SupportsIndex = 1,
     density: float = 1.0,
     redshift: float = 0.0,
     gas: bool = False,
-    gadget_format: int = 1,
+    gadget_format: SupportsIndex = 1,
 ) -> None:
     """Writes sites in the periodic unit cube as particles of a simulation: .gadget and .hdf5.
 

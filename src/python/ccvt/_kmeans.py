@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-from typing import Any, Dict, Iterator, List, Optional, Union
+from typing import Any, Dict, Iterator, List, Optional, SupportsIndex, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -134,19 +134,19 @@ class BalancedKMeans(Estimator):
 
     def __init__(
         self,
-        n_clusters: int = 8,
+        n_clusters: SupportsIndex = 8,
         *,
         random_state: Any = None,
-        n_jobs: Optional[int] = None,
+        n_jobs: Optional[SupportsIndex] = None,
         capacities: Optional[ArrayLike] = None,
         method: str = "exact",
         init: Union[str, ArrayLike] = "k-means++",
-        n_init: Union[int, str] = "auto",
-        effort: Optional[int] = None,
-        max_iter: int = 10_000,
+        n_init: Union[SupportsIndex, str] = "auto",
+        effort: Optional[SupportsIndex] = None,
+        max_iter: SupportsIndex = 10_000,
         tol: float = 0.0,
         gap: float = 0.0,
-        train_sample: Optional[int] = None,
+        train_sample: Optional[SupportsIndex] = None,
         predict_by: str = "weight",
         progress: Progress = None,
     ) -> None:
@@ -256,10 +256,10 @@ class BalancedKMeans(Estimator):
         self.cluster_centers_: Array = found["codewords"]
         self.weights_: Array = found["weights"]
         self.labels_: Array = found["codes"]
-        self.inertia_ = summary["energy"]
-        self.n_iter_ = summary["iterations"]
-        self.gap_ = summary["gap"]
-        self.termination_ = summary["termination"]
+        self.inertia_: float = summary["energy"]
+        self.n_iter_: int = summary["iterations"]
+        self.gap_: float = summary["gap"]
+        self.termination_: str = summary["termination"]
 
     def _codebook_options(self) -> Dict[str, Any]:
         if self.method not in _METHODS:

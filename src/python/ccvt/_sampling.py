@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import Optional
+from typing import Optional, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -15,20 +15,20 @@ from ._tessellate import Periodic, Progress, _given, _run
 
 
 def sample(
-    sites: int,
-    dim: int = 2,
+    sites: SupportsIndex,
+    dim: SupportsIndex = 2,
     *,
     box: Optional[ArrayLike] = None,
     periodic: Periodic = False,
-    points_per_site: int = 256,
+    points_per_site: SupportsIndex = 256,
     distribution: str = "jittered",
     fixed_sites: Optional[ArrayLike] = None,
     dtype: DTypeLike = np.float32,
-    seed: int = 0,
-    threads: int = 0,
+    seed: SupportsIndex = 0,
+    threads: SupportsIndex = 0,
     progress: Progress = None,
     until: Optional[str] = "blue_noise",
-    max_iterations: Optional[int] = None,
+    max_iterations: Optional[SupportsIndex] = None,
     energy_tolerance: float = 0.0,
     time_limit: float = 0.0,
 ) -> PointSample:
@@ -98,17 +98,17 @@ time_limit
 
 def thin(
     points: ArrayLike,
-    sites: int,
+    sites: SupportsIndex,
     normals: Optional[ArrayLike] = None,
     *,
     normal_weight: float = 0.5,
     spread: bool = True,
     equal_counts: bool = False,
-    seed: int = 0,
-    threads: int = 0,
+    seed: SupportsIndex = 0,
+    threads: SupportsIndex = 0,
     progress: Progress = None,
     until: Optional[str] = "blue_noise",
-    max_iterations: Optional[int] = None,
+    max_iterations: Optional[SupportsIndex] = None,
     energy_tolerance: float = 0.0,
     time_limit: float = 0.0,
 ) -> Thinning:
@@ -172,18 +172,18 @@ def thin(
 def sample_surface(
     vertices: ArrayLike,
     triangles: ArrayLike,
-    sites: int,
+    sites: SupportsIndex,
     density: Optional[ArrayLike] = None,
     *,
     normal_weight: float = 0.5,
-    points_per_site: int = 256,
+    points_per_site: SupportsIndex = 256,
     keep_points: bool = False,
     dtype: DTypeLike = np.float32,
-    seed: int = 0,
-    threads: int = 0,
+    seed: SupportsIndex = 0,
+    threads: SupportsIndex = 0,
     progress: Progress = None,
     until: Optional[str] = "blue_noise",
-    max_iterations: Optional[int] = None,
+    max_iterations: Optional[SupportsIndex] = None,
     energy_tolerance: float = 0.0,
     time_limit: float = 0.0,
 ) -> SurfaceSamples:

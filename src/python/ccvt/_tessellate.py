@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple, Union
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterator,
+    Optional,
+    Sequence,
+    SupportsIndex,
+    Tuple,
+    Union,
+    overload,
+)
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +23,7 @@ from ._progress import Listener, listener
 from ._records import Array, Iteration, MassResult, Result, Summary, summary_of
 
 Progress = Union[bool, None, Callable[[Iteration], Any]]
-Periodic = Union[bool, List[bool], Tuple[bool, ...], Array]
+Periodic = Union[bool, Sequence[bool], Array]
 
 
 def _sites(sites: Any, points: Array) -> Tuple[int, Optional[Array]]:
@@ -84,17 +95,17 @@ energy_tolerance, time_limit, preset
     def __init__(
         self,
         points: ArrayLike,
-        sites: Union[int, ArrayLike],
+        sites: Union[SupportsIndex, ArrayLike],
         *,
         capacities: Optional[ArrayLike] = None,
         box: Optional[ArrayLike] = None,
         periodic: Periodic = False,
         fixed_sites: Optional[ArrayLike] = None,
         owners: Optional[ArrayLike] = None,
-        seed: int = 0,
-        threads: int = 0,
+        seed: SupportsIndex = 0,
+        threads: SupportsIndex = 0,
         until: Optional[str] = None,
-        max_iterations: Optional[int] = None,
+        max_iterations: Optional[SupportsIndex] = None,
         energy_tolerance: float = 0.0,
         time_limit: float = 0.0,
         preset: Optional[str] = None,
@@ -165,9 +176,30 @@ def _run(
     return _result((solver.sites(), solver.owners(), solver.summary()))
 
 
+# fmt: off
+@overload
+def tessellate(
+    points: ArrayLike, sites: Union[SupportsIndex, ArrayLike], *,
+    capacities: Optional[ArrayLike] = ..., box: Optional[ArrayLike] = ..., periodic: Periodic = ...,
+    fixed_sites: Optional[ArrayLike] = ..., owners: Optional[ArrayLike] = ..., masses: None = ...,
+    method: str = ..., points_per_site: SupportsIndex = ...,
+    seed: SupportsIndex = ..., threads: SupportsIndex = ..., progress: Progress = ...,
+    until: Optional[str] = ..., max_iterations: Optional[SupportsIndex] = ...,
+    energy_tolerance: float = ..., time_limit: float = ..., preset: Optional[str] = ...,
+) -> Result: ...
+@overload
+def tessellate(
+    points: ArrayLike, sites: SupportsIndex, *, masses: ArrayLike,
+    capacities: Optional[ArrayLike] = ..., box: Optional[ArrayLike] = ..., periodic: Periodic = ...,
+    method: str = ..., points_per_site: SupportsIndex = ...,
+    seed: SupportsIndex = ..., threads: SupportsIndex = ..., progress: Progress = ...,
+    until: Optional[str] = ..., max_iterations: Optional[SupportsIndex] = ...,
+    energy_tolerance: float = ..., time_limit: float = ..., preset: Optional[str] = ...,
+) -> MassResult: ...
+# fmt: on
 def tessellate(
     points: ArrayLike,
-    sites: Union[int, ArrayLike],
+    sites: Union[SupportsIndex, ArrayLike],
     *,
     capacities: Optional[ArrayLike] = None,
     box: Optional[ArrayLike] = None,
@@ -176,12 +208,12 @@ def tessellate(
     owners: Optional[ArrayLike] = None,
     masses: Optional[ArrayLike] = None,
     method: str = "whole",
-    points_per_site: int = 256,
-    seed: int = 0,
-    threads: int = 0,
+    points_per_site: SupportsIndex = 256,
+    seed: SupportsIndex = 0,
+    threads: SupportsIndex = 0,
     progress: Progress = None,
     until: Optional[str] = None,
-    max_iterations: Optional[int] = None,
+    max_iterations: Optional[SupportsIndex] = None,
     energy_tolerance: float = 0.0,
     time_limit: float = 0.0,
     preset: Optional[str] = None,
@@ -284,7 +316,7 @@ def _with_masses(
     box: Any,
     periodic: Any,
     method: str,
-    points_per_site: int,
+    points_per_site: SupportsIndex,
     options: Dict[str, Any],
     progress: Progress,
 ) -> MassResult:
@@ -315,14 +347,14 @@ def _with_masses(
 
 def lloyd(
     points: ArrayLike,
-    sites: Union[int, ArrayLike],
+    sites: Union[SupportsIndex, ArrayLike],
     *,
     box: Optional[ArrayLike] = None,
     periodic: Periodic = False,
-    seed: int = 0,
-    threads: int = 0,
+    seed: SupportsIndex = 0,
+    threads: SupportsIndex = 0,
     progress: Progress = None,
-    max_iterations: Optional[int] = None,
+    max_iterations: Optional[SupportsIndex] = None,
     energy_tolerance: float = 0.0,
     time_limit: float = 0.0,
 ) -> Result:
