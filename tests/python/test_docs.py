@@ -80,3 +80,11 @@ def test_session(tmp_path):
     assert "clusters of [15 16] pictures" in done.stdout
     made = {path.name for path in tmp_path.iterdir()}
     assert made == {"mosaic.png", "brain.ply", "slab.png", "dots.png", "dots.svg"}
+
+
+@pytest.mark.parametrize("call", [
+    ccvt.tessellate, ccvt.Solver, ccvt.lloyd, ccvt.thin, ccvt.sample_volume, ccvt.BalancedKMeans.fit
+])  # fmt: skip
+def test_arrays_that_are_used_where_they_are(call):
+    words = " ".join(call.__doc__.split())
+    assert "not be changed while" in words or "be changed meanwhile" in words

@@ -119,7 +119,8 @@ def sample_volume(
     ----------
     array : array_like of any number of dimensions D
         The values, of any real type, none negative. Contiguous arrays, in C or Fortran order, are
-        used where they are; the same values in the other order give other samples, as good.
+        used where they are, and must not be changed meanwhile; the same values in the other order
+        give other samples, as good.
     sites : int
         How many.
     affine : array_like of shape (D + 1, D + 1), optional

@@ -173,7 +173,8 @@ class BalancedKMeans(Estimator):
         Parameters
         ----------
         X : array_like of shape (n_samples, n_features)
-            float32 and float64 are used where they are; others are converted.
+            float32 and float64 are used where they are, and must not be changed meanwhile; others are
+            converted.
         y : ignored
         sample_weight : array_like of shape (n_samples,), optional
             See the notes of the class.

@@ -117,11 +117,11 @@ def thin(
     Parameters
     ----------
     points : array_like of shape (m, D)
-        As for :func:`tessellate`.
+        As for :func:`tessellate`: not to be changed meanwhile.
     sites : int
         How many points to choose.
     normals : array_like of shape (m, D), optional
-        Sides that face apart are then kept apart.
+        Sides that face apart are then kept apart. Not to be changed meanwhile either.
     normal_weight : float, default 0.5
         How much the directions of normals count.
     spread : bool, default True

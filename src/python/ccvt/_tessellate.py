@@ -227,7 +227,7 @@ def tessellate(
     ----------
     points : array_like of shape (m, D)
         One point a row. Arrays of float32 and float64 whose rows lie in memory without gaps are used
-        where they are; others are converted, to float64.
+        where they are, and must not be changed meanwhile; others are converted, to float64.
     sites : int or array_like of shape (n, D)
         How many, or where they start.
     capacities : array_like of int, shape (n,), optional
@@ -360,7 +360,8 @@ def lloyd(
 ) -> Result:
     """Lloyd relaxation: every point is owned by its nearest site. No capacities are kept.
 
-    The baseline that capacities are measured against, also known as k-means.
+    The baseline that capacities are measured against, also known as k-means. Points that are used
+    where they are must not be changed meanwhile.
 
     Parameters
     ----------
