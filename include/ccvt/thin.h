@@ -47,9 +47,9 @@ struct Thinning {
   std::vector<Index> counts;
   /// Sum of squared distances of all points to the chosen ones they count for, normals aside.
   double energy = 0;
-  /// How far the chosen points would be apart if they were packed as densely as can be, in the mean
-  /// and as far as a sample tells; the unit of ThinOptions::normal_weight. 0 where n is 1, or all
-  /// of the sample lies in few places: normals do not count then.
+  /// How far the chosen points would be apart if they were packed as densely as can be, in the
+  /// median and as far as a sample tells; the unit of ThinOptions::normal_weight. 0 where n is 1,
+  /// or all of the sample lies in few places: normals do not count then.
   double spacing = 0;
   /// How often a chosen point gave way to one near it, and to one anywhere.
   std::int64_t moves = 0;

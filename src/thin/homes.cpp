@@ -11,6 +11,7 @@
 #include "relax/update.h"
 #include "schedule/tiling.h"
 #include "spatial/site_tree.h"
+#include "thin/median.h"
 
 namespace ccvt {
 namespace {
@@ -47,12 +48,6 @@ std::vector<Index> nearest_homes(const Metric& metric, const SiteState& centres,
     }
   });
   return nearest;
-}
-
-double median(std::span<double> values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// What values are around each home: medians of neighbours, as outliers say nothing, and then means

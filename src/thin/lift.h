@@ -8,7 +8,8 @@
 namespace ccvt {
 
 /// How far `sites` of the points would be apart if they were packed as densely as can be, from how
-/// far as many random ones are from their nearest. 0 for one site, and where most are in one place.
+/// far as many random ones are from their nearest, in the median: strays say nothing. 0 for one
+/// site, and where all of those are in one place.
 template <class Scalar>
 double typical_spacing(PointsView<Scalar> points, Index sites, std::uint64_t seed,
                        const Arena& arena);

@@ -1,0 +1,52 @@
+// Clouds with strays, with many points in one place, and at the end of what numbers bear.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "ccvt/thin.h"
+#include "random.h"
+
+namespace ccvt::test {
+namespace {
+
+/// Evenly dense, but for chance, on the unit sphere; normals are the same.
+Points<double> sphere(Index count) {
+  Random random(3);
+  Points<double> points(3, count);
+  for (Index p = 0; p < count; ++p) {
+    const double z = 2 * random.uniform() - 1;
+    const double turn = 8 * std::atan(1.0) * random.uniform();
+    const double r = std::sqrt(1 - z * z);
+    points.col(p) << r * std::cos(turn), r * std::sin(turn), z;
+  }
+  return points;
+}
+
+/// Of so many points on the unit sphere, packed hexagonally.
+double packed(Index count) { return std::sqrt(32 * std::atan(1.0) / (std::sqrt(3.0) * count)); }
+
+double spacing_of(const Points<double>& points, Index sites) {
+  ThinOptions options;
+  options.tessellation.max_iterations = 1;
+  options.spread = false;
+  return thin(points, sites, options).spacing;
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("thin");
+
+TEST_CASE("strays and points in one place do not change the spacing") {
+  Points<double> points = sphere(6000);
+  CHECK(spacing_of(points, 3000) / packed(3000) == doctest::Approx(1).epsilon(0.1));
+  points.leftCols(12) *= 1e6;
+  CHECK(spacing_of(points, 3000) / packed(3000) == doctest::Approx(1).epsilon(0.1));
+  points.leftCols(4000).setZero();  // what a scanner writes where it has seen nothing
+  CHECK(spacing_of(points, 3000) / packed(1000) == doctest::Approx(1).epsilon(0.1));
+  points.setZero();
+  CHECK(spacing_of(points, 3000) == 0);
+}
+
+TEST_SUITE_END();
+
+}  // namespace ccvt::test
