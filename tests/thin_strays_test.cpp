@@ -1,10 +1,16 @@
 // Clouds with strays, with many points in one place, and at the end of what numbers bear.
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <vector>
 
 #include "ccvt/thin.h"
+#include "parallel/arena.h"
 #include "random.h"
+#include "thin/owners.h"
 
 namespace ccvt::test {
 namespace {
@@ -45,6 +51,20 @@ TEST_CASE("strays and points in one place do not change the spacing") {
   CHECK(spacing_of(points, 3000) / packed(1000) == doctest::Approx(1).epsilon(0.1));
   points.setZero();
   CHECK(spacing_of(points, 3000) == 0);
+}
+
+TEST_CASE("owners are found soon where many chosen points are in one place") {
+  Points<float> points = Points<float>::Zero(3, 80000);
+  points.rightCols(1000).setRandom();
+  std::vector<Index> chosen(40000);
+  std::iota(chosen.begin(), chosen.end(), 0);
+  const auto start = std::chrono::steady_clock::now();
+  const auto owners = nearest_chosen(view_points(points), chosen, Arena(1));
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(1));
+  for (std::size_t p = 0; p < owners.size(); ++p) {
+    CHECK(owners[p] < 40000);
+    if (p < 40000) CHECK(owners[p] == static_cast<Index>(p));
+  }
 }
 
 TEST_SUITE_END();

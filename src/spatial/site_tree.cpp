@@ -18,6 +18,17 @@ namespace {
 
 using FlannIndex = flann::KDTreeSingleIndex<flann::L2_Simple<double>>;
 
+/// The nearest ones. Once all of them are in the query's own place none is nearer, and FLANN, which
+/// looks at all that are as near, must not visit every site in that place.
+class NearestSet : public flann::KNNSimpleResultSet<double> {
+ public:
+  using KNNSimpleResultSet::KNNSimpleResultSet;
+  [[nodiscard]] double worstDist() const override {
+    const double worst = KNNSimpleResultSet::worstDist();
+    return worst > 0 ? worst : -1;
+  }
+};
+
 /// Calls visit(image) for each image of `query`, itself first, that may lie within `reach()` of a
 /// point of the box. The distance from an image to the box is the sum of squares of its offsets.
 template <class Reach, class Visit>
@@ -132,7 +143,7 @@ Index SiteTree::nearest(const double* query) const {
   double best = std::numeric_limits<double>::infinity();
   std::size_t best_slot = 0;
   const auto ask = [&](const double* image) {
-    flann::KNNSimpleResultSet<double> result(1);
+    NearestSet result(1);
     tree_->find(result, image);
     std::size_t slot = 0;
     double squared = 0;
@@ -177,7 +188,7 @@ void SiteTree::nearest(const double* query, int k, std::vector<Index>& found) co
     best.resize(wanted);
   } else {
     const auto ask = [&](const double* image) {
-      flann::KNNSimpleResultSet<double> result(wanted);
+      NearestSet result(wanted);
       tree_->find(result, image);
       std::vector<std::size_t> slots(wanted);
       std::vector<double> squared(wanted);
