@@ -5,11 +5,13 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <string>
 #include <vector>
 
 #include "ccvt/thin.h"
 #include "parallel/arena.h"
 #include "random.h"
+#include "support/message.h"
 #include "thin/owners.h"
 
 namespace ccvt::test {
@@ -65,6 +67,20 @@ TEST_CASE("owners are found soon where many chosen points are in one place") {
     CHECK(owners[p] < 40000);
     if (p < 40000) CHECK(owners[p] == static_cast<Index>(p));
   }
+}
+
+TEST_CASE("normals that are too long are refused by their weight") {
+  Points<double> points = sphere(100);
+  const Points<double> normals = points;
+  points *= 0.9e140;
+  ThinOptions options;
+  options.normal_weight = 100;
+  const auto message = message_of([&] { thin(points, 10, options, normals); });
+  CAPTURE(message);
+  CHECK(message.find("normal_weight: is 100, for points that are ") == 0);
+  CHECK(message.find("e+139 apart; the product must be at most 1e+140") != std::string::npos);
+  options.normal_weight = 0.01;
+  CHECK(message_of([&] { thin(points, 10, options, normals); }) == "nothing thrown");
 }
 
 TEST_SUITE_END();

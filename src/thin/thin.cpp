@@ -20,6 +20,7 @@
 #include "parallel/loops.h"
 #include "relax/site_order.h"
 #include "relax/site_state.h"
+#include "scales.h"
 #include "thin/homes.h"
 #include "thin/lift.h"
 #include "thin/owners.h"
@@ -243,6 +244,15 @@ void finish_owners(PointsView<Scalar> space, bool nearest, bool lifted, const Ar
   }
 }
 
+/// Throws unless normals of that length are coordinates that can be reckoned with.
+template <class Scalar>
+void require_length(double length, double weight, double spacing, int dimension) {
+  const double largest = largest_coordinate<Scalar>(dimension);
+  if (length <= largest) return;
+  throw InvalidInput(concat("normal_weight: is ", weight, ", for points that are ", spacing,
+                            " apart; the product must be at most ", largest));
+}
+
 bool was_stopped(const Thinning& result) {
   return result.summary.termination == Termination::cancelled ||
          result.summary.termination == Termination::time_limit;
@@ -276,10 +286,10 @@ Thinning thin(PointsView<Scalar> points, Index sites, const ThinOptions& options
   Stop stop(options.tessellation.cancelled, options.tessellation.time_limit);
   const Arena untold(threads);
   result.spacing = typical_spacing(points, sites, options.tessellation.seed, untold);
-  const bool lifts = has_normals && options.normal_weight > 0 && result.spacing > 0;
-  const Points<Scalar> lifted =
-      lifts ? lift(points, normals, options.normal_weight * result.spacing, untold)
-            : Points<Scalar>();
+  const double length = has_normals ? options.normal_weight * result.spacing : 0;
+  const bool lifts = length > 0;
+  require_length<Scalar>(length, options.normal_weight, result.spacing, 2 * points.dimension);
+  const Points<Scalar> lifted = lifts ? lift(points, normals, length, untold) : Points<Scalar>();
   const PointsView<Scalar> space = lifts ? view_points(lifted) : points;
 
   const Arena arena(threads, &stop);
