@@ -90,14 +90,14 @@ class Canvas {
   /// Calls visit(x, y, pixel) for the pixels whose centres are in a box, x and y being those.
   template <class Visit>
   void visit(const Eigen::Vector2d& lower, const Eigen::Vector2d& upper, const Visit& visit) const {
-    const auto first = [](double at) {
-      return static_cast<int>(std::max(std::ceil(at - 0.5), 0.0));
+    const auto first = [](double at, int pixels) {
+      return static_cast<int>(std::clamp<double>(std::ceil(at - 0.5), 0, pixels));
     };
     const auto last = [](double at, int pixels) {
-      return static_cast<int>(std::min(std::floor(at - 0.5), pixels - 1.0));
+      return static_cast<int>(std::clamp<double>(std::floor(at - 0.5), -1, pixels - 1));
     };
-    for (int row = first(lower[1]); row <= last(upper[1], height_); ++row) {
-      for (int column = first(lower[0]); column <= last(upper[0], width_); ++column) {
+    for (int row = first(lower[1], height_); row <= last(upper[1], height_); ++row) {
+      for (int column = first(lower[0], width_); column <= last(upper[0], width_); ++column) {
         visit(column + 0.5, row + 0.5,
               static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
                   static_cast<std::size_t>(column));
@@ -107,7 +107,7 @@ class Canvas {
   /// Corners as View::place() gives them, one a column.
   void draw_triangle(const Eigen::Matrix3d& at, const std::array<std::uint8_t, 3>& colour);
   /// A disk around a place, across a normal. Hidden where other things are nearer by more than its
-  /// radius.
+  /// radius, and where it is too far away to be a number.
   void draw_disk(const Eigen::Vector3d& at, const Eigen::Vector3d& normal, double radius);
 
   [[nodiscard]] ColourImage picture() const;
@@ -156,7 +156,7 @@ void Canvas::draw_triangle(const Eigen::Matrix3d& at, const std::array<std::uint
 }
 
 void Canvas::draw_disk(const Eigen::Vector3d& at, const Eigen::Vector3d& normal, double radius) {
-  if (std::abs(normal[2]) < kFlattest) return;
+  if (!(std::abs(normal[2]) >= kFlattest) || !at.allFinite()) return;
   const Eigen::Vector2d reach = Eigen::Vector2d::Constant(radius);
   const auto colour = shaded(kInk, 0.4 + 0.6 * light_on(normal));
   visit(at.head<2>() - reach, at.head<2>() + reach, [&](double x, double y, std::size_t pixel) {
@@ -186,14 +186,9 @@ ColourImage Canvas::picture() const {
   return image;
 }
 
-}  // namespace
+bool is_size(double value) { return value >= 0 && std::isfinite(value); }
 
-ColourImage preview(const TriangleMesh& mesh, const SurfaceSamples& samples, int size, int up) {
-  mesh.validate();
-  if (size < 16 || size > 4096) {
-    throw InvalidInput(concat("size: is ", size, "; must be from 16 to 4096"));
-  }
-  if (up < 0 || up > 2) throw InvalidInput(concat("up: is ", up, "; must be from 0 to 2"));
+void require_drawable(const SurfaceSamples& samples) {
   const std::ptrdiff_t sites = samples.sites.cols();
   if (sites == 0 || samples.normals.cols() != sites || std::ssize(samples.radii) != sites) {
     throw InvalidInput(concat("samples: there are ", sites, " sites, ", samples.normals.cols(),
@@ -207,6 +202,27 @@ ColourImage preview(const TriangleMesh& mesh, const SurfaceSamples& samples, int
   if (!samples.sites.eigen().allFinite() || !samples.normals.eigen().allFinite()) {
     throw InvalidInput("samples: sites and normals must be finite");
   }
+  const auto wrong = std::find_if_not(samples.radii.begin(), samples.radii.end(), is_size);
+  if (wrong != samples.radii.end()) {
+    throw InvalidInput(concat("samples: radius ", wrong - samples.radii.begin(), " is ", *wrong,
+                              "; must be finite and not negative"));
+  }
+  if (!is_size(samples.area)) {
+    throw InvalidInput(
+        concat("samples: area is ", samples.area, "; must be finite and not negative"));
+  }
+}
+
+}  // namespace
+
+ColourImage preview(const TriangleMesh& mesh, const SurfaceSamples& samples, int size, int up) {
+  mesh.validate();
+  if (size < 16 || size > 4096) {
+    throw InvalidInput(concat("size: is ", size, "; must be from 16 to 4096"));
+  }
+  if (up < 0 || up > 2) throw InvalidInput(concat("up: is ", up, "; must be from 0 to 2"));
+  require_drawable(samples);
+  const std::ptrdiff_t sites = samples.sites.cols();
   const Triangles triangles(mesh);
   const View view(triangles, size, up);
   Canvas canvas(view.width, view.height);

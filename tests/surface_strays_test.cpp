@@ -1,0 +1,54 @@
+// Pictures of samples that are anywhere.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "ccvt/surface.h"
+#include "support/meshes.h"
+#include "support/message.h"
+
+using ccvt::SurfaceOptions;
+using ccvt::SurfaceSamples;
+using ccvt::TriangleMesh;
+using namespace ccvt::test;
+
+namespace {
+
+SurfaceSamples samples_of(const TriangleMesh& mesh) {
+  SurfaceOptions options;
+  options.points_per_site = 32;
+  options.tessellation.threads = 1;
+  return ccvt::sample_surface<float>(mesh, 40, options);
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("surface");
+
+TEST_CASE("a preview refuses samples of no size, and draws none that is far away") {
+  const TriangleMesh mesh = square(4);
+  const SurfaceSamples samples = samples_of(mesh);
+  SurfaceSamples bad = samples;
+  const auto refusal = [&] { return message_of([&] { (void)ccvt::preview(mesh, bad, 64); }); };
+  bad.radii[1] = NAN;
+  CHECK(refusal() == "samples: radius 1 is nan; must be finite and not negative");
+  bad.radii[1] = -1;
+  CHECK(refusal() == "samples: radius 1 is -1; must be finite and not negative");
+  bad = samples;
+  bad.area = INFINITY;
+  CHECK(refusal() == "samples: area is inf; must be finite and not negative");
+  const auto without = [&](double x, double y, double z) {
+    SurfaceSamples moved = samples;
+    moved.sites.eigen().col(3) << x, y, z;
+    return ccvt::preview(mesh, moved, 64).rgb;
+  };
+  const auto beside = without(0, 9, 0);
+  CHECK(beside != ccvt::preview(mesh, samples, 64).rgb);
+  for (const double far_away : {1e12, -1e12, 1e300, -1e300, 1e308}) {
+    CAPTURE(far_away);
+    CHECK(without(far_away, 0, 0) == beside);
+    CHECK(without(0, far_away, -far_away) == beside);
+  }
+}
+
+TEST_SUITE_END();
