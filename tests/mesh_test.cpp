@@ -164,7 +164,8 @@ TEST_CASE("bad OBJ meshes are refused, with the line") {
         "line 1: a vertex has 3 numbers; for a density it needs x, y, z, red, green and blue");
   CHECK(refusal("v 0 0 0 1 -1 1\n", "green") == "line 1: a density is -1; must not be negative");
   CHECK(refusal(three, "heat") == "has no density 'heat'; of OBJ files it is red, green or blue");
-  CHECK(refusal(three + "v 1e16 0 0\nf 1 2 3\n").find("mesh: its vertices extend over 1e+16") == 0);
+  CHECK(refusal(three + "v 1e16 0 0\nf 1 3 4\n").find("mesh: its triangles extend over 1e+16") ==
+        0);
 }
 
 TEST_CASE("meshes that are cut or damaged anywhere are read or refused") {

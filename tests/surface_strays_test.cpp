@@ -1,18 +1,35 @@
-// Pictures of samples that are anywhere.
+// Surfaces beside vertices that are far away, and pictures of samples that are anywhere.
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "ccvt/surface.h"
 #include "support/meshes.h"
 #include "support/message.h"
 
+using ccvt::Columns;
+using ccvt::Index;
 using ccvt::SurfaceOptions;
 using ccvt::SurfaceSamples;
 using ccvt::TriangleMesh;
 using namespace ccvt::test;
 
 namespace {
+
+/// With a vertex far away that no triangle uses, and a triangle that is a point there.
+TriangleMesh with_strays(const TriangleMesh& mesh, double far_away) {
+  TriangleMesh result;
+  const auto vertices = static_cast<Index>(mesh.vertices.cols());
+  const auto triangles = static_cast<Index>(mesh.triangles.cols());
+  result.vertices = Columns<double>(3, vertices + 2);
+  result.vertices.eigen() << mesh.vertices.eigen(), Eigen::Matrix<double, 3, 2>::Constant(far_away);
+  result.vertices(1, vertices + 1) = -far_away;
+  result.triangles = Columns<Index>(3, triangles + 1);
+  result.triangles.eigen() << mesh.triangles.eigen(),
+      Eigen::Matrix<Index, 3, 1>::Constant(vertices);
+  return result;
+}
 
 SurfaceSamples samples_of(const TriangleMesh& mesh) {
   SurfaceOptions options;
@@ -24,6 +41,20 @@ SurfaceSamples samples_of(const TriangleMesh& mesh) {
 }  // namespace
 
 TEST_SUITE_BEGIN("surface");
+
+TEST_CASE("vertices of no triangle with an area change nothing") {
+  const TriangleMesh mesh = square(4);
+  const SurfaceSamples samples = samples_of(mesh);
+  const auto picture = ccvt::preview(mesh, samples, 100).rgb;
+  for (const double far_away : {1e7, 1e300}) {
+    CAPTURE(far_away);
+    const TriangleMesh strays = with_strays(mesh, far_away);
+    const SurfaceSamples others = samples_of(strays);
+    CHECK(others.sites.eigen() == samples.sites.eigen());
+    CHECK(others.radii == samples.radii);
+    CHECK(ccvt::preview(strays, others, 100).rgb == picture);
+  }
+}
 
 TEST_CASE("a preview refuses samples of no size, and draws none that is far away") {
   const TriangleMesh mesh = square(4);

@@ -423,7 +423,7 @@ TEST_CASE("bad meshes and options are refused") {
   mesh.vertices.eigen().row(1).setZero();
   CHECK(refusal(mesh) == "mesh: none of its 8 triangles has an area; needs one");
   mesh.vertices.eigen() *= 1e17;
-  CHECK(refusal(mesh).substr(0, 39) == "mesh: its vertices extend over 1e+17; m");
+  CHECK(refusal(mesh).substr(0, 40) == "mesh: its triangles extend over 1e+17; m");
   SurfaceOptions chosen;
   chosen.normal_weight = -1;
   CHECK(message_of([&] { chosen.validate(); }) == "normal_weight: is -1; must be from 0 to 100");

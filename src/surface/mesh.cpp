@@ -4,6 +4,7 @@
 #include "ccvt/surface.h"
 #include "no_checkpoint.h"
 #include "number_text.h"
+#include "surface/triangles.h"
 
 namespace ccvt {
 
@@ -64,10 +65,9 @@ void TriangleMesh::validate() const {
   check_vertices(*this);
   check_corners(*this);
   check_density(*this);
-  const auto places = vertices.eigen();
-  const double extent = (places.rowwise().maxCoeff() - places.rowwise().minCoeff()).maxCoeff();
+  const double extent = box_around(*this).sizes().maxCoeff();
   if (extent >= kLeastExtent && extent <= kMostExtent) return;
-  throw InvalidInput(concat("mesh: its vertices extend over ", extent, "; must be from ",
+  throw InvalidInput(concat("mesh: its triangles extend over ", extent, "; must be from ",
                             kLeastExtent, " to ", kMostExtent));
 }
 

@@ -38,15 +38,11 @@ class View {
     Eigen::Matrix3d upright = Eigen::Matrix3d::Zero();  // what points up becomes z
     for (int d = 0; d < 3; ++d) upright(d, (up + 1 + d) % 3) = 1;
     turn_ *= upright;
-    Eigen::Vector3d lower = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-    Eigen::Vector3d upper = -lower;
-    const auto vertices = triangles.mesh().vertices.eigen();
-    for (Eigen::Index v = 0; v < vertices.cols(); ++v) {
-      const Eigen::Vector3d seen = turn_ * (vertices.col(v) - triangles.middle());
-      lower = lower.cwiseMin(seen);
-      upper = upper.cwiseMax(seen);
-    }
-    const Eigen::Vector3d extent = upper - lower;
+    const auto turned = [&](const Eigen::Vector3d& corner) -> Eigen::Vector3d {
+      return turn_ * (corner - triangles.middle());
+    };
+    const Eigen::AlignedBox3d seen = box_around(triangles.mesh(), turned);
+    const Eigen::Vector3d extent = seen.sizes();
     const double longest = extent.head<2>().maxCoeff() * (1 + 2 * kMargin);
     scale_ = size * kFine / longest;
     const auto pixels = [&](double side) {
@@ -56,7 +52,7 @@ class View {
     };
     width = kFine * pixels(extent[0]);
     height = kFine * pixels(extent[1]);
-    offset_ = Eigen::Vector3d(width, height, 0) / 2 - scale_ * (lower + upper) / 2;
+    offset_ = Eigen::Vector3d(width, height, 0) / 2 - scale_ * (seen.min() + seen.max()) / 2;
   }
 
   /// Of a place relative to the middle of the mesh.
@@ -228,6 +224,7 @@ ColourImage preview(const TriangleMesh& mesh, const SurfaceSamples& samples, int
   Canvas canvas(view.width, view.height);
   for (std::size_t t = 0; t < triangles.count(); ++t) {
     const Eigen::Matrix3d corners = triangles.corners(static_cast<Index>(t));
+    if (has_no_area(corners)) continue;
     Eigen::Matrix3d at;
     for (Eigen::Index i = 0; i < 3; ++i) at.col(i) = view.place(corners.col(i));
     const Eigen::Vector3d normal = view.direction(area_vector(corners).normalized());

@@ -6,11 +6,9 @@
 namespace ccvt {
 
 Triangles::Triangles(const TriangleMesh& mesh) : mesh_(mesh) {
-  const auto vertices = mesh.vertices.eigen();
-  const Eigen::Vector3d lower = vertices.rowwise().minCoeff();
-  const Eigen::Vector3d upper = vertices.rowwise().maxCoeff();
-  middle_ = lower + (upper - lower) / 2;
-  extent_ = upper - lower;
+  const Eigen::AlignedBox3d box = box_around(mesh);
+  middle_ = box.min() + box.sizes() / 2;
+  extent_ = box.sizes();
 }
 
 Eigen::Matrix3d Triangles::corners(Index triangle) const {

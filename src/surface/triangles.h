@@ -10,7 +10,40 @@
 
 namespace ccvt {
 
-/// The triangles of a valid mesh, relative to the middle of the box around it.
+/// Twice the area, along the normal.
+inline Eigen::Vector3d area_vector(const Eigen::Matrix3d& corners) {
+  return (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
+}
+
+/// Whether it is a line or a point; not so where numbers are too large to tell.
+inline bool has_no_area(const Eigen::Matrix3d& corners) {
+  return area_vector(corners) == Eigen::Vector3d::Zero();
+}
+
+/// Around place(corner) of all triangles that have an area, or of all where none has. Vertices of
+/// no other triangles may be anywhere.
+template <class Place>
+Eigen::AlignedBox3d box_around(const TriangleMesh& mesh, const Place& place) {
+  Eigen::AlignedBox3d box;
+  Eigen::AlignedBox3d box_of_all;
+  for (std::ptrdiff_t t = 0; t < mesh.triangles.cols(); ++t) {
+    Eigen::Matrix3d corners;
+    for (Eigen::Index i = 0; i < 3; ++i) corners.col(i) = mesh.vertices.col(mesh.triangles(i, t));
+    const bool counts = !has_no_area(corners);
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const Eigen::Vector3d at = place(corners.col(i));
+      box_of_all.extend(at);
+      if (counts) box.extend(at);
+    }
+  }
+  return box.isEmpty() ? box_of_all : box;
+}
+
+inline Eigen::AlignedBox3d box_around(const TriangleMesh& mesh) {
+  return box_around(mesh, [](const Eigen::Vector3d& corner) { return corner; });
+}
+
+/// The triangles of a valid mesh, relative to the middle of the box around them.
 class Triangles {
  public:
   explicit Triangles(const TriangleMesh& mesh);
@@ -20,7 +53,7 @@ class Triangles {
   }
   [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
   [[nodiscard]] const Eigen::Vector3d& middle() const { return middle_; }
-  /// Of the box, along each dimension.
+  /// Of the box around them, along each dimension.
   [[nodiscard]] const Eigen::Vector3d& extent() const { return extent_; }
 
   /// The corners, one a column.
@@ -35,11 +68,6 @@ class Triangles {
   Eigen::Vector3d middle_;
   Eigen::Vector3d extent_;
 };
-
-/// Twice the area, along the normal.
-inline Eigen::Vector3d area_vector(const Eigen::Matrix3d& corners) {
-  return (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
-}
 
 /// The point of a triangle that is nearest to another.
 struct Foot {
