@@ -96,6 +96,35 @@ TEST_CASE("tessellate: the column of masses is no coordinate") {
   const Ran ran = run(directory, "tessellate named.csv --mass-column m --sites 2 -o sites.csv");
   CHECK(get(directory / "sites.csv") == chosen);
   CHECK(ran.errors.find("left out: id;") != std::string::npos);
+  const Ran by_number =
+      run(directory, "tessellate named.csv --mass-column 1 --sites 2 -o sites.csv");
+  CHECK(get(directory / "sites.csv") == chosen);
+  CHECK(by_number.errors == ran.errors);
+  CHECK(sites("bare.csv --mass-column 03") == chosen);
+}
+
+TEST_CASE("tessellate: a coordinate is no column of masses, by its number either") {
+  const TemporaryDirectory directory;
+  put(directory / "named.csv", "m,x,y\n1,0,0\n2,1,0\n2,0,1\n1,1,1\n");
+  put(directory / "cloud.ply",
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float m\nproperty float x\n"
+      "property float y\nend_header\n1 0 0\n2 1 0\n2 0 1\n1 1 1\n");
+  CHECK(run(directory, "sample --dim 3 --sites 27 --points-per-site 8 --periodic -o load.gadget")
+            .status == 0);
+  for (const char* const arguments :
+       {"named.csv --mass-column 2", "named.csv --mass-column x", "cloud.ply --mass-column 3",
+        "cloud.ply --mass-column y", "load.gadget --mass-column 2"}) {
+    CAPTURE(arguments);
+    const Ran ran =
+        run(directory, "tessellate " + std::string(arguments) + " --sites 2 -o sites.csv");
+    CHECK(ran.status == 2);
+    CHECK(ran.errors.find("is among the coordinates of") != std::string::npos);
+  }
+  for (const char* const column : {"m", "1"}) {
+    CAPTURE(column);
+    const std::string line = "tessellate cloud.ply --sites 2 -o sites.csv --mass-column ";
+    CHECK(run(directory, line + column).status == 0);
+  }
 }
 
 TEST_CASE("tessellate: a time limit that comes too soon is no interruption") {

@@ -72,7 +72,8 @@ struct PointsHeader {
   ScalarType scalar = ScalarType::float64;  ///< float64 for text
   int dimension = 0;
   std::uint64_t count = 0;  ///< points; of text the number of lines, an upper bound
-  /// What the header of a text file calls the coordinates; empty where there is none.
+  /// What the header of a text file, or of a PLY file, calls the coordinates; empty where there is
+  /// none.
   std::vector<std::string> columns = {};
   /// Its other columns, where nobody said which are coordinates.
   std::vector<std::string> left_out = {};

@@ -126,14 +126,12 @@ Box box_of(const PointsHeader& particles) {
 }
 
 void tell_columns(const std::filesystem::path& path, const PointsHeader& header, bool quiet,
-                  const std::string& used, const std::string& advice) {
-  std::vector<std::string> left_out = header.left_out;
-  std::erase(left_out, used);
+                  const std::string& advice) {
   const bool to_be_named = header.unknown && !header.columns.empty() && !advice.empty();
-  if (quiet || (left_out.empty() && !header.reordered && !to_be_named)) return;
+  if (quiet || (header.left_out.empty() && !header.reordered && !to_be_named)) return;
   std::string told = path.string() + ": coordinates are " + few_of(header.columns);
   if (header.reordered) told += ", in this order";
-  if (!left_out.empty()) told += "; left out: " + few_of(left_out);
+  if (!header.left_out.empty()) told += "; left out: " + few_of(header.left_out);
   tell(told + advice);
 }
 

@@ -31,10 +31,9 @@ Box make_box(const std::vector<double>& numbers, int dimension, const std::strin
 Box box_of(const PointsHeader& particles);
 
 /// Says on standard error, unless `quiet`, which columns are coordinates where others are left out,
-/// they are reordered, or their names do not tell. `used` is another column that is not left out;
-/// `advice`: what may be done, without which nothing is said of names that do not tell.
+/// they are reordered, or their names do not tell. `advice`: what may be done, without which
+/// nothing is said of names that do not tell.
 void tell_columns(const std::filesystem::path& path, const PointsHeader& header, bool quiet,
-                  const std::string& used = "",
                   const std::string& advice = "; --columns says otherwise");
 
 /// Points of `dimension` dimensions: fixed or initial sites, called `what` in messages, of which
@@ -42,7 +41,7 @@ void tell_columns(const std::filesystem::path& path, const PointsHeader& header,
 template <class Scalar>
 Points<Scalar> read_sites(const std::filesystem::path& path, const std::string& what, int dimension,
                           bool quiet) {
-  tell_columns(path, inspect_points(path), quiet, "", "");
+  tell_columns(path, inspect_points(path), quiet, "");
   Points<Scalar> sites = read_points<Scalar>(path);
   if (sites.rows() != dimension) {
     throw InvalidInput(path.string() + ": " + what + " have " + std::to_string(sites.rows()) +

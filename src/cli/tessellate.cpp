@@ -168,7 +168,7 @@ int run_tessellate(const TessellateArguments& arguments) {
   const bool has_masses = check_masses(arguments);
   check_outputs(arguments);
   const auto [reading, header] = inspect_beside_masses(arguments);
-  tell_columns(arguments.points, header, arguments.quiet, arguments.mass.column);
+  tell_columns(arguments.points, header, arguments.quiet);
   TessellateArguments chosen = arguments;
   chosen.reading = reading;
   if (has_masses) {

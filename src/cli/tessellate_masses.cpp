@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,22 +24,36 @@ namespace {
 /// Of their columns all are coordinates, unless a header names x, y, z or x0, x1, ….
 constexpr std::array<std::string_view, 5> kTables = {".npy", ".csv", ".txt", ".fvecs", ".bvecs"};
 
-/// Whether the header of the file names coordinates as such.
+/// Whether the header of the file names coordinates as such, as those of PLY files do.
 bool names_coordinates(const PointsHeader& header) {
   if (header.columns.empty()) return false;
   const std::string& first = header.columns.front();
   return first == "x" || first == "X" || first == "x0" || first == "X0";
 }
 
-/// All columns, by name, or by number from 1, but for `column`.
+bool is_among(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// What the file calls the column, which may be given by its number; the number where columns have
+/// no names. Throws for what is not there.
+std::string name_of(const std::string& column, const std::filesystem::path& path,
+                    const PointsHeader& header) {
+  if (is_among(header.columns, column) || is_among(header.left_out, column)) return column;
+  const PointsHeader alone = inspect_points(path, {.columns = {column}});
+  return alone.columns.empty() ? column : alone.columns.front();
+}
+
+/// All columns of a file of which all are taken, by name, or by number from 1, but for one that
+/// name_of() has named.
 std::vector<std::string> all_but(const std::string& column, const PointsHeader& header) {
-  std::vector<std::string> others;
-  for (int d = 0; d < header.dimension; ++d) {
-    const std::string number = std::to_string(d + 1);
-    const bool named = !header.columns.empty();
-    const std::string& name = named ? header.columns[static_cast<std::size_t>(d)] : number;
-    if (column != name && column != number) others.push_back(name);
+  std::vector<std::string> others = header.columns;
+  if (others.empty()) {
+    for (int d = 1; d <= header.dimension; ++d) others.push_back(std::to_string(d));
   }
+  const auto found = header.columns.empty() ? others.begin() + std::stoi(column) - 1
+                                            : std::find(others.begin(), others.end(), column);
+  others.erase(found);
   return others;
 }
 
@@ -47,32 +62,17 @@ std::vector<std::string> all_but(const std::string& column, const PointsHeader& 
                      arguments.points.string() + "; --columns says which columns these are");
 }
 
-/// Whether the file is known to have the column, by name or by number from 1.
-bool is_known(const std::string& column, const PointsHeader& header) {
-  const auto is_among = [&](const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), column) != names.end();
-  };
-  if (is_among(header.columns) || is_among(header.left_out)) return true;
-  const std::size_t count = header.columns.empty() ? static_cast<std::size_t>(header.dimension)
-                                                   : header.columns.size() + header.left_out.size();
-  for (std::size_t i = 1; i <= count; ++i) {
-    if (column == std::to_string(i)) return true;
-  }
-  return false;
-}
-
-/// Nobody said which columns of `points` are coordinates: those that a header names as such, or, of
+/// Nobody said which columns of `points` are coordinates: those that the file names as such, or, of
 /// a table, all but that of the masses.
 PointsToRead without_masses(const TessellateArguments& arguments, PointsToRead points) {
-  const std::string& column = arguments.mass.column;
   PointsHeader& header = points.header;
-  if (!is_known(column, header)) inspect_points(arguments.points, {.columns = {column}});  // throws
+  const std::string column = name_of(arguments.mass.column, arguments.points, header);
   if (names_coordinates(header)) {
-    const auto& names = header.columns;
-    if (std::find(names.begin(), names.end(), column) != names.end()) refuse_coordinate(arguments);
+    if (is_among(header.columns, column)) refuse_coordinate(arguments);
+    std::erase(header.left_out, column);
     return points;
   }
-  if (!io::is_among(kTables, io::extension_of(arguments.points))) return points;
+  if (!io::is_among(kTables, io::extension_of(arguments.points))) refuse_coordinate(arguments);
   points.reading.columns = all_but(column, header);
   if (points.reading.columns.empty()) {
     throw InvalidInput("--mass-column: " + arguments.points.string() + " has no column but '" +

@@ -51,6 +51,10 @@ PointsHeader ply_header(const PlyElement& vertices) {
     ++header.dimension;
     if (property.type != PlyType::float32) header.scalar = ScalarType::float64;
   }
+  header.columns.resize(static_cast<std::size_t>(header.dimension));
+  for (const PlyProperty& property : vertices.properties) {
+    if (property.slot >= 0) header.columns[static_cast<std::size_t>(property.slot)] = property.name;
+  }
   header.count = vertices.count;
   return header;
 }
