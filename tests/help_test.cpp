@@ -213,6 +213,13 @@ TEST_CASE("help fits into 100 columns, in groups") {
   }
 }
 
+TEST_CASE("thin writes what it has read, in whatever it computes") {
+  const TemporaryDirectory directory;
+  const std::string help = run(directory, "thin --help").output;
+  CHECK(help.find("--float                         Choose in float32\n") != std::string::npos);
+  CHECK(help.find("Compute and write") == std::string::npos);
+}
+
 TEST_CASE("help is a command, too") {
   const TemporaryDirectory directory;
   for (const auto& [line, same] : {std::pair("help", "--help"), {"help thin", "thin --help"}}) {

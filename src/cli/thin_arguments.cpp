@@ -29,6 +29,10 @@ CLI::App* add_thin(CLI::App& app, ThinArguments& arguments) {
   output->description("Where the chosen points go, with how many points each stands for: " +
                       io::list_of(io::kThinFiles) +
                       ". From PLY to PLY and text to text with all that they carry");
+  // Whose numbers are those that were read.
+  command->get_option("--float")->description("Choose in float32");
+  command->get_option("--double")
+      ->description("Choose in float64 [default: as the points are stored; text: float64]");
   add_output(*command, "--indices-out", arguments.indices_out,
              "Write which points were chosen, from 0", io::kTableFiles);
   add_output(*command, "--owners-out", arguments.owners_out,
