@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -360,6 +361,33 @@ TEST_CASE("render: the ink of a dot is its area, at any place and scale") {
   CHECK_THROWS_AS(render(stippling, 1e6), InvalidInput);
   CHECK_THROWS_AS(render(stippling, std::nan("")), InvalidInput);
   CHECK_THROWS_AS(render(Stippling<double>{}), InvalidInput);
+}
+
+TEST_CASE("render: large dots that cover each other are drawn soon, each as if it were alone") {
+  Stippling<double> stippling;
+  stippling.width = 150;
+  stippling.height = 90;
+  for (const double radius : {0.3, 9.0, 40.0, 70.0}) {
+    CAPTURE(radius);
+    stippling.dot_radius = radius;
+    const Points<double> dots = scattered(30, 150);
+    Image product = constant_image(150, 90, 1);
+    for (Index dot = 0; dot < dots.cols(); ++dot) {
+      stippling.dots = dots.col(dot);
+      const Image alone = render(stippling, 1);
+      for (std::size_t i = 0; i < alone.values.size(); ++i) product.values[i] *= alone.values[i];
+    }
+    stippling.dots = dots;
+    CHECK(render(stippling, 1).values == product.values);
+  }
+  stippling.width = stippling.height = 400;
+  stippling.dot_radius = 100;
+  stippling.dots = Points<double>(scattered(100000, 40).array() + 150);
+  const auto start = std::chrono::steady_clock::now();
+  const Image image = render(stippling, 1);
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(2));
+  CHECK(image(170, 170) == 0);
+  CHECK(image(0, 0) == 1);
 }
 
 TEST_SUITE_END();

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "ccvt/stipple.h"
 #include "io/formats.h"
@@ -56,6 +58,71 @@ void require_drawable(const Stippling<Scalar>& stippling) {
     throw InvalidInput("stippling: dot " + std::to_string(dot) + " is not finite");
   }
 }
+
+/// Draws dots on a picture. What is black stays black, and spans of pixels that are known to be are
+/// passed over: large dots cover each other.
+class Pen {
+ public:
+  /// `radius`: at which half of a pixel is covered; `strength`: of the ink, up to 1.
+  Pen(Image& image, double radius, double strength)
+      : image_(image),
+        radius_(radius),
+        strength_(strength),
+        spans_((image.width + kSpan - 1) / kSpan),
+        light_(static_cast<std::size_t>(image.height), spans_),
+        black_(light_.size() * static_cast<std::size_t>(spans_), 0) {}
+
+  void draw(double x, double y) {
+    const Side width{static_cast<double>(image_.width)};
+    const Side height{static_cast<double>(image_.height)};
+    const double reach = radius_ + 1;
+    const double wide = reach * (1 + 1e-12);  // nothing is covered beyond, as distances are rounded
+    const int first_column = width.pixels_to(x - reach);
+    const int last_column = width.pixels_to(x + reach);
+    const int last_row = height.pixels_to(y + reach);
+    for (int row = height.pixels_to(y - reach); row < last_row; ++row) {
+      if (light_[static_cast<std::size_t>(row)] == 0) continue;
+      const double up = row + 0.5 - y;
+      const double half = std::sqrt(std::max(wide * wide - up * up, 0.0)) + 1;
+      const int last = std::min(last_column, width.pixels_to(x + half));
+      for (int begin = std::max(first_column, width.pixels_to(x - half)); begin < last;) {
+        const int span = begin / kSpan;
+        const int end = std::min(last, (span + 1) * kSpan);
+        draw_span(row, span, begin, end, x, up);
+        begin = end;
+      }
+    }
+  }
+
+ private:
+  static constexpr int kSpan = 64;
+
+  void draw_span(int row, int span, int begin, int end, double x, double up) {
+    auto& black = black_[static_cast<std::size_t>(row) * static_cast<std::size_t>(spans_) +
+                         static_cast<std::size_t>(span)];
+    if (black != 0) return;
+    float* const values = image_.values.data() + std::ptrdiff_t{row} * image_.width;
+    bool any_light = false;
+    for (int column = begin; column < end; ++column) {
+      if (values[column] == 0) continue;
+      const double distance = std::hypot(column + 0.5 - x, up);
+      const double covered = strength_ * std::clamp(radius_ - distance + 0.5, 0.0, 1.0);
+      values[column] *= static_cast<float>(1 - covered);
+      any_light = any_light || values[column] != 0;
+    }
+    const int pixels = std::min(kSpan, image_.width - span * kSpan);
+    if (any_light || end - begin < pixels) return;
+    black = 1;
+    --light_[static_cast<std::size_t>(row)];
+  }
+
+  Image& image_;
+  double radius_;
+  double strength_;
+  int spans_;                        ///< in a row
+  std::vector<int> light_;           ///< of each row, how many spans are not known to be black
+  std::vector<std::uint8_t> black_;  ///< of each span of each row
+};
 
 }  // namespace
 
@@ -116,21 +183,9 @@ Image render(const Stippling<Scalar>& stippling, double scale) {
   const double given = std::min(stippling.dot_radius * scale, kLargest);
   const double square = std::max(given * given, 1.0 / 3);
   const double radius = std::sqrt(square - 1.0 / 12);
-  const double strength = given * given / square;
+  Pen pen(image, radius, given * given / square);
   for (Eigen::Index dot = 0; dot < stippling.dots.cols(); ++dot) {
-    const double x = stippling.dots(0, dot) * scale;
-    const double y = stippling.dots(1, dot) * scale;
-    const double reach = radius + 1;
-    const int last_row = height.pixels_to(y + reach);
-    const int last_column = width.pixels_to(x + reach);
-    for (int row = height.pixels_to(y - reach); row < last_row; ++row) {
-      float* const values = image.values.data() + std::ptrdiff_t{row} * image.width;
-      for (int column = width.pixels_to(x - reach); column < last_column; ++column) {
-        const double distance = std::hypot(column + 0.5 - x, row + 0.5 - y);
-        const double covered = strength * std::clamp(radius - distance + 0.5, 0.0, 1.0);
-        values[column] *= static_cast<float>(1 - covered);
-      }
-    }
+    pen.draw(stippling.dots(0, dot) * scale, stippling.dots(1, dot) * scale);
   }
   return image;
 }
