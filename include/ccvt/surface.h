@@ -100,8 +100,9 @@ struct SurfaceSamples {
   /// A sheet is what hangs together by edges that two triangles share, vertices at the same place
   /// being one. With a normal_weight, sheets of eight cells and more get whole numbers of sites and
   /// are tessellated by themselves first, so that cells of different sheets mix only where that
-  /// lowers the energy; capacities of different sheets then differ, by a share of 1 / (2 * #sites
-  /// of the sheet) at most. All smaller sheets together are treated as one.
+  /// lowers the energy; capacities of different sheets then differ: those of a sheet, but for whole
+  /// points, by a share of less than 1 / #sites of the sheet from points_per_site. All smaller
+  /// sheets together are treated as one.
   Index sheets = 0;
   /// Triangles that face the other way than most, by area, of their sheet: their normals are those
   /// of the rest. A sheet with one side only, such as a Möbius strip, keeps a seam.
