@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <numeric>
@@ -251,6 +253,42 @@ TEST_CASE("a cell that has no room left for errors: rounding takes no more from 
     ccvt::MassPair<double> pair;
     pair.improve(cells, SiteNumber(0), SiteNumber(1));
     CHECK(cells.members(SiteNumber(0)).size() + cells.members(SiteNumber(1)).size() == count);
+  }
+}
+
+TEST_CASE("points that move from a cell to another stay in order, and go soon") {
+  constexpr Index kCount = 100000;
+  ccvt::Random random(7);
+  const Points<double> points = Points<double>::Random(3, kCount);
+  std::vector<double> masses;
+  for (Index p = 0; p < kCount; ++p) masses.push_back(1 + random.index_below(5));
+  const std::vector<Index> owners(kCount, 0);
+  const std::vector<double> capacities{1, 1};
+  const ccvt::Metric metric(3, {});
+  const auto make = [&] {
+    return ccvt::MassCells<double>(metric, ccvt::view_points(points), masses, capacities, owners,
+                                   ccvt::SiteState(3, 2), 10, Arena(1));
+  };
+  const std::array<SiteNumber, 2> both = {SiteNumber(0), SiteNumber(1)};
+  auto cells = make();
+  const auto start = std::chrono::steady_clock::now();
+  for (int k = 0; k < 1500; ++k) {
+    const bool back = k % 3 == 2;
+    const auto members = cells.members(both[back ? 1 : 0]);
+    const auto count = static_cast<Index>(members.size());
+    const PointNumber moved = members[static_cast<std::size_t>(random.index_below(count))];
+    cells.move(moved, both[back ? 1 : 0], both[back ? 0 : 1]);
+  }
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(2));
+  auto expected = make();
+  for (const SiteNumber s : both) {
+    const auto members = cells.members(s);
+    REQUIRE(members.size() == (s == both[1] ? 500 : kCount - 500));
+    expected.set_members(s, {members.begin(), members.end()});
+    CHECK(std::ranges::equal(members, expected.members(s)));
+    CHECK(std::ranges::equal(cells.masses(s), expected.masses(s)));
+    CHECK(std::equal(cells.block(s), cells.block(s) + 3 * members.size(), expected.block(s)));
+    CHECK(cells.held(s) == expected.held(s));
   }
 }
 

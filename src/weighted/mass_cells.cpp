@@ -45,9 +45,8 @@ MassCells<Scalar>::MassCells(const Metric& metric, PointsView<Scalar> points,
 
 template <class Scalar>
 void MassCells<Scalar>::set_members(SiteNumber site, std::vector<PointNumber> members) {
-  std::sort(members.begin(), members.end(), [&](PointNumber a, PointNumber b) {
-    return masses_[a] != masses_[b] ? masses_[a] < masses_[b] : a < b;
-  });
+  std::sort(members.begin(), members.end(),
+            [&](PointNumber a, PointNumber b) { return precedes(a, b); });
   Cell& cell = cells_[site];
   const std::size_t count = members.size();
   const std::size_t width = metric_.coordinate_count();
@@ -107,14 +106,54 @@ void MassCells<Scalar>::regroup(SiteNumber i, SiteNumber j, std::span<const std:
   weigh(j);
 }
 
+/// Where a point is among the members, or would be.
+template <class Scalar>
+std::size_t MassCells<Scalar>::place_in(const Cell& cell, PointNumber point) const {
+  const auto found = std::lower_bound(cell.points.begin(), cell.points.end(), point,
+                                      [&](PointNumber a, PointNumber b) { return precedes(a, b); });
+  return static_cast<std::size_t>(found - cell.points.begin());
+}
+
+template <class Scalar>
+void MassCells<Scalar>::insert(Cell& cell, PointNumber point) const {
+  const std::size_t k = place_in(cell, point);
+  const std::size_t count = cell.points.size();
+  const auto offset = static_cast<std::ptrdiff_t>(k);
+  cell.points.insert(cell.points.begin() + offset, point);
+  cell.masses.insert(cell.masses.begin() + offset, masses_[point]);
+  cell.coordinates.resize(metric_.coordinate_count() * (count + 1));
+  // Streams make room from the last one on.
+  for (std::size_t d = metric_.coordinate_count(); d-- > 0;) {
+    Scalar* const before = cell.coordinates.data() + d * count;
+    Scalar* const after = before + d;
+    std::move_backward(before + k, before + count, after + count + 1);
+    std::move_backward(before, before + k, after + k);
+    after[k] = at(point)[d];
+  }
+}
+
+template <class Scalar>
+void MassCells<Scalar>::remove(Cell& cell, PointNumber point) const {
+  const std::size_t k = place_in(cell, point);
+  const std::size_t count = cell.points.size();
+  const auto offset = static_cast<std::ptrdiff_t>(k);
+  cell.points.erase(cell.points.begin() + offset);
+  cell.masses.erase(cell.masses.begin() + offset);
+  for (std::size_t d = 0; d < metric_.coordinate_count(); ++d) {
+    Scalar* const before = cell.coordinates.data() + d * count;
+    Scalar* const after = before - d;
+    std::move(before, before + k, after);
+    std::move(before + k + 1, before + count, after + k);
+  }
+  cell.coordinates.resize(metric_.coordinate_count() * (count - 1));
+}
+
 template <class Scalar>
 void MassCells<Scalar>::move(PointNumber point, SiteNumber from, SiteNumber to) {
-  std::vector<PointNumber> left = std::move(cells_[from].points);
-  left.erase(std::find(left.begin(), left.end(), point));
-  std::vector<PointNumber> more = std::move(cells_[to].points);
-  more.push_back(point);
-  set_members(from, std::move(left));
-  set_members(to, std::move(more));
+  remove(cells_[from], point);
+  insert(cells_[to], point);
+  weigh(from);
+  weigh(to);
 }
 
 template <class Scalar>

@@ -71,6 +71,13 @@ class MassCells {
     std::vector<double> masses;
     std::vector<Scalar> coordinates;
   };
+  /// The order of members.
+  [[nodiscard]] bool precedes(PointNumber a, PointNumber b) const {
+    return masses_[a] != masses_[b] ? masses_[a] < masses_[b] : a < b;
+  }
+  [[nodiscard]] std::size_t place_in(const Cell& cell, PointNumber point) const;
+  void insert(Cell& cell, PointNumber point) const;
+  void remove(Cell& cell, PointNumber point) const;
   [[nodiscard]] Cell merged(SiteNumber i, SiteNumber j, std::span<const std::size_t> which) const;
   void weigh(SiteNumber site);
 
