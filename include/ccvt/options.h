@@ -89,9 +89,9 @@ struct CCVT_EXPORT Options {
   /// How points get their first owners, on each level.
   Initialization initialization = Initialization::automatic;
 
-  /// Multi-level optimisation [5.2]: relax a random subset first, of `level_points` points per site
-  /// or more (but less than `level_factor` times that), then `level_factor` times as many, and so
-  /// on. Ends lower and more even than one level.
+  /// Multi-level optimisation [5.2]: relax a random subset first, spread evenly, of `level_points`
+  /// points a site or more (but less than `level_factor` times that), then `level_factor` times as
+  /// many, and so on. Ends lower and more even than one level.
   bool multilevel = true;
   int level_points = 8;
   int level_factor = 4;

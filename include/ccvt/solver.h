@@ -89,7 +89,7 @@ struct Result {
 };
 
 /// Runs a problem to its end. Time near-linear in m. Memory, beside the points: a copy of
-/// them, and about 12 bytes a point; in the start up to 1 kB (2D float) to 4 kB (3D double) a site.
+/// them, and about 13 bytes a point; in the start up to 1 kB (2D float) to 4 kB (3D double) a site.
 /// Throws InvalidInput for bad options, and when the points are not of `Dimension`.
 template <int Dimension = Eigen::Dynamic, class Scalar>
 Result<Scalar, Dimension> tessellate(const Problem<Scalar>& problem, const Options& options = {}) {
