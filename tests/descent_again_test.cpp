@@ -22,13 +22,14 @@ using namespace ccvt::test;
 
 TEST_SUITE_BEGIN("descent");
 
-// A descent takes a long slope for its end here, and pairs alone would creep down it: 5884
-// iterations.
+// Pairs are not at their end here when they have changed all sites as often as there is patience
+// for.
 TEST_CASE("where pairs creep all the same, sites descend again") {
-  constexpr Index kSites = 20;
-  const auto points = ccvt::sample_uniform<float, 2>(Box::unit(2), kSites * 65536, 37);
+  constexpr Index kSites = 15;
+  const auto points =
+      ccvt::sample_uniform<float, 2>(Box::unit(2), kSites * 65536, 449, ccvt::Distribution::white);
   const Problem<float> problem(points, kSites);
-  const auto summary = ccvt::tessellate(problem, {.seed = 37}).summary;
+  const auto summary = ccvt::tessellate(problem, {.seed = 449}).summary;
   CHECK(summary.termination == Termination::stable);
   CHECK(descents_of(summary) == 2);
   CHECK(summary.iterations < 1000);
@@ -58,7 +59,7 @@ TEST_CASE("descents one after the other, saved after each iteration") {
   const TemporaryDirectory directory;
   const auto points = make_points<double>(Layout::random, Box::unit(2), 12'000);
   const Problem<double> problem(points, 40);
-  const Options options{.threads = 2, .seed = 7, .descent_points = 60};
+  const Options options{.threads = 2, .seed = 3, .descent_points = 60};
   const auto whole = tessellate_impatiently(problem, options, 0.2);
   CHECK(descents_of(whole.summary) > 2);
   int steps = 0;

@@ -113,7 +113,7 @@ TEST_CASE("a box far wider than its points, where it is not periodic, costs no d
 
 TEST_CASE("many points a site, threads, and Lloyd's iterations in a tube") {
   const Box box{{0, 0}, {3, 1}};
-  const auto points = ccvt::sample_uniform<double>(box, 40 * 2200, 2);
+  const auto points = ccvt::sample_uniform<double>(box, 40 * 2200, 6);
   Problem<double> problem(points, 40);
   problem.set_domain(Domain::periodic(box, {false, true}));
   const auto one = ccvt::tessellate(problem, {.threads = 1});

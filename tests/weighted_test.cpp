@@ -120,11 +120,11 @@ TEST_CASE("small whole masses cost about what as many points each do") {
   std::vector<Index> repeated;
   for (Index p = 0; p < 6000; ++p) repeated.insert(repeated.end(), at(Index(masses[at(p)])), p);
   const Points<double> units = points(Eigen::all, repeated);
-  const auto by_units = tessellate(units, 50);
+  const auto by_units = tessellate(units, 100);
   for (const MassMethod method : {MassMethod::whole, MassMethod::resampled}) {
     MassOptions options;
     options.method = method;
-    const auto result = tessellate_masses(points, masses, 50, options);
+    const auto result = tessellate_masses(points, masses, 100, options);
     CAPTURE(to_string(method));
     CHECK(result.summary.energy == doctest::Approx(by_units.summary.energy).epsilon(0.01));
     CHECK(result.total_mass == static_cast<double>(repeated.size()));
