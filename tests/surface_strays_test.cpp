@@ -56,6 +56,21 @@ TEST_CASE("vertices of no triangle with an area change nothing") {
   }
 }
 
+TEST_CASE("a line far away has no area, though its ends are rounded where they are looked at") {
+  TriangleMesh mesh = square(4);
+  mesh.vertices.eigen().colwise() += Eigen::Vector3d(0.1, 0.2, 0.3);
+  const auto vertices = static_cast<Index>(mesh.vertices.cols());
+  const auto triangles = static_cast<Index>(mesh.triangles.cols());
+  TriangleMesh with_line;
+  with_line.vertices = Columns<double>(3, vertices + 3);
+  with_line.vertices.eigen() << mesh.vertices.eigen(),
+      1e10 * Eigen::Vector3d::Ones() * Eigen::RowVector3d(1, 2, 4);
+  with_line.triangles = Columns<Index>(3, triangles + 1);
+  with_line.triangles.eigen() << mesh.triangles.eigen(),
+      Eigen::Vector3i(vertices, vertices + 1, vertices + 2);
+  CHECK(samples_of(with_line).sites.eigen() == samples_of(mesh).sites.eigen());
+}
+
 TEST_CASE("a preview refuses samples of no size, and draws none that is far away") {
   const TriangleMesh mesh = square(4);
   const SurfaceSamples samples = samples_of(mesh);

@@ -75,7 +75,7 @@ struct PointsHeader {
   /// What the header of a text file, or of a PLY file, calls the coordinates; empty where there is
   /// none.
   std::vector<std::string> columns = {};
-  /// Its other columns, where nobody said which are coordinates.
+  /// Other columns of a text file, where nobody said which are coordinates.
   std::vector<std::string> left_out = {};
   /// Nobody said which are, and names do not tell: all columns are taken.
   bool unknown = false;

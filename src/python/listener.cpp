@@ -11,7 +11,7 @@ std::function<bool()> Listener::cancelled() {
 }
 
 bool Listener::hear(const IterationRecord& record) {
-  if (error_) return false;
+  if (error_ || stopped_) return false;
   const Locked locked(*unlocked_);
   try {
     const py::tuple fields = tuple_of(record);

@@ -100,9 +100,11 @@ class SolverOf final : public AnySolver {
     });
   }
   void cancel() override {
-    // First, so that a call which is at work hears of it, or the next one.
+    // First, so that a call which is at work hears of it.
     listener_.stop();
-    if (!busy_) work([] { return false; });
+    if (busy_) return;
+    const Use use(*this);
+    solver_->cancel();  // with the lock: else calls of others would be refused meanwhile
   }
   py::array sites() override {
     const Use use(*this);
@@ -142,19 +144,14 @@ class SolverOf final : public AnySolver {
     SolverOf& solver_;
   };
 
-  /// call(), without the lock; cancel() counts before it, meanwhile, and just after it.
+  /// call(), without the lock. After it cancel() counts, too, until others can tell that it is
+  /// over.
   template <class Call>
   bool work(const Call& call) {
     const Use use(*this);
-    const auto end_if_told = [&] {
-      if (listener_.stopped()) solver_->cancel();
-    };
-    return listener_.run([&] {
-      end_if_told();
-      const bool result = call();
-      end_if_told();
-      return result;
-    });
+    const bool result = listener_.run(call);
+    if (listener_.stopped()) solver_->cancel();
+    return result;
   }
 
   py::array points_;  ///< what the solver looks at

@@ -13,7 +13,8 @@ namespace ccvt {
 
 /// All points in an order in which what stands together lies together: along a Hilbert curve
 /// through the bins of a grid in a box around them, and in a bin by their numbers. Of several
-/// ranks, each knows the places of its own points. 8 bytes a point, and O(points * dimensions).
+/// ranks, each knows the places of its own points. 8 bytes a point, as many more while it is made,
+/// and O(points * dimensions).
 class PointsAlongCurve {
  public:
   /// `box`: around the points of all ranks.
@@ -30,14 +31,11 @@ class PointsAlongCurve {
   template <class Visit>
   void for_each(const Arena& arena, const Visit& visit) const {
     constexpr std::size_t kPointsPerGrain = 1 << 14;
-    const std::size_t bins = by_bin_.count();
-    arena.for_ranges(bins, 1 + bins * kPointsPerGrain / (own_count() + bins),
+    arena.for_ranges(own_count(), kPointsPerGrain,
                      [&](std::size_t begin, std::size_t end, int worker) {
-                       for (std::size_t bin = begin; bin < end; ++bin) {
-                         std::size_t place = first_place(bin);
-                         for (const Binned& item : by_bin_[bin]) {
-                           visit(item.point, place++, worker);
-                         }
+                       for (std::size_t k = begin; k < end; ++k) {
+                         const auto& [point, bin] = by_bin_.items[k];
+                         visit(point, first_place(bin) + (k - by_bin_.first[bin]), worker);
                        }
                      });
   }

@@ -17,7 +17,7 @@ class NestedSubsets {
     /// Each subset of a given size is as likely as any: keys are SplitMix64's numbers [Steele, Lea,
     /// Flood 2014].
     random,
-    /// Spread evenly: of each aligned run of 2^k places, a subset of one in 2^k has one [Owen
+    /// Spread evenly: of each aligned run of 2^k places, a subset of one in 2^k has one [after Owen
     /// 1995]. So points that are numbered along a curve have their density in subsets, too, with
     /// far less noise than if they were drawn one by one.
     even

@@ -223,8 +223,9 @@ ColourImage preview(const TriangleMesh& mesh, const SurfaceSamples& samples, int
   const View view(triangles, size, up);
   Canvas canvas(view.width, view.height);
   for (std::size_t t = 0; t < triangles.count(); ++t) {
-    const Eigen::Matrix3d corners = triangles.corners(static_cast<Index>(t));
-    if (has_no_area(corners)) continue;
+    const auto triangle = static_cast<Index>(t);
+    if (!triangles.has_area(triangle)) continue;
+    const Eigen::Matrix3d corners = triangles.corners(triangle);
     Eigen::Matrix3d at;
     for (Eigen::Index i = 0; i < 3; ++i) at.col(i) = view.place(corners.col(i));
     const Eigen::Vector3d normal = view.direction(area_vector(corners).normalized());

@@ -39,6 +39,7 @@ Sizes measure(const Triangles& triangles, const Arena& arena) {
   sizes.masses.resize(triangles.count());
   arena.for_each(triangles.count(), kGrain, [&](std::size_t t) {
     const auto triangle = static_cast<Index>(t);
+    if (!triangles.has_area(triangle)) return;
     sizes.areas[t] = area_vector(triangles.corners(triangle)).norm() / 2;
     sizes.masses[t] = sizes.areas[t] * triangles.densities(triangle).mean();
   });

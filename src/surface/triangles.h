@@ -20,6 +20,15 @@ inline bool has_no_area(const Eigen::Matrix3d& corners) {
   return area_vector(corners) == Eigen::Vector3d::Zero();
 }
 
+/// One a column.
+inline Eigen::Matrix3d given_corners(const TriangleMesh& mesh, Index triangle) {
+  Eigen::Matrix3d corners;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    corners.col(i) = mesh.vertices.col(mesh.triangles(i, triangle));
+  }
+  return corners;
+}
+
 /// Around place(corner) of all triangles that have an area, or of all where none has. Vertices of
 /// no other triangles may be anywhere.
 template <class Place>
@@ -27,8 +36,7 @@ Eigen::AlignedBox3d box_around(const TriangleMesh& mesh, const Place& place) {
   Eigen::AlignedBox3d box;
   Eigen::AlignedBox3d box_of_all;
   for (std::ptrdiff_t t = 0; t < mesh.triangles.cols(); ++t) {
-    Eigen::Matrix3d corners;
-    for (Eigen::Index i = 0; i < 3; ++i) corners.col(i) = mesh.vertices.col(mesh.triangles(i, t));
+    const Eigen::Matrix3d corners = given_corners(mesh, static_cast<Index>(t));
     const bool counts = !has_no_area(corners);
     for (Eigen::Index i = 0; i < 3; ++i) {
       const Eigen::Vector3d at = place(corners.col(i));
@@ -55,6 +63,12 @@ class Triangles {
   [[nodiscard]] const Eigen::Vector3d& middle() const { return middle_; }
   /// Of the box around them, along each dimension.
   [[nodiscard]] const Eigen::Vector3d& extent() const { return extent_; }
+
+  /// Whether it has an area. By the corners as they are given: seen from the middle, those of a
+  /// line far away are rounded, and span an area.
+  [[nodiscard]] bool has_area(Index triangle) const {
+    return !has_no_area(given_corners(mesh_, triangle));
+  }
 
   /// The corners, one a column.
   [[nodiscard]] Eigen::Matrix3d corners(Index triangle) const;

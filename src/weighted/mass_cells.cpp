@@ -127,7 +127,7 @@ void MassCells<Scalar>::insert(Cell& cell, PointNumber point) const {
     Scalar* const before = cell.coordinates.data() + d * count;
     Scalar* const after = before + d;
     std::move_backward(before + k, before + count, after + count + 1);
-    std::move_backward(before, before + k, after + k);
+    if (d > 0) std::move_backward(before, before + k, after + k);
     after[k] = at(point)[d];
   }
 }
@@ -142,7 +142,7 @@ void MassCells<Scalar>::remove(Cell& cell, PointNumber point) const {
   for (std::size_t d = 0; d < metric_.coordinate_count(); ++d) {
     Scalar* const before = cell.coordinates.data() + d * count;
     Scalar* const after = before - d;
-    std::move(before, before + k, after);
+    if (d > 0) std::move(before, before + k, after);
     std::move(before + k + 1, before + count, after + k);
   }
   cell.coordinates.resize(metric_.coordinate_count() * (count - 1));

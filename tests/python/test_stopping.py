@@ -56,6 +56,20 @@ def test_cancel_from_another_thread(long_run, work):
     timer.join()
 
 
+def test_cancel_between_two_steps_of_another_thread(long_run):
+    cancelled = threading.Event()
+
+    def cancel():
+        long_run.cancel()
+        cancelled.set()
+
+    threading.Timer(0.1, cancel).start()
+    for _ in long_run:
+        cancelled.wait(0.3)  # where the solver is at rest nearly always
+    assert cancelled.wait(10)
+    assert long_run.summary.termination == "cancelled"
+
+
 def test_cancel_from_a_signal_handler(long_run):
     before = signal.signal(signal.SIGALRM, lambda *_: long_run.cancel())
     try:
