@@ -102,8 +102,8 @@ struct SurfaceSamples {
   /// are tessellated by themselves first, so that cells of different sheets mix only where that
   /// lowers the energy; capacities of different sheets then differ: those of a sheet, but for whole
   /// points, by a share of less than 1 / #sites of the sheet from points_per_site. All smaller
-  /// sheets together are treated as one, or, where they do not come to a site, as a part of the last
-  /// of the others, which may then differ by as much again.
+  /// sheets together are treated as one, or, where they do not come to a site, as a part of the
+  /// last of the others, which may then differ by as much again.
   Index sheets = 0;
   /// Triangles that face the other way than most, by area, of their sheet: their normals are those
   /// of the rest. A sheet with one side only, such as a Möbius strip, keeps a seam.
