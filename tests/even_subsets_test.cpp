@@ -256,7 +256,7 @@ TEST_CASE("ranks share the points among levels as one process does") {
     ccvt::share_points(levels, along, static_cast<std::size_t>(first), options.seed, arena);
     for (ccvt::Level& level : levels) {
       level.joining.keep_own(static_cast<std::size_t>(first),
-                             static_cast<std::size_t>(first + counts[r]));
+                             static_cast<std::size_t>(first) + static_cast<std::size_t>(counts[r]));
       std::vector<Index>& own = found[r].emplace_back();
       for (const PointNumber p : level.joining.all()) own.push_back(first + p.index());
       std::vector<Index> in_parts;
