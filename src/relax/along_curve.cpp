@@ -1,12 +1,11 @@
 #include "relax/along_curve.h"
 
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <utility>
 
 #include "parallel/together.h"
-#include "sampling/hilbert.h"
+#include "sampling/curve_grid.h"
 
 namespace ccvt {
 namespace {
@@ -15,54 +14,13 @@ namespace {
 constexpr std::size_t kPointsPerBin = 4;
 constexpr std::size_t kMostBins = 1 << 18;
 
-/// Its bins are numbered along the curve.
-class Grid {
- public:
-  /// The widest sides are divided, so that bins are about as long as wide.
-  Grid(const Box& box, std::size_t points)
-      : lower_(box.lower), inverse_width_(static_cast<std::size_t>(box.dimension()), 0.0) {
-    std::vector<double> side;
-    for (int d = 0; d < box.dimension(); ++d) side.push_back(box.upper[d] - box.lower[d]);
-    shape_.assign(side.size(), 1);
-    std::size_t bins = 1;
-    for (; bins < kMostBins && bins * kPointsPerBin < points; bins *= 2) {
-      const auto widest = std::max_element(side.begin(), side.end());
-      if (!(*widest > 0)) break;
-      *widest /= 2;
-      shape_[static_cast<std::size_t>(widest - side.begin())] *= 2;
-    }
-    for (std::size_t d = 0; d < side.size(); ++d) {
-      const double inverse = 1 / side[d];
-      if (shape_[d] > 1 && std::isfinite(inverse)) inverse_width_[d] = inverse;
-    }
-    number_.resize(bins);
-    std::uint32_t next = 0;
-    HilbertCurve(shape_).visit(
-        [&](std::int64_t bin) { number_[static_cast<std::size_t>(bin)] = next++; });
-  }
-
-  [[nodiscard]] std::size_t bins() const { return number_.size(); }
-
-  template <class Scalar>
-  [[nodiscard]] std::uint32_t bin_of(const Scalar* x) const {
-    std::size_t bin = 0;
-    std::size_t stride = 1;
-    for (std::size_t d = 0; d < shape_.size(); ++d) {
-      if (shape_[d] == 1) continue;
-      const auto last = static_cast<double>(shape_[d] - 1);
-      const double along = (x[d] - lower_[static_cast<std::ptrdiff_t>(d)]) * inverse_width_[d];
-      bin += stride * static_cast<std::size_t>(std::clamp(along, 0.0, last));
-      stride *= static_cast<std::size_t>(shape_[d]);
-    }
-    return number_[bin];
-  }
-
- private:
-  Coordinates lower_;
-  std::vector<double> inverse_width_;
-  std::vector<std::int64_t> shape_;
-  std::vector<std::uint32_t> number_;
-};
+/// In the box, for so many points.
+CurveGrid bins_in(const Box& box, std::size_t points) {
+  const std::size_t bins = (points + kPointsPerBin - 1) / kPointsPerBin;
+  return {{box.lower.data(), box.lower.data() + box.dimension()},
+          {box.upper.data(), box.upper.data() + box.dimension()},
+          std::min(bins, kMostBins)};
+}
 
 }  // namespace
 
@@ -70,11 +28,14 @@ template <class Scalar>
 PointsAlongCurve::PointsAlongCurve(const OwnPoints<Scalar>& points, std::int64_t points_of_all,
                                    const Box& box, const Arena& arena)
     : count_(static_cast<std::size_t>(points_of_all)) {
-  const Grid grid(box, count_);
+  const CurveGrid grid = bins_in(box, count_);
+  std::vector<std::uint32_t> number(grid.count());
+  std::uint32_t next = 0;
+  grid.visit_along_curve([&](std::size_t bin) { number[bin] = next++; });
   by_bin_ = group_by_key<Binned>(
-      arena, static_cast<std::size_t>(points.view().count), grid.bins(),
+      arena, static_cast<std::size_t>(points.view().count), grid.count(),
       [&](std::size_t p) {
-        return Binned{PointNumber(p), grid.bin_of(points[PointNumber(p)])};
+        return Binned{PointNumber(p), number[grid.cell_of(points[PointNumber(p)])]};
       },
       [](const Binned& item) { return item.bin; });
   if (arena.ranks() != nullptr) count_before(*arena.ranks());

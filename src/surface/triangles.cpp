@@ -12,11 +12,7 @@ Triangles::Triangles(const TriangleMesh& mesh) : mesh_(mesh) {
 }
 
 Eigen::Matrix3d Triangles::corners(Index triangle) const {
-  Eigen::Matrix3d result;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    result.col(i) = mesh_.vertices.col(mesh_.triangles(i, triangle)) - middle_;
-  }
-  return result;
+  return given_corners(mesh_, triangle).colwise() - middle_;
 }
 
 Eigen::Vector3d Triangles::densities(Index triangle) const {
