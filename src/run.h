@@ -90,6 +90,10 @@ struct Run {
   [[nodiscard]] bool pairs_creep() const;
   void descend_again(double energy);
 
+  // In run_torn.cpp.
+  [[nodiscard]] bool seems_torn(const PointsView<Scalar>& points);
+  void mend_torn_cells();
+
   // Of checkpoints, in run_checkpoint.cpp.
   [[nodiscard]] bool is_kept() const { return !options.checkpoint.empty(); }
   RunIdentity identity(const Arena& apart);

@@ -1,0 +1,151 @@
+// Levels on which exchanges between pairs of sites have left cells torn.
+//
+// Where points lie in clouds, a site may come to own half of its points in one and half in another,
+// far away, and so a second site between that cloud and a third, and so on around: no exchange
+// between two of them gains, but one all around would. Such cells last through all levels, at
+// several times the energy. An assignment that is optimal for all sites at once has none.
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "exact/assignment.h"
+#include "parallel/together.h"
+#include "relax/nearest_sites.h"
+#include "relax/update.h"
+#include "run.h"
+
+namespace ccvt {
+namespace {
+
+/// Of the energy that points had at their nearest sites: beyond this share cells are taken to be
+/// torn. White points have 1.05 with 16 points a site, and 1.02 with 64; those in clouds that
+/// overlap 1.05 to 1.1 when no cell is torn.
+constexpr double kTorn = 1.1;
+/// Points a site up to which a level is looked at: on finer ones nothing is torn that was not.
+constexpr double kMostPointsASite = 100;
+/// What an assignment takes grows with the square of the sites. With four times as many sites as
+/// the finest level has points a site it takes about two times as long as all the rest.
+constexpr double kMostSites = 4;
+/// Rounds of assigning and of moving sites end when one gains no more than this share.
+constexpr double kLeastGain = 1e-3;
+constexpr int kMostRounds = 32;
+
+/// The points of a level, on all ranks: cell after cell.
+template <class Scalar>
+struct PointsOfLevel {
+  PointsOfLevel(const Cells<Scalar>& cells, const Tiling& tiling) : dimension(cells.dimension()) {
+    for (const SiteNumber s : tiling.own_sites()) {
+      for (Index k = 0; k < cells.size(s); ++k) {
+        number.push_back(cells.point(s, k));
+        coordinates.resize(coordinates.size() + dimension);
+        cells.get(s, k, &coordinates[coordinates.size() - dimension]);
+      }
+    }
+    number = joined(tiling.ranks(), std::move(number));
+    coordinates = joined(tiling.ranks(), std::move(coordinates));
+    for (const SiteNumber s : cells.sites()) {
+      owner.insert(owner.end(), static_cast<std::size_t>(cells.size(s)), s.index());
+    }
+  }
+  [[nodiscard]] PointsView<Scalar> view() const {
+    return {coordinates.data(), static_cast<int>(dimension), static_cast<Index>(number.size()),
+            static_cast<std::ptrdiff_t>(dimension)};
+  }
+  [[nodiscard]] const Scalar* at(std::size_t p) const { return &coordinates[p * dimension]; }
+
+  std::size_t dimension;
+  std::vector<PointOfAll> number;
+  std::vector<Scalar> coordinates;
+  std::vector<Index> owner;
+};
+
+/// The sum of squared distances to the owners; sites that are not fixed move to their centroids.
+template <class Scalar>
+double move_sites(const Metric& metric, const PointsOfLevel<Scalar>& points, SiteState& sites) {
+  const std::size_t dimension = points.dimension;
+  std::vector<double> sum(sites.position.size(), 0.0);
+  std::vector<double> count(sites.count(), 0.0);
+  double energy = 0;
+  for (std::size_t p = 0; p < points.owner.size(); ++p) {
+    const SiteNumber s(points.owner[p]);
+    energy += metric.squared_distance(points.at(p), sites.at(s));
+    count[s] += 1;
+    for (std::size_t d = 0; d < dimension; ++d) {
+      sum[s * dimension + d] += metric.wrap(points.at(p)[d] - sites.at(s)[d], d);
+    }
+  }
+  for (const SiteNumber s : sites.all()) {
+    if (sites.is_fixed(s) || count[s] == 0) continue;
+    for (std::size_t d = 0; d < dimension; ++d) {
+      double& x = sites.at(s)[d];
+      x = metric.into_box(x + sum[s * dimension + d] / count[s], d);
+    }
+  }
+  return energy;
+}
+
+}  // namespace
+
+/// Whether points cost much more at their owners than at the sites nearest to them.
+template <class Scalar>
+bool Run<Scalar>::seems_torn(const PointsView<Scalar>& points) {
+  const NearestSites<Scalar> search(metric, state.sites, around, arena);
+  const Buffer<SiteNumber> nearest = search.owners(points, arena);
+  double least = 0;
+  for (std::size_t p = 0; p < nearest.size(); ++p) {
+    least += metric.squared_distance(points[static_cast<Index>(p)], state.sites.at(nearest[p]));
+  }
+  return energy_of_sites() > kTorn * least;
+}
+
+/// At the end of a coarse level: where cells seem to be torn, points get the owners, and sites the
+/// places, of a tessellation whose assignment is optimal. When the run is cancelled meanwhile,
+/// nothing has changed.
+template <class Scalar>
+void Run<Scalar>::mend_torn_cells() try {
+  const double sites = problem.site_count();
+  const double each = static_cast<double>(state.cells.point_count()) / sites;
+  const double each_at_last = static_cast<double>(problem.point_count()) / sites;
+  if (options.pairs != PairSelection::meeting || each > kMostPointsASite ||
+      sites > kMostSites * each_at_last) {
+    return;
+  }
+  const auto timed = record.relaxing();
+  PointsOfLevel<Scalar> points(state.cells, state.tiling);
+  if (!seems_torn(points.view())) return;
+  SiteState moved = state.sites;
+  std::vector<double> prices(moved.count(), 0.0);
+  ExactAssignment<Scalar> assignment(metric, points.view(), problem.site_count(),
+                                     levels[level].capacities, arena);
+  double energy = energy_of_sites();
+  for (int round = 0; round < kMostRounds; ++round) {
+    assignment.improve(moved.position, prices, points.owner);
+    const double before = std::exchange(energy, move_sites(metric, points, moved));
+    if (round > 0 && before - energy <= kLeastGain * before) break;
+  }
+  Cells<Scalar> cells = empty_cells(levels[level].capacities);
+  std::vector<Index> filled(moved.count(), 0);
+  for (std::size_t p = 0; p < points.owner.size(); ++p) {
+    const SiteNumber s(points.owner[p]);
+    if (!state.tiling.is_own(state.tiling.tile_of(s))) continue;
+    cells.put(s, filled[s]++, points.number[p], points.at(p));
+  }
+  state.cells = std::move(cells);
+  state.sites.position = std::move(moved.position);
+  relaxer = make_relaxer();  // it knows the cells as they are now
+  const Stop::Pause pause(stop);
+  update_all(metric, state, arena);
+} catch (const Stopped&) {
+  // Joining the next level hears of it, too.
+}
+
+#define CCVT_INSTANTIATE(Scalar)                                    \
+  template bool Run<Scalar>::seems_torn(const PointsView<Scalar>&); \
+  template void Run<Scalar>::mend_torn_cells();
+
+CCVT_INSTANTIATE(float)
+CCVT_INSTANTIATE(double)
+#undef CCVT_INSTANTIATE
+
+}  // namespace ccvt

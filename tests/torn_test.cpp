@@ -1,0 +1,129 @@
+// Clouds: cells that exchanges between pairs of sites would leave torn.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "ccvt/problem.h"
+#include "ccvt/solver.h"
+#include "random.h"
+#include "support/oracle.h"
+#include "support/same.h"
+#include "support/thread_ranks.h"
+
+using ccvt::Box;
+using ccvt::Domain;
+using ccvt::Index;
+using ccvt::Options;
+using ccvt::Points;
+using ccvt::Problem;
+using ccvt::Random;
+using ccvt::Termination;
+using namespace ccvt::test;
+
+namespace {
+
+constexpr Index kSites = 64;
+constexpr Index kPoints = kSites * 256;
+
+/// Sixteen clouds that overlap, each a quarter narrower than the one before, in or near [0, 1]^2.
+template <class Scalar>
+Points<Scalar> clouds(std::uint64_t seed, Index count = kPoints) {
+  constexpr Index kClouds = 16;
+  Random random(seed);
+  Points<Scalar> points(2, count);
+  for (Index cloud = 0; cloud < kClouds; ++cloud) {
+    const double x = random.uniform();
+    const double y = random.uniform();
+    for (Index p = cloud; p < count; p += kClouds) {
+      const double radius =
+          0.1 * std::pow(0.75, cloud) * std::sqrt(-2 * std::log(1 - random.uniform()));
+      const double angle = 2 * std::numbers::pi * random.uniform();
+      points(0, p) = static_cast<Scalar>(x + radius * std::cos(angle));
+      points(1, p) = static_cast<Scalar>(y + radius * std::sin(angle));
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("torn");
+
+TEST_CASE("in clouds the energy does not hang on where sites begin") {
+  for (const std::uint64_t seed : std::initializer_list<std::uint64_t>{1, 5, 6}) {
+    CAPTURE(seed);
+    const Points<float> points = clouds<float>(seed);
+    const Problem<float> problem(points, kSites);
+    double least = std::numeric_limits<double>::infinity();
+    double most = 0;
+    for (std::uint64_t begin = 1; begin <= 6; ++begin) {
+      const auto result = ccvt::tessellate(problem, Options{.threads = 2, .seed = begin});
+      CHECK(result.summary.termination == Termination::stable);
+      least = std::min(least, result.summary.energy);
+      most = std::max(most, result.summary.energy);
+      if (begin == 1) CHECK(faults(problem, result) == "");
+    }
+    CHECK(most < 1.1 * least);
+  }
+}
+
+TEST_CASE_TEMPLATE("cells are mended alike for any number of threads and ranks", Scalar, float,
+                   double) {
+  const Points<Scalar> points = clouds<Scalar>(5);
+  for (const bool periodic : {false, true}) {
+    for (const Index fixed : {0, 5}) {
+      CAPTURE(periodic);
+      CAPTURE(fixed);
+      const auto set_up = [&](Problem<Scalar>& problem) {
+        if (periodic) problem.set_domain(Domain::periodic(Box{{-1, -1}, {2, 2}}));
+        if (fixed > 0) problem.set_fixed_sites(points.leftCols(fixed));
+      };
+      Problem<Scalar> problem(points, kSites);
+      set_up(problem);
+      const auto expected = ccvt::tessellate(problem, Options{.threads = 1});
+      CHECK(faults(problem, expected) == "");
+      for (Index s = 0; s < fixed; ++s) CHECK(expected.sites.col(s) == points.col(s));
+      const auto threaded = ccvt::tessellate(problem, Options{.threads = 3});
+      CHECK(threaded.owners == expected.owners);
+      CHECK(threaded.summary.energy == expected.summary.energy);
+      std::vector<int> same(3, 0);
+      ThreadRanks(3).run([&](ccvt::Ranks& ranks) {
+        const auto place = [](int rank) { return static_cast<Index>(kPoints * rank / 3); };
+        const Index begin = place(ranks.rank());
+        const Points<Scalar> own = points.middleCols(begin, place(ranks.rank() + 1) - begin);
+        Problem<Scalar> part(ranks, ccvt::view_points(own), kSites);
+        set_up(part);
+        const auto result = ccvt::tessellate(part, Options{.threads = 1});
+        same[static_cast<std::size_t>(ranks.rank())] =
+            result.summary.energy == expected.summary.energy && result.sites == expected.sites &&
+            std::equal(result.owners.begin(), result.owners.end(), expected.owners.begin() + begin);
+      });
+      CHECK(same == std::vector<int>(3, 1));
+    }
+  }
+}
+
+TEST_CASE("a run that is cancelled anywhere in clouds has a result") {
+  const Points<double> points = clouds<double>(5, kSites * 1024);
+  const Problem<double> problem(points, kSites);
+  int asked = 0;
+  int most = 1;
+  for (bool ended = false; !ended; most += 1 + most / 4) {
+    CAPTURE(most);
+    asked = 0;
+    const auto result = ccvt::tessellate(
+        problem, Options{.threads = 1, .cancelled = [&] { return ++asked > most; }});
+    ended = asked <= most;
+    CHECK(result.summary.termination == (ended ? Termination::stable : Termination::cancelled));
+    CHECK(ownership_faults(problem, result.owners) == "");
+  }
+}
+
+TEST_SUITE_END();
