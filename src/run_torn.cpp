@@ -24,9 +24,11 @@ namespace {
 constexpr double kTorn = 1.1;
 /// Points a site up to which a level is looked at: on finer ones nothing is torn that was not.
 constexpr double kMostPointsASite = 100;
-/// What an assignment takes grows with the square of the sites. With four times as many sites as
-/// the finest level has points a site it takes about two times as long as all the rest.
-constexpr double kMostSites = 4;
+/// What an assignment takes grows with the square of the sites, and little of it is done in
+/// parallel: two seconds with so many. With four times as many sites as the finest level has points
+/// a site it takes about two times as long as all the rest does on one thread.
+constexpr double kMostSites = 2048;
+constexpr double kMostSitesPerPointASite = 4;
 /// Rounds of assigning and of moving sites end when one gains no more than this share.
 constexpr double kLeastGain = 1e-3;
 constexpr int kMostRounds = 32;
@@ -107,8 +109,8 @@ void Run<Scalar>::mend_torn_cells() try {
   const double sites = problem.site_count();
   const double each = static_cast<double>(state.cells.point_count()) / sites;
   const double each_at_last = static_cast<double>(problem.point_count()) / sites;
-  if (options.pairs != PairSelection::meeting || each > kMostPointsASite ||
-      sites > kMostSites * each_at_last) {
+  if (options.pairs != PairSelection::meeting || each > kMostPointsASite || sites > kMostSites ||
+      sites > kMostSitesPerPointASite * each_at_last) {
     return;
   }
   const auto timed = record.relaxing();

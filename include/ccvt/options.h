@@ -92,9 +92,9 @@ struct CCVT_EXPORT Options {
   /// Multi-level optimisation [5.2]: relax a random subset first, spread evenly, of `level_points`
   /// points a site or more (but less than `level_factor` times that), then `level_factor` times as
   /// many, and so on. Ends lower and more even than one level. With `pairs` that meet, and up to
-  /// four times as many sites as there are points a site: where the cells of a level of up to 100
-  /// points a site are torn, between clouds of points, an assignment that is optimal for all sites
-  /// at once mends them, with which sites move until that gains little.
+  /// 2048 sites, and four times as many as there are points a site: where the cells of a level of
+  /// up to 100 points a site are torn, between clouds of points, assignments that are optimal for
+  /// all sites at once mend them, in turn with moves of the sites, until that gains little.
   bool multilevel = true;
   int level_points = 8;
   int level_factor = 4;
