@@ -151,7 +151,7 @@ bool Run<Scalar>::go_on_from(double energy_before, double energy) {
     if (on_finest_level()) return end(Termination::blue_noise);
   }
   if (on_finest_level()) return end(Termination::stable);
-  mend_torn_cells();
+  if (!mend_torn_cells()) return end(Termination::cancelled);
   enter_level(level + 1);
   return dealt.empty() || end(Termination::cancelled);
 }

@@ -91,8 +91,9 @@ struct Run {
   void descend_again(double energy);
 
   // In run_torn.cpp.
+  [[nodiscard]] bool may_be_torn() const;
   [[nodiscard]] bool seems_torn(const PointsView<Scalar>& points);
-  void mend_torn_cells();
+  bool mend_torn_cells();
 
   // Of checkpoints, in run_checkpoint.cpp.
   [[nodiscard]] bool is_kept() const { return !options.checkpoint.empty(); }

@@ -6,6 +6,7 @@
 // several times the energy. An assignment that is optimal for all sites at once has none.
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -22,13 +23,19 @@ namespace {
 /// torn. White points have 1.05 with 16 points a site, and 1.02 with 64; those in clouds that
 /// overlap 1.05 to 1.1 when no cell is torn.
 constexpr double kTorn = 1.1;
-/// Points a site up to which a level is looked at: on finer ones nothing is torn that was not.
+/// Levels of so many points a site, or of so many points in all, are looked at; finer ones only
+/// rarely get torn cells that they did not begin with. And so many coordinates are copied.
 constexpr double kMostPointsASite = 100;
+constexpr double kFewPoints = 1 << 16;
+constexpr double kMostCoordinates = 1 << 25;
 /// What an assignment takes grows with the square of the sites, and little of it is done in
 /// parallel: two seconds with so many. With four times as many sites as the finest level has points
 /// a site it takes about two times as long as all the rest does on one thread.
 constexpr double kMostSites = 2048;
 constexpr double kMostSitesPerPointASite = 4;
+/// What the first assignment gains, of the energy, where cells are torn; else it is for nothing:
+/// capacities differ, or points are denser here than there.
+constexpr double kGainOfTorn = 0.01;
 /// Rounds of assigning and of moving sites end when one gains no more than this share.
 constexpr double kLeastGain = 1e-3;
 constexpr int kMostRounds = 32;
@@ -37,6 +44,10 @@ constexpr int kMostRounds = 32;
 template <class Scalar>
 struct PointsOfLevel {
   PointsOfLevel(const Cells<Scalar>& cells, const Tiling& tiling) : dimension(cells.dimension()) {
+    std::size_t own = 0;
+    for (const SiteNumber s : tiling.own_sites()) own += static_cast<std::size_t>(cells.size(s));
+    number.reserve(own);
+    coordinates.reserve(own * dimension);
     for (const SiteNumber s : tiling.own_sites()) {
       for (Index k = 0; k < cells.size(s); ++k) {
         number.push_back(cells.point(s, k));
@@ -89,6 +100,17 @@ double move_sites(const Metric& metric, const PointsOfLevel<Scalar>& points, Sit
 
 }  // namespace
 
+/// Whether this level is looked at.
+template <class Scalar>
+bool Run<Scalar>::may_be_torn() const {
+  const double sites = problem.site_count();
+  const auto points = static_cast<double>(state.cells.point_count());
+  return options.pairs == PairSelection::meeting && sites <= kMostSites &&
+         sites * sites <= kMostSitesPerPointASite * static_cast<double>(problem.point_count()) &&
+         points <= std::max(kFewPoints, kMostPointsASite * sites) &&
+         points * problem.dimension() <= kMostCoordinates;
+}
+
 /// Whether points cost much more at their owners than at the sites nearest to them.
 template <class Scalar>
 bool Run<Scalar>::seems_torn(const PointsView<Scalar>& points) {
@@ -101,21 +123,15 @@ bool Run<Scalar>::seems_torn(const PointsView<Scalar>& points) {
   return energy_of_sites() > kTorn * least;
 }
 
-/// At the end of a coarse level: where cells seem to be torn, points get the owners, and sites the
-/// places, of a tessellation whose assignment is optimal. When the run is cancelled meanwhile,
+/// At the end of a coarse level: where cells are torn, points get the owners, and sites the places,
+/// of a tessellation whose assignment is optimal. False when the run was cancelled meanwhile: then
 /// nothing has changed.
 template <class Scalar>
-void Run<Scalar>::mend_torn_cells() try {
-  const double sites = problem.site_count();
-  const double each = static_cast<double>(state.cells.point_count()) / sites;
-  const double each_at_last = static_cast<double>(problem.point_count()) / sites;
-  if (options.pairs != PairSelection::meeting || each > kMostPointsASite || sites > kMostSites ||
-      sites > kMostSitesPerPointASite * each_at_last) {
-    return;
-  }
+bool Run<Scalar>::mend_torn_cells() try {
+  if (!may_be_torn()) return true;
   const auto timed = record.relaxing();
   PointsOfLevel<Scalar> points(state.cells, state.tiling);
-  if (!seems_torn(points.view())) return;
+  if (!any(ranks(), seems_torn(points.view()))) return true;
   SiteState moved = state.sites;
   std::vector<double> prices(moved.count(), 0.0);
   ExactAssignment<Scalar> assignment(metric, points.view(), problem.site_count(),
@@ -124,7 +140,9 @@ void Run<Scalar>::mend_torn_cells() try {
   for (int round = 0; round < kMostRounds; ++round) {
     assignment.improve(moved.position, prices, points.owner);
     const double before = std::exchange(energy, move_sites(metric, points, moved));
-    if (round > 0 && before - energy <= kLeastGain * before) break;
+    const double gain = (before - energy) / before;
+    if (round == 0 && !(gain >= kGainOfTorn)) return true;
+    if (!(gain >= kLeastGain)) break;  // nor where nothing costs anything
   }
   Cells<Scalar> cells = empty_cells(levels[level].capacities);
   std::vector<Index> filled(moved.count(), 0);
@@ -133,18 +151,21 @@ void Run<Scalar>::mend_torn_cells() try {
     if (!state.tiling.is_own(state.tiling.tile_of(s))) continue;
     cells.put(s, filled[s]++, points.number[p], points.at(p));
   }
+  std::unique_ptr<Relaxer<Scalar>> next = make_relaxer();  // that of now knows the old cells
   state.cells = std::move(cells);
   state.sites.position = std::move(moved.position);
-  relaxer = make_relaxer();  // it knows the cells as they are now
+  relaxer = std::move(next);
   const Stop::Pause pause(stop);
   update_all(metric, state, arena);
+  return true;
 } catch (const Stopped&) {
-  // Joining the next level hears of it, too.
+  return false;
 }
 
 #define CCVT_INSTANTIATE(Scalar)                                    \
+  template bool Run<Scalar>::may_be_torn() const;                   \
   template bool Run<Scalar>::seems_torn(const PointsView<Scalar>&); \
-  template void Run<Scalar>::mend_torn_cells();
+  template bool Run<Scalar>::mend_torn_cells();
 
 CCVT_INSTANTIATE(float)
 CCVT_INSTANTIATE(double)

@@ -91,10 +91,13 @@ struct CCVT_EXPORT Options {
 
   /// Multi-level optimisation [5.2]: relax a random subset first, spread evenly, of `level_points`
   /// points a site or more (but less than `level_factor` times that), then `level_factor` times as
-  /// many, and so on. Ends lower and more even than one level. With `pairs` that meet, and up to
-  /// 2048 sites, and four times as many as there are points a site: where the cells of a level of
-  /// up to 100 points a site are torn, between clouds of points, assignments that are optimal for
-  /// all sites at once mend them, in turn with moves of the sites, until that gains little.
+  /// many, and so on. Ends lower and more even than one level.
+  ///
+  /// Between clouds of points, exchanges of pairs can end with cells that are torn: their points
+  /// lie in several clouds. Where a level seems to have such cells, at its end, points are assigned
+  /// at the least cost for all sites at once, and sites move, in turn until that gains little: with
+  /// `pairs` that meet, on levels, but the finest, of up to 100 points a site or 65536 points, for
+  /// up to 2048 sites that are no more than four times as many as they have points each.
   bool multilevel = true;
   int level_points = 8;
   int level_factor = 4;
