@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "exact/assignment.h"
+#include "exact/centroids.h"
+#include "exact/grouping.h"
 #include "parallel/together.h"
 #include "relax/nearest_sites.h"
 #include "relax/update.h"
@@ -73,29 +75,24 @@ struct PointsOfLevel {
   std::vector<Index> owner;
 };
 
-/// The sum of squared distances to the owners; sites that are not fixed move to their centroids.
-template <class Scalar>
-double move_sites(const Metric& metric, const PointsOfLevel<Scalar>& points, SiteState& sites) {
-  const std::size_t dimension = points.dimension;
-  std::vector<double> sum(sites.position.size(), 0.0);
-  std::vector<double> count(sites.count(), 0.0);
+/// The sum of squared distances of points to these sites.
+template <class Scalar, class SiteOf>
+double energy_of(const Metric& metric, const PointsView<Scalar>& points,
+                 const std::vector<double>& sites, const SiteOf& site_of) {
+  const auto dimension = static_cast<std::size_t>(points.dimension);
   double energy = 0;
-  for (std::size_t p = 0; p < points.owner.size(); ++p) {
-    const SiteNumber s(points.owner[p]);
-    energy += metric.squared_distance(points.at(p), sites.at(s));
-    count[s] += 1;
-    for (std::size_t d = 0; d < dimension; ++d) {
-      sum[s * dimension + d] += metric.wrap(points.at(p)[d] - sites.at(s)[d], d);
-    }
-  }
-  for (const SiteNumber s : sites.all()) {
-    if (sites.is_fixed(s) || count[s] == 0) continue;
-    for (std::size_t d = 0; d < dimension; ++d) {
-      double& x = sites.at(s)[d];
-      x = metric.into_box(x + sum[s * dimension + d] / count[s], d);
-    }
+  for (Index p = 0; p < points.count; ++p) {
+    energy += metric.squared_distance(points[p],
+                                      &sites[static_cast<std::size_t>(site_of(p)) * dimension]);
   }
   return energy;
+}
+
+/// Puts the sites that are fixed back to where they are in `given`.
+void keep_fixed(const SiteState& given, std::vector<double>& sites) {
+  for (const SiteNumber s : given.all()) {
+    if (given.is_fixed(s)) std::copy_n(given.at(s), given.dimension, &sites[s * given.dimension]);
+  }
 }
 
 }  // namespace
@@ -116,10 +113,9 @@ template <class Scalar>
 bool Run<Scalar>::seems_torn(const PointsView<Scalar>& points) {
   const NearestSites<Scalar> search(metric, state.sites, around, arena);
   const Buffer<SiteNumber> nearest = search.owners(points, arena);
-  double least = 0;
-  for (std::size_t p = 0; p < nearest.size(); ++p) {
-    least += metric.squared_distance(points[static_cast<Index>(p)], state.sites.at(nearest[p]));
-  }
+  const double least = energy_of(metric, points, state.sites.position, [&](Index p) {
+    return nearest[static_cast<std::size_t>(p)].index();
+  });
   return energy_of_sites() > kTorn * least;
 }
 
@@ -132,20 +128,24 @@ bool Run<Scalar>::mend_torn_cells() try {
   const auto timed = record.relaxing();
   PointsOfLevel<Scalar> points(state.cells, state.tiling);
   if (!any(ranks(), seems_torn(points.view()))) return true;
-  SiteState moved = state.sites;
-  std::vector<double> prices(moved.count(), 0.0);
+  std::vector<double> sites = state.sites.position;
+  std::vector<double> prices(state.sites.count(), 0.0);
   ExactAssignment<Scalar> assignment(metric, points.view(), problem.site_count(),
                                      levels[level].capacities, arena);
   double energy = energy_of_sites();
   for (int round = 0; round < kMostRounds; ++round) {
-    assignment.improve(moved.position, prices, points.owner);
-    const double before = std::exchange(energy, move_sites(metric, points, moved));
+    assignment.improve(sites, prices, points.owner);
+    const double before = std::exchange(
+        energy, energy_of(metric, points.view(), sites,
+                          [&](Index p) { return points.owner[static_cast<std::size_t>(p)]; }));
     const double gain = (before - energy) / before;
+    move_to_centroids(metric, points.view(), Grouping(points.owner, prices.size()), arena, sites);
+    keep_fixed(state.sites, sites);
     if (round == 0 && !(gain >= kGainOfTorn)) return true;
     if (!(gain >= kLeastGain)) break;  // nor where nothing costs anything
   }
   Cells<Scalar> cells = empty_cells(levels[level].capacities);
-  std::vector<Index> filled(moved.count(), 0);
+  std::vector<Index> filled(prices.size(), 0);
   for (std::size_t p = 0; p < points.owner.size(); ++p) {
     const SiteNumber s(points.owner[p]);
     if (!state.tiling.is_own(state.tiling.tile_of(s))) continue;
@@ -153,7 +153,7 @@ bool Run<Scalar>::mend_torn_cells() try {
   }
   std::unique_ptr<Relaxer<Scalar>> next = make_relaxer();  // that of now knows the old cells
   state.cells = std::move(cells);
-  state.sites.position = std::move(moved.position);
+  state.sites.position = std::move(sites);
   relaxer = std::move(next);
   const Stop::Pause pause(stop);
   update_all(metric, state, arena);

@@ -12,11 +12,11 @@
 
 #include "ccvt/capacity.h"
 #include "ccvt/codebook.h"
-#include "codebook/centroids.h"
 #include "codebook/linkage.h"
 #include "codebook/reseat.h"
 #include "codebook/sample.h"
 #include "codebook/share.h"
+#include "exact/centroids.h"
 #include "geometry/squares.h"
 #include "numbers.h"
 #include "parallel/arena.h"

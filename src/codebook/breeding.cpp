@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "cell_sizes.h"
-#include "codebook/centroids.h"
 #include "codebook/sample.h"
 #include "codebook/seeding.h"
 #include "codebook/share.h"
 #include "exact/assignment.h"
+#include "exact/centroids.h"
 #include "geometry/squares.h"
 #include "parallel/rank_turns.h"
 #include "random.h"

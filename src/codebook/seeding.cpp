@@ -6,9 +6,9 @@
 #include <numeric>
 #include <utility>
 
-#include "codebook/centroids.h"
 #include "codebook/reseat.h"
 #include "codebook/sample.h"
+#include "exact/centroids.h"
 #include "exact/pricing.h"
 #include "geometry/as_matrix.h"
 #include "geometry/squares.h"

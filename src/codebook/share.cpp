@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "cell_sizes.h"
-#include "codebook/centroids.h"
 #include "codebook/linkage.h"
 #include "codebook/seeding.h"
+#include "exact/centroids.h"
 #include "geometry/chosen_points.h"
 #include "numbers.h"
 #include "parallel/together.h"

@@ -4,11 +4,11 @@
 #include <utility>
 
 #include "ccvt/capacity.h"
-#include "codebook/centroids.h"
 #include "codebook/sample.h"
 #include "codebook/share.h"
 #include "codebook/trainer.h"
 #include "exact/assignment.h"
+#include "exact/centroids.h"
 #include "exact/pricing.h"
 #include "geometry/chosen_points.h"
 #include "parallel/together.h"

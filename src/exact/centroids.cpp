@@ -1,4 +1,4 @@
-#include "codebook/centroids.h"
+#include "exact/centroids.h"
 
 #include <algorithm>
 #include <utility>
