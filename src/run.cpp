@@ -150,8 +150,12 @@ bool Run<Scalar>::go_on_from(double energy_before, double energy) {
     if (pairs_next) return true;
     if (on_finest_level()) return end(Termination::blue_noise);
   }
-  if (on_finest_level()) return end(Termination::stable);
-  if (!mend_torn_cells()) return end(Termination::cancelled);
+  try {
+    const bool mended = mend_torn_cells();
+    if (on_finest_level()) return mended || end(Termination::stable);
+  } catch (const Stopped&) {
+    return end(Termination::cancelled);
+  }
   enter_level(level + 1);
   return dealt.empty() || end(Termination::cancelled);
 }

@@ -91,8 +91,7 @@ struct Run {
   void descend_again(double energy);
 
   // In run_torn.cpp.
-  [[nodiscard]] bool may_be_torn() const;
-  [[nodiscard]] bool seems_torn(const PointsView<Scalar>& points);
+  [[nodiscard]] std::size_t torn_window() const;
   bool mend_torn_cells();
 
   // Of checkpoints, in run_checkpoint.cpp.
