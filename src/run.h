@@ -156,6 +156,7 @@ struct Run {
     double passes = 0;  ///< over all pairs, since the last of them; see kPatience
     double before = 0;  ///< the energy where it began
     double after = 0;   ///< and where the last that is over ended
+    double excess = 0;  ///< of torn cells, when they were last mended
   } turns;
   double patience = kPatience;  ///< passes before sites descend again; see there
   std::vector<double> weights;  ///< of sites, for descents

@@ -106,6 +106,7 @@ ByteWriter Run<Scalar>::save_common(const RunIdentity& own) {
   common.put(turns.passes);
   common.put(turns.before);
   common.put(turns.after);
+  common.put(turns.excess);
   common.put(descent != nullptr);
   if (descent) {
     common.put(static_cast<int>(descent->depth()));
@@ -190,7 +191,7 @@ void Run<Scalar>::load_from(const std::filesystem::path& file, std::optional<Che
   std::unique_ptr<Relaxer<Scalar>> loaded_relaxer = make_relaxer();
   loaded_relaxer->load(reader, state.tiling);
   const Turns loaded_turns{reader.get<int>(), reader.get<double>(), reader.get<double>(),
-                           reader.get<double>()};
+                           reader.get<double>(), reader.get<double>()};
   const int descents = loaded_turns.descents;
   if (descents < 0 || descents > kMostDescents || !(loaded_turns.passes >= 0)) throw Damaged();
   std::unique_ptr<Descent<Scalar>> loaded_descent;

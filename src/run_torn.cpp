@@ -21,7 +21,8 @@
 namespace ccvt {
 namespace {
 
-/// Cells are mended when the torn ones have so much of the energy to lose.
+/// Cells are mended when the torn ones have so much of the energy to lose, more than was left to
+/// them when they were last mended on this level.
 constexpr double kWorthIt = 0.01;
 /// Windows have so many sites at most. And so many points, as what an assignment takes grows with
 /// them, too; and fewer sites where the finest level has few points, for with so many times the
@@ -33,11 +34,10 @@ constexpr double kSitesPerRootOfPoints = 2;
 /// With fewer, cells that are torn together do not come together.
 constexpr double kLeastSites = 64;
 
-/// Whether mending these is worth it.
-bool matter(const std::vector<TornSite>& torn, double energy) {
+double excess_of(const std::vector<TornSite>& torn) {
   double excess = 0;
   for (const TornSite& t : torn) excess += t.excess;
-  return excess > kWorthIt * energy;
+  return excess;
 }
 
 }  // namespace
@@ -63,21 +63,25 @@ bool Run<Scalar>::mend_torn_cells() {
   const std::size_t most = torn_window();
   if (most == 0) return false;
   const auto timed = record.relaxing();
-  std::vector<TornSite> torn = torn_sites(metric, state, arena);
-  if (!matter(torn, energy_of_sites())) return false;
+  std::vector<TornSite> torn;
+  const auto windows_in = [&](const LevelState<Scalar>& tessellation) -> std::vector<Window> {
+    torn = torn_sites(metric, tessellation, arena);
+    const double energy = total_energy(tessellation.sites, arena);
+    if (!(excess_of(torn) - turns.excess > kWorthIt * energy)) return {};
+    return windows_around(metric, tessellation.sites, torn, most);
+  };
+  std::vector<Window> windows = windows_in(state);
+  if (windows.empty()) return false;
   LevelState<Scalar> mended{state.tiling, state.sites, empty_cells(levels[level].capacities)};
   for_each_site(arena, state.tiling,
                 [&](SiteNumber s) { mended.cells.copy_points(state.cells, s); });
-  bool any_gains = false;
-  for (bool gains = true; gains && matter(torn, total_energy(mended.sites, arena));) {
-    gains = false;
-    for (const Window& window : windows_around(metric, mended.sites, torn, most)) {
-      gains = mend(metric, window, mended, arena) || gains;
-    }
-    any_gains = any_gains || gains;
-    if (gains) torn = torn_sites(metric, mended, arena);
+  bool gains = false;
+  for (std::vector<Window> before; windows != before;) {
+    for (const Window& window : windows) gains = mend(metric, window, mended, arena) || gains;
+    before = std::exchange(windows, windows_in(mended));
   }
-  if (!any_gains) return false;
+  if (!gains) return false;
+  turns.excess = excess_of(torn);
   std::unique_ptr<Relaxer<Scalar>> next = make_relaxer();  // that of now knows the old cells
   state = std::move(mended);
   relaxer = std::move(next);

@@ -14,8 +14,8 @@
 namespace ccvt {
 namespace {
 
-/// Rounds of assigning and of moving sites end when one gains no more than this share, for what is
-/// left pairs do sooner; the first may gain no more than that.
+/// Rounds of assigning and of moving sites end when one gains no more than the one share, for pairs
+/// do what is left sooner. When the first gains no more than the other, none is made.
 constexpr double kLeastGain = 5e-3;
 constexpr double kLeastFirstGain = 1e-3;
 constexpr int kMostRounds = 32;

@@ -14,15 +14,14 @@
 namespace ccvt {
 namespace {
 
-constexpr double kTorn = 2;
-/// Of the mean energy of a cell: with a smaller excess a cell matters to nobody.
-constexpr double kLeastExcess = 0.5;
-/// Of a cell, root mean square of the distances of its points to the site, as a share of the
-/// distance of that to the next one: torn ones have .67 at the least. Of white points one cell in
-/// twelve has more than this with 16 points a site, and one in a hundred with 64.
-constexpr double kLeastSpread = 0.6;
-/// So many points of a cell are looked at.
-constexpr Index kPointsOfCell = 64;
+/// Points of a torn cell cost more than so many times what they would at the sites nearest to them,
+/// and so much of the mean energy of a cell more: without that it matters to nobody.
+constexpr double kTorn = 1.3;
+constexpr double kLeastExcess = 0.2;
+/// Seen by so many of its points; or not to be, by far fewer.
+constexpr Index kPointsToTell = 64;
+constexpr Index kPointsToDoubt = 16;
+constexpr double kDoubtful = 1.1;
 
 /// The distance to the next site, squared.
 double squared_gap(const Metric& metric, const SiteState& sites, SiteNumber site,
@@ -33,19 +32,19 @@ double squared_gap(const Metric& metric, const SiteState& sites, SiteNumber site
   return metric.squared_distance(sites.at(site), sites.at(next));
 }
 
-/// What a cell's points cost more than at the sites nearest to them, and these, when it is torn.
+/// What a cell's points cost more than at the sites nearest to them, and these, told from so many
+/// of them; nothing when they do not cost so many times as much.
 template <class Scalar>
 TornSite look_into(const Metric& metric, const LevelState<Scalar>& state, SiteNumber site,
-                   const SiteTree& tree) {
+                   const SiteTree& tree, Index points, double times) {
   const Cells<Scalar>& cells = state.cells;
   TornSite torn{site, 0, {}};
   double own = 0;
   double least = 0;
   std::vector<Scalar> x(cells.dimension());
   std::vector<double> query(cells.dimension());
-  const Index step = (cells.size(site) + kPointsOfCell - 1) / kPointsOfCell;
-  Index looked_at = 0;
-  for (Index k = 0; k < cells.size(site); k += step, ++looked_at) {
+  const Index step = (cells.size(site) + points - 1) / points;
+  for (Index k = 0; k < cells.size(site); k += step) {
     cells.get(site, k, x.data());
     std::copy(x.begin(), x.end(), query.begin());
     const SiteNumber nearest(tree.nearest(query.data()));
@@ -53,8 +52,8 @@ TornSite look_into(const Metric& metric, const LevelState<Scalar>& state, SiteNu
     least += metric.squared_distance(x.data(), state.sites.at(nearest));
     torn.nearest.push_back(nearest);
   }
-  if (own < kTorn * least) return torn;
-  torn.excess = (own - least) / looked_at * cells.size(site);
+  if (!(own > times * least)) return torn;
+  torn.excess = (own - least) / static_cast<double>(torn.nearest.size()) * cells.size(site);
   std::sort(torn.nearest.begin(), torn.nearest.end());
   torn.nearest.erase(std::unique(torn.nearest.begin(), torn.nearest.end()), torn.nearest.end());
   return torn;
@@ -99,13 +98,11 @@ std::vector<TornSite> torn_sites(const Metric& metric, const LevelState<Scalar>&
   PerWorker<std::vector<TornSite>> found(arena);
   arena.for_ranges(own.size(), kSitesPerGrain, [&](std::size_t begin, std::size_t end, int worker) {
     for (const SiteNumber s : sites_between(*own.begin() + begin, *own.begin() + end)) {
-      const double size = state.cells.size(s);
-      if (sites.energy[s] <= least_excess ||
-          sites.energy[s] <=
-              kLeastSpread * kLeastSpread * size * squared_gap(metric, sites, s, tree)) {
-        continue;
-      }
-      TornSite torn = look_into(metric, state, s, tree);
+      if (sites.energy[s] <= least_excess) continue;
+      const double radius = sites.radius[s];
+      if (radius * radius <= squared_gap(metric, sites, s, tree)) continue;
+      if (!(look_into(metric, state, s, tree, kPointsToDoubt, kDoubtful).excess > 0)) continue;
+      TornSite torn = look_into(metric, state, s, tree, kPointsToTell, kTorn);
       if (torn.excess > least_excess) found[worker].push_back(std::move(torn));
     }
   });
