@@ -6,7 +6,6 @@
 // several times the energy. An assignment that is optimal for all sites at once has none, nor, but
 // for few, one that is for the sites around them.
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <utility>
@@ -24,13 +23,11 @@ namespace {
 /// Cells are mended when the torn ones have so much of the energy to lose, more than was left to
 /// them when they were last mended on this level.
 constexpr double kWorthIt = 0.01;
-/// Windows have so many sites at most. And so many points, as what an assignment takes grows with
-/// them, too; and fewer sites where the finest level has few points, for with so many times the
-/// root of these it takes several times as long as all the rest.
+/// Windows have so many sites at most, and so many points, as what an assignment takes grows with
+/// both.
 constexpr double kMostSites = 512;
 constexpr double kMostPoints = 1 << 16;
 constexpr double kMostCoordinates = 1 << 25;
-constexpr double kSitesPerRootOfPoints = 2;
 /// With fewer, cells that are torn together do not come together.
 constexpr double kLeastSites = 64;
 
@@ -48,10 +45,8 @@ std::size_t Run<Scalar>::torn_window() const {
   if (options.pairs != PairSelection::meeting) return 0;
   const double sites = problem.site_count();
   const double capacity = static_cast<double>(state.cells.point_count()) / sites;
-  const double most =
-      std::min({sites, kMostSites,
-                kSitesPerRootOfPoints * std::sqrt(static_cast<double>(problem.point_count())),
-                kMostPoints / capacity, kMostCoordinates / (capacity * problem.dimension())});
+  const double most = std::min({sites, kMostSites, kMostPoints / capacity,
+                                kMostCoordinates / (capacity * problem.dimension())});
   return most < std::min(sites, kLeastSites) ? 0 : static_cast<std::size_t>(most);
 }
 
