@@ -132,7 +132,7 @@ bool Run<Scalar>::step() {
 }
 
 /// After a pass: to the next level when this one is at its end, or down once more where pairs
-/// creep. False when the run is at its end.
+/// creep, or where torn cells have been mended on the finest. False when the run is at its end.
 template <class Scalar>
 bool Run<Scalar>::go_on_from(double energy_before, double energy) {
   if (!(descent ? descent->ended() : relaxer->stable())) {

@@ -28,6 +28,7 @@
 #include "relax/relaxer.h"
 #include "run_identity.h"
 #include "run_record.h"
+#include "torn/windows.h"
 
 namespace ccvt {
 
@@ -91,7 +92,7 @@ struct Run {
   void descend_again(double energy);
 
   // In run_torn.cpp.
-  [[nodiscard]] std::size_t torn_window() const;
+  [[nodiscard]] WindowLimits torn_windows() const;
   bool mend_torn_cells();
 
   // Of checkpoints, in run_checkpoint.cpp.

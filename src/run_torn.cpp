@@ -6,7 +6,9 @@
 // several times the energy. An assignment that is optimal for all sites at once has none, nor, but
 // for few, one that is for the sites around them.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -24,12 +26,24 @@ namespace {
 /// them when they were last mended on this level.
 constexpr double kWorthIt = 0.01;
 /// Windows have so many sites at most, and so many points, as what an assignment takes grows with
-/// both.
+/// both; with fewer sites, cells that are torn together do not come together.
 constexpr double kMostSites = 512;
+constexpr double kLeastSites = 64;
 constexpr double kMostPoints = 1 << 16;
 constexpr double kMostCoordinates = 1 << 25;
-/// With fewer, cells that are torn together do not come together.
-constexpr double kLeastSites = 64;
+/// In means of all capacities: among much larger cells an assignment takes ten times as long, and
+/// gains nothing.
+constexpr double kMostCapacity = 32;
+/// All windows of a round take no longer than the level has, or a tenth of a second or two: about a
+/// microsecond per squared number of sites.
+constexpr double kWorkPerPoint = 4;
+constexpr double kLeastWork = 1 << 19;
+/// Where capacities differ much, points cost more than at the nearest sites, and no assignment
+/// changes that. So windows around cells that have less to lose are left when one gained less of
+/// the energy than this; and rounds are made as long as each gains so much.
+constexpr double kLeastOfWindow = 3e-3;
+constexpr double kLeastOfRound = 5e-3;
+constexpr int kMostRounds = 4;
 
 double excess_of(const std::vector<TornSite>& torn) {
   double excess = 0;
@@ -39,54 +53,68 @@ double excess_of(const std::vector<TornSite>& torn) {
 
 }  // namespace
 
-/// How many sites are looked at together on this level; none: it is not looked at.
+/// What windows on this level may have; no sites: it is not looked at.
 template <class Scalar>
-std::size_t Run<Scalar>::torn_window() const {
-  if (options.pairs != PairSelection::meeting) return 0;
+WindowLimits Run<Scalar>::torn_windows() const {
+  // What is torn around sites that stay where they are would be so again.
+  const bool move = 2 * problem.fixed_sites().cols() < problem.site_count();
+  if (options.pairs != PairSelection::meeting || !move) return {};
   const double sites = problem.site_count();
-  const double capacity = static_cast<double>(state.cells.point_count()) / sites;
-  const double most = std::min({sites, kMostSites, kMostPoints / capacity,
-                                kMostCoordinates / (capacity * problem.dimension())});
-  return most < std::min(sites, kLeastSites) ? 0 : static_cast<std::size_t>(most);
+  const auto points = static_cast<double>(state.cells.point_count());
+  const double most_points = std::min(kMostPoints, kMostCoordinates / problem.dimension());
+  const double most = std::min({sites, kMostSites, most_points * sites / points});
+  if (most < std::min(sites, kLeastSites)) return {};
+  const double capacity = std::min(most_points, std::ceil(kMostCapacity * points / sites));
+  return {static_cast<std::size_t>(most), static_cast<std::int64_t>(most_points),
+          static_cast<Index>(capacity), std::max(kLeastWork, kWorkPerPoint * points)};
 }
 
 /// At the end of a level: where cells are torn, points around them get the owners, and sites the
-/// places, of a tessellation whose assignment is optimal there. Whether there were any. When it
-/// throws Stopped, nothing has changed.
+/// places, of a tessellation whose assignment is optimal there. Whether that gained. When it throws
+/// Stopped, nothing has changed.
 template <class Scalar>
 bool Run<Scalar>::mend_torn_cells() {
-  const std::size_t most = torn_window();
-  if (most == 0) return false;
+  const WindowLimits most = torn_windows();
+  if (most.sites == 0) return false;
   const auto timed = record.relaxing();
-  std::vector<TornSite> torn;
-  const auto windows_in = [&](const LevelState<Scalar>& tessellation) -> std::vector<Window> {
-    torn = torn_sites(metric, tessellation, arena);
-    const double energy = total_energy(tessellation.sites, arena);
-    if (!(excess_of(torn) - turns.excess > kWorthIt * energy)) return {};
-    return windows_around(metric, tessellation.sites, torn, most);
+  const auto torn_now = [&] {
+    std::vector<TornSite> torn = torn_sites(metric, state, arena);
+    std::erase_if(
+        torn, [&](const TornSite& t) { return levels[level].capacities[t.site] > most.capacity; });
+    return torn;
   };
-  std::vector<Window> windows = windows_in(state);
-  if (windows.empty()) return false;
-  LevelState<Scalar> mended{state.tiling, state.sites, empty_cells(levels[level].capacities)};
-  for_each_site(arena, state.tiling,
-                [&](SiteNumber s) { mended.cells.copy_points(state.cells, s); });
-  bool gains = false;
-  for (std::vector<Window> before; windows != before;) {
-    for (const Window& window : windows) gains = mend(metric, window, mended, arena) || gains;
-    before = std::exchange(windows, windows_in(mended));
+  std::unique_ptr<Relaxer<Scalar>> next;  // that of now knows the old cells
+  std::vector<Unmended<Scalar>> undo;
+  try {
+    for (int round = 0; round < kMostRounds; ++round) {
+      const std::vector<TornSite> torn = torn_now();
+      const double energy = total_energy(state.sites, arena);
+      if (!(excess_of(torn) - turns.excess > kWorthIt * energy)) break;
+      double gained = 0;
+      for (const Window& window :
+           windows_around(metric, state.sites, levels[level].capacities, torn, most)) {
+        const double gain = mend(metric, window, state, arena, undo);
+        gained += gain;
+        if (!(gain > kLeastOfWindow * energy)) break;
+      }
+      if (!(gained > kLeastOfRound * energy)) break;
+    }
+    if (undo.empty()) return false;
+    next = make_relaxer();
+  } catch (...) {
+    restore(undo, state);
+    throw;
   }
-  if (!gains) return false;
-  turns.excess = excess_of(torn);
-  std::unique_ptr<Relaxer<Scalar>> next = make_relaxer();  // that of now knows the old cells
-  state = std::move(mended);
   relaxer = std::move(next);
   const Stop::Pause pause(stop);
   update_all(metric, state, arena);
+  turns.excess = excess_of(torn_now());
+  record.begin(energy_of_sites(), false);
   return true;
 }
 
-#define CCVT_INSTANTIATE(Scalar)                         \
-  template std::size_t Run<Scalar>::torn_window() const; \
+#define CCVT_INSTANTIATE(Scalar)                           \
+  template WindowLimits Run<Scalar>::torn_windows() const; \
   template bool Run<Scalar>::mend_torn_cells();
 
 CCVT_INSTANTIATE(float)

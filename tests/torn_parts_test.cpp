@@ -108,29 +108,51 @@ TEST_CASE("three cells that are torn around in a circle are mended") {
   LevelState<double> state = state_of(metric, {{a, b}, {b, c}, {c, a}, {a, a}, {b, b}, {c, c}});
   const std::vector<TornSite> torn = ccvt::torn_sites(metric, state, Arena(1));
   CHECK(torn.size() == 3);
-  const std::vector<Window> windows = ccvt::windows_around(metric, state.sites, torn, 100);
+  const std::vector<Window> windows = ccvt::windows_around(metric, state.sites, state.cells.sizes(),
+                                                           torn, {100, 10000, 10000, 1e6});
   REQUIRE(windows.size() == 1);
   REQUIRE(windows[0].size() == 6);
   const double before = ccvt::total_energy(state.sites);
-  CHECK(ccvt::mend(metric, windows[0], state, Arena(1)));
+  const LevelState<double> old = state;
+  std::vector<ccvt::Unmended<double>> undo;
+  const double gain = ccvt::mend(metric, windows[0], state, Arena(1), undo);
+  CHECK(gain == doctest::Approx(before - ccvt::total_energy(state.sites)));
   CHECK(ccvt::total_energy(state.sites) < 0.01 * before);
   const double told = ccvt::total_energy(state.sites);
   ccvt::update_all(metric, state, Arena(1));
   CHECK(ccvt::total_energy(state.sites) == doctest::Approx(told));
   CHECK(ccvt::torn_sites(metric, state, Arena(1)).empty());
   const SiteState mended = state.sites;
-  CHECK_FALSE(ccvt::mend(metric, windows[0], state, Arena(1)));
+  CHECK(ccvt::mend(metric, windows[0], state, Arena(1), undo) == 0);
   CHECK(state.sites.position == mended.position);
+  REQUIRE(undo.size() == 1);
+  ccvt::restore(undo, state);
+  CHECK(undo.empty());
+  CHECK(state.sites.position == old.sites.position);
+  CHECK(state.sites.energy == old.sites.energy);
+  CHECK(state.sites.radius == old.sites.radius);
+  for (const SiteNumber s : state.sites.all()) {
+    for (Index k = 0; k < kCapacity; ++k) {
+      CHECK(state.cells.point(s, k) == old.cells.point(s, k));
+      double now[2];
+      double then[2];
+      state.cells.get(s, k, now);
+      old.cells.get(s, k, then);
+      CHECK((now[0] == then[0] && now[1] == then[1]));
+    }
+  }
 }
 
 TEST_CASE("a window links what is near the points of torn sites") {
   const Metric metric(2, Domain());
   constexpr Index kColumns = 100;
   const SiteState sites = rows(kColumns, 20);
+  const std::vector<Index> capacities(sites.count(), 16);
   const Index left = 5 * kColumns + 20;
   const Index right = 5 * kColumns + 60;
   const std::vector<TornSite> torn{{SiteNumber(0), 1, {SiteNumber(left), SiteNumber(right)}}};
-  const std::vector<Window> windows = ccvt::windows_around(metric, sites, torn, 512);
+  const std::vector<Window> windows =
+      ccvt::windows_around(metric, sites, capacities, torn, {512, 1 << 16, 1 << 16, 1e6});
   REQUIRE(windows.size() == 1);
   const Window& window = windows[0];
   CHECK(std::is_sorted(window.begin(), window.end()));
@@ -154,17 +176,28 @@ TEST_CASE("windows have no more sites than they may, and each torn site is in on
   for (Index s = 0; s < 2500; s += 7) {
     torn.push_back({SiteNumber(s), 1, {SiteNumber(2499 - s), SiteNumber((s + 1250) % 2500)}});
   }
+  std::vector<Index> capacities(2500, 16);
+  for (std::size_t s = 0; s < capacities.size(); s += 11) capacities[s] = 5000;
   for (const std::size_t most : std::vector<std::size_t>{64, 100, 512}) {
-    const std::vector<Window> windows = ccvt::windows_around(metric, sites, torn, most);
+    const auto windows_of = [&](double work) {
+      return ccvt::windows_around(metric, sites, capacities, torn, {most, 10000, 4000, work});
+    };
+    const std::vector<Window> windows = windows_of(1e9);
     CHECK(windows.size() > 1);
     std::vector<int> covered(2500, 0);
     for (const Window& window : windows) {
       CHECK(window.size() <= most);
-      for (const SiteNumber s : window) covered[s] = 1;
+      Index points = 0;
+      for (const SiteNumber s : window) {
+        covered[s] = 1;
+        points += capacities[s];
+      }
+      CHECK(points <= 10000);
     }
-    for (const TornSite& t : torn) CHECK(covered[t.site] == 1);
+    for (const TornSite& t : torn) CHECK(covered[t.site] == (capacities[t.site] == 16 ? 1 : 0));
+    CHECK(windows_of(1) == std::vector<Window>{windows[0]});
   }
-  CHECK(ccvt::windows_around(metric, sites, {}, 512).empty());
+  CHECK(ccvt::windows_around(metric, sites, capacities, {}, {512, 10000, 4000, 1e9}).empty());
 }
 
 TEST_SUITE_END();

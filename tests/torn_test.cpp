@@ -206,6 +206,42 @@ TEST_CASE("clouds: capacities that differ, and a run that goes on from each of i
   CHECK(result->summary.energy == expected.summary.energy);
 }
 
+TEST_CASE("a run that ends when the finest level has just been mended tells its energy") {
+  const Points<float> points = clouds<float>(5, kSites * 64);
+  const Problem<float> problem(points, kSites);
+  const auto all = ccvt::tessellate(problem, Options{.threads = 2, .seed = 2});
+  bool rose = false;
+  for (int most = 1; most <= all.summary.iterations; ++most) {
+    CAPTURE(most);
+    const auto cut =
+        ccvt::tessellate(problem, Options{.threads = 1, .seed = 2, .max_iterations = most});
+    CHECK(geometry_faults(problem, Points<float>(cut.sites), cut.owners, cut.summary) == "");
+    const auto& log = cut.summary.iterations_log;
+    rose = rose || log.back().energy > 1.5 * cut.summary.energy;
+  }
+  CHECK(rose);  // what the last iteration left was torn, and its end mended it
+}
+
+TEST_CASE("sites of very different capacities, and fixed ones, are not mended without end") {
+  Random random(3);
+  Points<float> points(2, 1000 * 64);
+  for (Index p = 0; p < points.cols(); ++p) {
+    for (int d = 0; d < 2; ++d) points(d, p) = static_cast<float>(random.uniform());
+  }
+  Problem<float> unequal(points, 1000);
+  std::vector<Index> capacities(1000, 32);
+  for (std::size_t s = 0; s < capacities.size(); s += 10) capacities[s] = 352;
+  unequal.set_capacities(capacities);
+  Problem<float> fixed(points, 1000);
+  fixed.set_fixed_sites(points.leftCols(500));
+  for (const Problem<float>* problem : {&unequal, &fixed}) {
+    const auto result = ccvt::tessellate(*problem, Options{.threads = 2, .time_limit = 20});
+    CHECK(result.summary.termination == Termination::stable);
+    CHECK(ownership_faults(*problem, result.owners) == "");
+    CHECK(descent_faults(*problem, result.summary) == "");
+  }
+}
+
 TEST_CASE("a run that is cancelled anywhere in clouds has a result") {
   const Points<double> points = clouds<double>(5, kSites * 1024);
   const Problem<double> problem(points, kSites);

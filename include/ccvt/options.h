@@ -94,10 +94,10 @@ struct CCVT_EXPORT Options {
   /// many, and so on. Ends lower and more even than one level.
   ///
   /// Between clouds of points, exchanges of pairs can end with cells that are torn: their points
-  /// lie in several clouds. Where a level seems to have such cells, at its end, points are assigned
-  /// at the least cost for all sites at once, and sites move, in turn until that gains little: with
-  /// `pairs` that meet, on levels, but the finest, of up to 100 points a site or 65536 points, for
-  /// up to 2048 sites that are no more than four times as many as they have points each.
+  /// lie in several clouds. Where that costs a hundredth of the energy, at the end of a level, and
+  /// so of a run that is stable, points of up to 512 sites around such cells, and 65536 points, are
+  /// assigned at the least cost for all of these sites at once, and the sites move, in turn, until
+  /// that gains little: with `pairs` that meet, and unless half of the sites are fixed.
   bool multilevel = true;
   int level_points = 8;
   int level_factor = 4;

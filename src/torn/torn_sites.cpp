@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <tuple>
 #include <utility>
 
@@ -15,8 +14,10 @@ namespace ccvt {
 namespace {
 
 /// Points of a torn cell cost more than so many times what they would at the sites nearest to them,
-/// and so much of the mean energy of a cell more: without that it matters to nobody.
+/// or, of a small cell, than one time and so many of its points: white ones cost as much by chance.
+/// And so much of the mean energy of a cell more: without that it matters to nobody.
 constexpr double kTorn = 1.3;
+constexpr double kByChance = 12;
 constexpr double kLeastExcess = 0.2;
 /// Seen by so many of its points; or not to be, by far fewer.
 constexpr Index kPointsToTell = 64;
@@ -102,7 +103,8 @@ std::vector<TornSite> torn_sites(const Metric& metric, const LevelState<Scalar>&
       const double radius = sites.radius[s];
       if (radius * radius <= squared_gap(metric, sites, s, tree)) continue;
       if (!(look_into(metric, state, s, tree, kPointsToDoubt, kDoubtful).excess > 0)) continue;
-      TornSite torn = look_into(metric, state, s, tree, kPointsToTell, kTorn);
+      const double times = std::max(kTorn, 1 + kByChance / state.cells.size(s));
+      TornSite torn = look_into(metric, state, s, tree, kPointsToTell, times);
       if (torn.excess > least_excess) found[worker].push_back(std::move(torn));
     }
   });

@@ -1,7 +1,9 @@
 #include "torn/windows.h"
 
 #include <algorithm>
-#include <cstdint>
+#include <numeric>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "spatial/site_tree.h"
@@ -27,7 +29,7 @@ constexpr int kNeighbours = 8;
 class Neighbours {
  public:
   Neighbours(const Metric& metric, const SiteState& sites)
-      : sites_(sites), tree_(metric, sites.position), of_(sites.count()) {}
+      : sites_(sites), tree_(metric, sites.position) {}
 
   [[nodiscard]] const std::vector<Index>& operator()(SiteNumber site) {
     std::vector<Index>& near = of_[site];
@@ -38,125 +40,145 @@ class Neighbours {
  private:
   const SiteState& sites_;
   SiteTree tree_;
-  std::vector<std::vector<Index>> of_;
-};
-
-/// Which sites have been linked with each other.
-class Groups {
- public:
-  explicit Groups(std::size_t sites) : next_(sites) {
-    for (const SiteNumber s : sites_below(sites)) next_[s] = s;
-  }
-  /// Whether they had not been.
-  bool join(SiteNumber a, SiteNumber b) {
-    a = head(a);
-    b = head(b);
-    next_[a] = b;
-    return a != b;
-  }
-
- private:
-  SiteNumber head(SiteNumber site) {
-    while (next_[site] != site) site = next_[site] = next_[next_[site]];
-    return site;
-  }
-
-  std::vector<SiteNumber> next_;
+  std::unordered_map<std::size_t, std::vector<Index>> of_;
 };
 
 /// A window that is being put together.
 class Growth {
  public:
-  Growth(std::size_t sites, std::size_t most) : most_(most), inside_(sites, 0) {}
+  Growth(std::span<const Index> capacities, const WindowLimits& most)
+      : capacities_(capacities),
+        sites_left_(most.sites),
+        points_left_(most.points),
+        most_capacity_(most.capacity) {}
 
-  /// Unless it is full.
-  void add(SiteNumber site) {
-    if (inside_[site] != 0 || full()) return;
-    inside_[site] = 1;
-    window_.push_back(site);
+  /// Whether it is in the window now: there may be no room.
+  bool add(SiteNumber site) {
+    if (inside_.contains(site)) return true;
+    const Index capacity = capacities_[site];
+    if (sites_left_ == 0 || points_left_ < capacity || most_capacity_ < capacity) return false;
+    inside_.insert(site);
+    --sites_left_;
+    points_left_ -= capacity;
+    return true;
   }
-  [[nodiscard]] std::size_t size() const { return window_.size(); }
-  [[nodiscard]] bool full() const { return size() >= most_; }
-  [[nodiscard]] bool has(SiteNumber site) const { return inside_[site] != 0; }
+  /// Adds one that is to be linked with others, or from which the window grows.
+  void add_solid(SiteNumber site) {
+    if (add(site) && solid_.insert(site).second) order_.push_back(site);
+  }
+  [[nodiscard]] bool full() const { return sites_left_ == 0; }
+  [[nodiscard]] bool has(SiteNumber site) const { return inside_.contains(site); }
 
-  /// Adds chains of neighbours between the sites from the `first` on, shorter ones first, until all
-  /// of them are linked that can be.
-  void link(Neighbours& neighbours, std::size_t first) {
-    const std::size_t sites = inside_.size();
-    std::vector<SiteNumber> origin(sites, SiteNumber::none());  // of the chain that a site is on
-    std::vector<SiteNumber> before(sites, SiteNumber::none());
-    std::vector<SiteNumber> reached(window_.begin() + static_cast<std::ptrdiff_t>(first),
-                                    window_.end());
-    for (const SiteNumber s : reached) origin[s] = s;
-    Groups groups(sites);
-    const auto add_chain = [&](SiteNumber s) {
-      for (; s != SiteNumber::none(); s = before[s]) add(s);
-    };
-    for (std::size_t k = 0; k < std::min(reached.size(), kReach * most_) && !full(); ++k) {
+  /// Adds chains of neighbours between the solid sites, shorter ones first, until all of them are
+  /// linked that can be.
+  void link(Neighbours& neighbours, std::size_t most_reached) {
+    std::vector<SiteNumber> reached = order_;
+    for (const SiteNumber s : reached) chains_[s] = {SiteNumber::none(), s};
+    for (std::size_t k = 0; k < std::min(reached.size(), most_reached) && !full(); ++k) {
       const SiteNumber s = reached[k];
       for (const Index near : neighbours(s)) {
         const SiteNumber t(near);
-        if (origin[t] == SiteNumber::none()) {
-          origin[t] = origin[s];
-          before[t] = s;
+        if (chains_.try_emplace(t, Link{s, s}).second) {
           reached.push_back(t);
-        } else if (groups.join(origin[s], origin[t])) {
+        } else if (join(s, t)) {
           add_chain(s);
           add_chain(t);
         }
       }
     }
   }
-  /// Adds neighbours of the sites from the `first` on, and theirs, until there are `enough`.
-  void grow(Neighbours& neighbours, std::size_t first, std::size_t enough) {
-    for (std::size_t k = first; k < size() && size() < enough; ++k) {
-      for (const Index s : neighbours(window_[k])) add(SiteNumber(s));
+  /// Adds neighbours of the solid sites, and theirs, until there are so many.
+  void grow(Neighbours& neighbours) {
+    const std::size_t enough = std::max(kLeastSites, kAroundLinks * inside_.size());
+    for (std::size_t k = 0; k < order_.size() && inside_.size() < enough; ++k) {
+      const std::vector<Index>& near = neighbours(order_[k]);
+      for (const Index s : near) add_solid(SiteNumber(s));
     }
   }
-  /// What it is now; the next one is empty.
-  [[nodiscard]] Window take() {
-    for (const SiteNumber s : window_) inside_[s] = 0;
-    std::sort(window_.begin(), window_.end());
-    return std::exchange(window_, {});
+  [[nodiscard]] Window window() const {
+    Window window;
+    for (const std::size_t s : inside_) window.emplace_back(s);
+    std::sort(window.begin(), window.end());
+    return window;
   }
 
  private:
-  std::size_t most_;
-  std::vector<std::uint8_t> inside_;
-  Window window_;
+  /// On the way to the solid site where a chain begins.
+  struct Link {
+    SiteNumber before;  ///< none where it begins
+    SiteNumber group;   ///< towards the one that stands for all that are linked
+  };
+
+  SiteNumber group_of(SiteNumber site) {
+    while (chains_[site].group != site) {
+      chains_[site].group = chains_[chains_[site].group].group;
+      site = chains_[site].group;
+    }
+    return site;
+  }
+  /// Whether they had not been linked.
+  bool join(SiteNumber a, SiteNumber b) {
+    a = group_of(a);
+    b = group_of(b);
+    chains_[a].group = b;
+    return a != b;
+  }
+  void add_chain(SiteNumber site) {
+    for (; site != SiteNumber::none(); site = chains_[site].before) add_solid(site);
+  }
+
+  std::span<const Index> capacities_;
+  std::size_t sites_left_;
+  std::int64_t points_left_;
+  Index most_capacity_;
+  std::unordered_set<std::size_t> inside_;
+  std::unordered_set<std::size_t> solid_;
+  std::vector<SiteNumber> order_;  ///< of the solid ones
+  std::unordered_map<std::size_t, Link> chains_;
 };
 
 }  // namespace
 
 std::vector<Window> windows_around(const Metric& metric, const SiteState& sites,
-                                   std::span<const TornSite> torn, std::size_t most) {
+                                   std::span<const Index> capacities,
+                                   std::span<const TornSite> torn, const WindowLimits& most) {
   if (torn.empty()) return {};
-  Growth growth(sites.count(), most);
-  if (sites.count() <= std::min(kFewSites, most)) {
-    for (const SiteNumber s : sites.all()) growth.add(s);
-    return {growth.take()};
+  const std::int64_t points =
+      std::accumulate(capacities.begin(), capacities.end(), std::int64_t{0});
+  if (sites.count() <= std::min(kFewSites, most.sites) && points <= most.points) {
+    Window all;
+    for (const SiteNumber s : sites.all()) all.push_back(s);
+    return {all};
   }
   Neighbours neighbours(metric, sites);
   std::vector<Window> windows;
-  std::vector<std::uint8_t> covered(sites.count(), 0);
-  for (std::size_t next = 0; next < torn.size();) {
-    // Torn sites come first: what is next to one, between its points, says nothing.
+  std::unordered_set<std::size_t> covered;
+  double work = 0;
+  for (std::size_t next = 0; next < torn.size() && work < most.work;) {
+    Growth growth(capacities, most);
     const std::size_t begin = next;
-    for (std::size_t wanted = 0; next < torn.size() && wanted < most / kShareOfLinks; ++next) {
-      if (covered[torn[next].site] != 0) continue;
-      growth.add(torn[next].site);
+    // What is next to a torn site, between its points, says nothing: it is not a solid one.
+    std::size_t wanted = 0;
+    for (; next < torn.size() && wanted < most.sites / kShareOfLinks; ++next) {
+      if (covered.contains(torn[next].site) || !growth.add(torn[next].site)) continue;
       wanted += 1 + torn[next].nearest.size();
     }
-    const std::size_t first = growth.size();
-    if (first == 0) continue;
-    for (std::size_t k = begin; k < next; ++k) {
-      if (!growth.has(torn[k].site)) continue;
-      for (const SiteNumber s : torn[k].nearest) growth.add(s);
+    if (wanted == 0) continue;
+    for (const TornSite& t : torn.subspan(begin, next - begin)) {
+      if (!growth.has(t.site)) continue;
+      for (const SiteNumber s : t.nearest) growth.add_solid(s);
     }
-    growth.link(neighbours, first);
-    growth.grow(neighbours, first, std::max(kLeastSites, kAroundLinks * growth.size()));
-    windows.push_back(growth.take());
-    for (const SiteNumber s : windows.back()) covered[s] = 1;
+    growth.link(neighbours, kReach * most.sites);
+    growth.grow(neighbours);
+    windows.push_back(growth.window());
+    const auto size = static_cast<double>(windows.back().size());
+    work += size * size;
+    for (const TornSite& t : torn) {
+      const auto inside = [&](SiteNumber s) { return growth.has(s); };
+      if (inside(t.site) && std::all_of(t.nearest.begin(), t.nearest.end(), inside)) {
+        covered.insert(t.site);
+      }
+    }
   }
   return windows;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -14,12 +15,21 @@ namespace ccvt {
 /// Some sites, ascending, whose points are assigned anew.
 using Window = std::vector<SiteNumber>;
 
-/// Windows of at most so many sites. Each has torn sites, those that are nearest to their points,
-/// chains of neighbours that link these, along which points can move from one to the other, and
-/// what lies around. Each torn site is in one at least; of few sites, one has all.
+struct WindowLimits {
+  std::size_t sites;    ///< of a window
+  std::int64_t points;  ///< of a window
+  Index capacity;       ///< of a site in one
+  double work;          ///< the sum of the squared numbers of sites of all windows, but the last
+};
+
+/// Windows around torn sites. Each has some of them, those that are nearest to their points, chains
+/// of neighbours that link these, along which points can move from one to the other, and what lies
+/// around, unless there is no room. Of up to 256 sites, if there is room, one has all. Windows
+/// around the first of the torn sites come first.
 ///
-/// O(n log n).
+/// O(n log n), and O(n^2) where SiteTree scans.
 std::vector<Window> windows_around(const Metric& metric, const SiteState& sites,
-                                   std::span<const TornSite> torn, std::size_t most);
+                                   std::span<const Index> capacities,
+                                   std::span<const TornSite> torn, const WindowLimits& most);
 
 }  // namespace ccvt
