@@ -63,7 +63,8 @@ SiteState rows(Index columns, Index count) {
   SiteState sites(2, columns * count);
   for (const SiteNumber s : sites.all()) {
     sites.at(s)[0] = s.index() % columns;
-    sites.at(s)[1] = s.index() / columns;
+    const Index row = s.index() / columns;
+    sites.at(s)[1] = row;
   }
   return sites;
 }
