@@ -77,8 +77,8 @@ bool Run<Scalar>::mend_torn_cells() {
   const WindowLimits most = torn_windows();
   if (most.sites == 0) return false;
   const auto timed = record.relaxing();
-  const auto torn_now = [&] {
-    std::vector<TornSite> torn = torn_sites(metric, state, arena);
+  const auto torn_now = [&](const SiteTree& tree) {
+    std::vector<TornSite> torn = torn_sites(metric, state, tree, arena);
     std::erase_if(
         torn, [&](const TornSite& t) { return levels[level].capacities[t.site] > most.capacity; });
     return torn;
@@ -87,12 +87,13 @@ bool Run<Scalar>::mend_torn_cells() {
   std::vector<Unmended<Scalar>> undo;
   try {
     for (int round = 0; round < kMostRounds; ++round) {
-      const std::vector<TornSite> torn = torn_now();
+      const SiteTree tree(metric, state.sites.position);
+      const std::vector<TornSite> torn = torn_now(tree);
       const double energy = total_energy(state.sites, arena);
       if (!(excess_of(torn) - turns.excess > kWorthIt * energy)) break;
       double gained = 0;
       for (const Window& window :
-           windows_around(metric, state.sites, levels[level].capacities, torn, most)) {
+           windows_around(state.sites, tree, levels[level].capacities, torn, most)) {
         const double gain = mend(metric, window, state, arena, undo);
         gained += gain;
         if (!(gain > kLeastOfWindow * energy)) break;
@@ -108,7 +109,7 @@ bool Run<Scalar>::mend_torn_cells() {
   relaxer = std::move(next);
   const Stop::Pause pause(stop);
   update_all(metric, state, arena);
-  turns.excess = excess_of(torn_now());
+  turns.excess = excess_of(torn_now(SiteTree(metric, state.sites.position)));
   record.begin(energy_of_sites(), false);
   return true;
 }

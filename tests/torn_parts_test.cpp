@@ -11,6 +11,7 @@
 #include "relax/level_state.h"
 #include "relax/relaxer.h"
 #include "relax/update.h"
+#include "spatial/site_tree.h"
 #include "torn/mend.h"
 #include "torn/torn_sites.h"
 #include "torn/windows.h"
@@ -25,6 +26,7 @@ using ccvt::PointOfAll;
 using ccvt::Random;
 using ccvt::SiteNumber;
 using ccvt::SiteState;
+using ccvt::SiteTree;
 using ccvt::TornSite;
 using ccvt::Window;
 
@@ -32,7 +34,6 @@ namespace {
 
 constexpr Index kCapacity = 32;
 
-/// Cells of points at two places each, with a little noise; a quarter of them at the second.
 struct Place {
   double x, y;
 };
@@ -40,6 +41,7 @@ struct Places {
   Place first, second;
 };
 
+/// Cells of points at two places each, with a little noise; a quarter of them at the second.
 LevelState<double> state_of(const Metric& metric, const std::vector<Places>& where,
                             double noise = 0.01) {
   const std::vector<Index> capacities(where.size(), kCapacity);
@@ -69,6 +71,12 @@ SiteState rows(Index columns, Index count) {
   return sites;
 }
 
+std::vector<TornSite> torn_in(const Metric& metric, const LevelState<double>& state,
+                              int threads = 1) {
+  const SiteTree tree(metric, state.sites.position);
+  return ccvt::torn_sites(metric, state, tree, Arena(threads));
+}
+
 bool has(const Window& window, Index site) {
   return std::binary_search(window.begin(), window.end(), SiteNumber(site));
 }
@@ -85,7 +93,7 @@ TEST_CASE("a cell is torn whose points are nearer to other sites") {
                                                      {{1, 0}, {1, 0.1}},
                                                      {{1.1, 0}, {1.1, 0.1}},
                                                      {{0.05, 0.05}, {1.05, 0.05}}});
-  const std::vector<TornSite> torn = ccvt::torn_sites(metric, state, Arena(2));
+  const std::vector<TornSite> torn = torn_in(metric, state, 2);
   REQUIRE(torn.size() == 1);
   CHECK(torn[0].site == SiteNumber(4));
   CHECK(torn[0].excess == doctest::Approx(24 * 0.06 + 8 * 0.56).epsilon(0.1));
@@ -96,9 +104,9 @@ TEST_CASE("a cell is torn whose points are nearer to other sites") {
 
 TEST_CASE("no cell is torn of one site, nor of sites in one place") {
   const Metric metric(2, Domain());
-  CHECK(ccvt::torn_sites(metric, state_of(metric, {{{0, 0}, {1, 1}}}), Arena(1)).empty());
+  CHECK(torn_in(metric, state_of(metric, {{{0, 0}, {1, 1}}})).empty());
   const std::vector<Places> same(5, {{0, 0}, {0, 0}});
-  CHECK(ccvt::torn_sites(metric, state_of(metric, same, 0), Arena(1)).empty());
+  CHECK(torn_in(metric, state_of(metric, same, 0)).empty());
 }
 
 TEST_CASE("three cells that are torn around in a circle are mended") {
@@ -107,10 +115,11 @@ TEST_CASE("three cells that are torn around in a circle are mended") {
   const Place b{1, 0};
   const Place c{0.5, std::sqrt(0.75)};
   LevelState<double> state = state_of(metric, {{a, b}, {b, c}, {c, a}, {a, a}, {b, b}, {c, c}});
-  const std::vector<TornSite> torn = ccvt::torn_sites(metric, state, Arena(1));
+  const std::vector<TornSite> torn = torn_in(metric, state);
   CHECK(torn.size() == 3);
-  const std::vector<Window> windows = ccvt::windows_around(metric, state.sites, state.cells.sizes(),
-                                                           torn, {100, 10000, 10000, 1e6});
+  const std::vector<Window> windows =
+      ccvt::windows_around(state.sites, SiteTree(metric, state.sites.position), state.cells.sizes(),
+                           torn, {100, 10000, 10000, 1e6});
   REQUIRE(windows.size() == 1);
   REQUIRE(windows[0].size() == 6);
   const double before = ccvt::total_energy(state.sites);
@@ -122,7 +131,7 @@ TEST_CASE("three cells that are torn around in a circle are mended") {
   const double told = ccvt::total_energy(state.sites);
   ccvt::update_all(metric, state, Arena(1));
   CHECK(ccvt::total_energy(state.sites) == doctest::Approx(told));
-  CHECK(ccvt::torn_sites(metric, state, Arena(1)).empty());
+  CHECK(torn_in(metric, state).empty());
   const SiteState mended = state.sites;
   CHECK(ccvt::mend(metric, windows[0], state, Arena(1), undo) == 0);
   CHECK(state.sites.position == mended.position);
@@ -148,12 +157,13 @@ TEST_CASE("a window links what is near the points of torn sites") {
   const Metric metric(2, Domain());
   constexpr Index kColumns = 100;
   const SiteState sites = rows(kColumns, 20);
+  const SiteTree tree(metric, sites.position);
   const std::vector<Index> capacities(sites.count(), 16);
   const Index left = 5 * kColumns + 20;
   const Index right = 5 * kColumns + 60;
   const std::vector<TornSite> torn{{SiteNumber(0), 1, {SiteNumber(left), SiteNumber(right)}}};
   const std::vector<Window> windows =
-      ccvt::windows_around(metric, sites, capacities, torn, {512, 1 << 16, 1 << 16, 1e6});
+      ccvt::windows_around(sites, tree, capacities, torn, {512, 1 << 16, 1 << 16, 1e6});
   REQUIRE(windows.size() == 1);
   const Window& window = windows[0];
   CHECK(std::is_sorted(window.begin(), window.end()));
@@ -173,6 +183,7 @@ TEST_CASE("a window links what is near the points of torn sites") {
 TEST_CASE("windows have no more sites than they may, and each torn site is in one") {
   const Metric metric(2, Domain());
   const SiteState sites = rows(50, 50);
+  const SiteTree tree(metric, sites.position);
   std::vector<TornSite> torn;
   for (Index s = 0; s < 2500; s += 7) {
     torn.push_back({SiteNumber(s), 1, {SiteNumber(2499 - s), SiteNumber((s + 1250) % 2500)}});
@@ -181,7 +192,7 @@ TEST_CASE("windows have no more sites than they may, and each torn site is in on
   for (std::size_t s = 0; s < capacities.size(); s += 11) capacities[s] = 5000;
   for (const std::size_t most : std::vector<std::size_t>{64, 100, 512}) {
     const auto windows_of = [&](double work) {
-      return ccvt::windows_around(metric, sites, capacities, torn, {most, 10000, 4000, work});
+      return ccvt::windows_around(sites, tree, capacities, torn, {most, 10000, 4000, work});
     };
     const std::vector<Window> windows = windows_of(1e9);
     CHECK(windows.size() > 1);
@@ -198,7 +209,7 @@ TEST_CASE("windows have no more sites than they may, and each torn site is in on
     for (const TornSite& t : torn) CHECK(covered[t.site] == (capacities[t.site] == 16 ? 1 : 0));
     CHECK(windows_of(1) == std::vector<Window>{windows[0]});
   }
-  CHECK(ccvt::windows_around(metric, sites, capacities, {}, {512, 10000, 4000, 1e9}).empty());
+  CHECK(ccvt::windows_around(sites, tree, capacities, {}, {512, 10000, 4000, 1e9}).empty());
 }
 
 TEST_SUITE_END();

@@ -2,33 +2,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <numeric>
 #include <utility>
+
+#include "relax/disjoint_sets.h"
 
 namespace ccvt {
 namespace {
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), SiteNumber(0));
-  }
-  /// Whether a and b were apart.
-  bool join(SiteNumber a, SiteNumber b) {
-    a = root(a);
-    b = root(b);
-    if (a == b) return false;
-    parent_[std::max(a, b)] = std::min(a, b);
-    return true;
-  }
-
- private:
-  SiteNumber root(SiteNumber a) {
-    while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
-    return a;
-  }
-  std::vector<SiteNumber> parent_;
-};
 
 constexpr std::size_t kSitesPerGrain = 256;
 
@@ -101,7 +80,7 @@ SiteGraph::SiteGraph(std::size_t sites, std::span<const Pair> edges, const Arena
     : neighbours_(neighbours_in(sites, edges, arena)), tree_(neighbours_, arena) {
   if (tree_.size() == neighbours_.count()) return;
   std::vector<Pair> all(edges.begin(), edges.end());
-  DisjointSets sets(sites);
+  DisjointSets<SiteNumber> sets(sites);
   for (const auto& [a, b] : edges) sets.join(a, b);
   for (const SiteNumber s : sites_below(sites - 1)) {
     if (sets.join(s, s.next())) all.emplace_back(s, s.next());

@@ -8,7 +8,6 @@
 #include "parallel/loops.h"
 #include "parallel/together.h"
 #include "relax/update.h"
-#include "spatial/site_tree.h"
 
 namespace ccvt {
 namespace {
@@ -88,12 +87,11 @@ std::vector<TornSite> of_all_ranks(Ranks* ranks, const std::vector<TornSite>& ow
 
 template <class Scalar>
 std::vector<TornSite> torn_sites(const Metric& metric, const LevelState<Scalar>& state,
-                                 const Arena& arena) {
+                                 const SiteTree& tree, const Arena& arena) {
   const SiteState& sites = state.sites;
   if (sites.count() < 2) return {};
   const double least_excess =
       kLeastExcess * total_energy(sites, arena) / static_cast<double>(sites.count());
-  const SiteTree tree(metric, sites.position);
   const NumberRange<SiteNumber> own = state.tiling.own_sites();
   constexpr std::size_t kSitesPerGrain = 64;
   PerWorker<std::vector<TornSite>> found(arena);
@@ -121,7 +119,7 @@ std::vector<TornSite> torn_sites(const Metric& metric, const LevelState<Scalar>&
 
 #define CCVT_INSTANTIATE(Scalar)                                                      \
   template std::vector<TornSite> torn_sites(const Metric&, const LevelState<Scalar>&, \
-                                            const Arena& arena);
+                                            const SiteTree&, const Arena&);
 
 CCVT_INSTANTIATE(float)
 CCVT_INSTANTIATE(double)

@@ -6,6 +6,7 @@
 #include "numbers.h"
 #include "parallel/arena.h"
 #include "relax/level_state.h"
+#include "spatial/site_tree.h"
 
 namespace ccvt {
 
@@ -18,13 +19,14 @@ struct TornSite {
 };
 
 /// The torn sites of all ranks, those of the largest excess first, told from 64 points each. The
-/// energies of all sites must be those of the points in their cells, and the radii bounds.
+/// energies of all sites must be those of the points in their cells, and the radii bounds. `tree`:
+/// of these sites.
 ///
 /// O(n log n) in few dimensions, O(n^2) where SiteTree scans. Cells that do not reach as far as to
 /// the next site are not looked into: of white points all but one in twelve with 16 points a site,
 /// one in thirty with 64.
 template <class Scalar>
 std::vector<TornSite> torn_sites(const Metric& metric, const LevelState<Scalar>& state,
-                                 const Arena& arena);
+                                 const SiteTree& tree, const Arena& arena);
 
 }  // namespace ccvt

@@ -6,7 +6,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "spatial/site_tree.h"
+#include "relax/disjoint_sets.h"
 
 namespace ccvt {
 namespace {
@@ -28,8 +28,7 @@ constexpr int kNeighbours = 8;
 /// What is next to sites, looked up once.
 class Neighbours {
  public:
-  Neighbours(const Metric& metric, const SiteState& sites)
-      : sites_(sites), tree_(metric, sites.position) {}
+  Neighbours(const SiteState& sites, const SiteTree& tree) : sites_(sites), tree_(tree) {}
 
   [[nodiscard]] const std::vector<Index>& operator()(SiteNumber site) {
     std::vector<Index>& near = of_[site];
@@ -39,7 +38,7 @@ class Neighbours {
 
  private:
   const SiteState& sites_;
-  SiteTree tree_;
+  const SiteTree& tree_;
   std::unordered_map<std::size_t, std::vector<Index>> of_;
 };
 
@@ -72,15 +71,27 @@ class Growth {
   /// Adds chains of neighbours between the solid sites, shorter ones first, until all of them are
   /// linked that can be.
   void link(Neighbours& neighbours, std::size_t most_reached) {
+    using End = Number<struct OfEnds>;
+    struct Link {
+      SiteNumber before;  ///< towards the end where the chain begins; none there
+      End end;
+    };
     std::vector<SiteNumber> reached = order_;
-    for (const SiteNumber s : reached) chains_[s] = {SiteNumber::none(), s};
+    std::unordered_map<std::size_t, Link> links;
+    for (const End end : numbers_below<End>(reached.size())) {
+      links[reached[end]] = {SiteNumber::none(), end};
+    }
+    DisjointSets<End> linked(reached.size());
+    const auto add_chain = [&](SiteNumber site) {
+      for (; site != SiteNumber::none(); site = links[site].before) add_solid(site);
+    };
     for (std::size_t k = 0; k < std::min(reached.size(), most_reached) && !full(); ++k) {
       const SiteNumber s = reached[k];
       for (const Index near : neighbours(s)) {
         const SiteNumber t(near);
-        if (chains_.try_emplace(t, Link{s, s}).second) {
+        if (links.try_emplace(t, Link{s, links[s].end}).second) {
           reached.push_back(t);
-        } else if (join(s, t)) {
+        } else if (linked.join(links[s].end, links[t].end)) {
           add_chain(s);
           add_chain(t);
         }
@@ -103,30 +114,6 @@ class Growth {
   }
 
  private:
-  /// On the way to the solid site where a chain begins.
-  struct Link {
-    SiteNumber before;  ///< none where it begins
-    SiteNumber group;   ///< towards the one that stands for all that are linked
-  };
-
-  SiteNumber group_of(SiteNumber site) {
-    while (chains_[site].group != site) {
-      chains_[site].group = chains_[chains_[site].group].group;
-      site = chains_[site].group;
-    }
-    return site;
-  }
-  /// Whether they had not been linked.
-  bool join(SiteNumber a, SiteNumber b) {
-    a = group_of(a);
-    b = group_of(b);
-    chains_[a].group = b;
-    return a != b;
-  }
-  void add_chain(SiteNumber site) {
-    for (; site != SiteNumber::none(); site = chains_[site].before) add_solid(site);
-  }
-
   std::span<const Index> capacities_;
   std::size_t sites_left_;
   std::int64_t points_left_;
@@ -134,12 +121,11 @@ class Growth {
   std::unordered_set<std::size_t> inside_;
   std::unordered_set<std::size_t> solid_;
   std::vector<SiteNumber> order_;  ///< of the solid ones
-  std::unordered_map<std::size_t, Link> chains_;
 };
 
 }  // namespace
 
-std::vector<Window> windows_around(const Metric& metric, const SiteState& sites,
+std::vector<Window> windows_around(const SiteState& sites, const SiteTree& tree,
                                    std::span<const Index> capacities,
                                    std::span<const TornSite> torn, const WindowLimits& most) {
   if (torn.empty()) return {};
@@ -150,7 +136,7 @@ std::vector<Window> windows_around(const Metric& metric, const SiteState& sites,
     for (const SiteNumber s : sites.all()) all.push_back(s);
     return {all};
   }
-  Neighbours neighbours(metric, sites);
+  Neighbours neighbours(sites, tree);
   std::vector<Window> windows;
   std::unordered_set<std::size_t> covered;
   double work = 0;

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "geometry/metric.h"
 #include "numbers.h"
 #include "relax/site_state.h"
+#include "spatial/site_tree.h"
 #include "torn/torn_sites.h"
 
 namespace ccvt {
@@ -25,10 +25,8 @@ struct WindowLimits {
 /// Windows around torn sites. Each has some of them, those that are nearest to their points, chains
 /// of neighbours that link these, along which points can move from one to the other, and what lies
 /// around, unless there is no room. Of up to 256 sites, if there is room, one has all. Windows
-/// around the first of the torn sites come first.
-///
-/// O(n log n), and O(n^2) where SiteTree scans.
-std::vector<Window> windows_around(const Metric& metric, const SiteState& sites,
+/// around the first of the torn sites come first. `tree`: of these sites.
+std::vector<Window> windows_around(const SiteState& sites, const SiteTree& tree,
                                    std::span<const Index> capacities,
                                    std::span<const TornSite> torn, const WindowLimits& most);
 
