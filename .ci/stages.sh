@@ -179,9 +179,9 @@ tidy_all() {
 }
 
 # The sources that differ from where this branch left the main one; on that itself, those of the
-# last commits; first what is not committed. The 15 that changed last: time is short where this is
+# last commits; first what is not committed. Those that changed last: time is short where this is
 # used.
-changed_sources() {
+changed_sources() {  # how many
   local base
   base=$(git merge-base HEAD origin/main 2>/dev/null || git merge-base HEAD main 2>/dev/null ||
     git rev-parse HEAD) || return 1
@@ -191,12 +191,12 @@ changed_sources() {
   {
     git diff --name-only HEAD -- 'src/*.cpp'
     git log --format= --name-only "$base..HEAD" -- 'src/*.cpp'
-  } | awk '!seen[$0]++ && !system("test -e " $0)' | sed -n 1,15p
+  } | awk '!seen[$0]++ && !system("test -e " $0)' | sed -n "1,$1p"
 }
 
-tidy_changed() {
+tidy_changed() {  # how many sources
   local sources
-  sources=$(changed_sources) && cmake --preset tidy || return 1
+  sources=$(changed_sources "$1") && cmake --preset tidy || return 1
   echo "clang-tidy: $(echo "$sources" | grep -c .) sources"
   [ -n "$sources" ] || return 0
   echo "$sources" | xargs -P "$jobs" -n 1 clang-tidy-14 --quiet -p build/tidy

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """ccvt-mpi beside ccvt: the same files to the bit, and how it ends when something is wrong.
 
-    program.py BIN MPIRUN [--ranks 1,2,3] [--short] [--soak PROBLEMS]
+    program.py BIN MPIRUN [--ranks 1,2,3] [--short] [--parts bits,faults | --soak PROBLEMS]
 
 BIN is the directory of both programs. With --short, not each number of ranks with each number of
-threads, but one and two of these in turn. With --soak, random problems instead.
+threads, but one and two of these in turn. With --parts, only these. With --soak, random problems
+instead.
 """
 
 import argparse
@@ -28,6 +29,7 @@ parser.add_argument("bin", type=pathlib.Path)
 parser.add_argument("mpirun")
 parser.add_argument("--ranks", default="1,2,3,4,7")
 parser.add_argument("--short", action="store_true")
+parser.add_argument("--parts", default="")
 parser.add_argument("--soak", type=int, default=0)
 given = parser.parse_args()
 given.bin = given.bin.resolve()
@@ -572,12 +574,14 @@ def soak(problems):
                                           "capacities.csv"], ranks, threads)
 
 
+PARTS = {part.__name__: part for part in (bits, volumes, codebooks, faults, checkpoints, volume_faults,
+                                          codebook_faults, kills)}
 if given.soak > 0:
     soak(given.soak)
 else:
-    for part in (bits, volumes, codebooks, faults, checkpoints, volume_faults, codebook_faults, kills):
+    for name in given.parts.split(",") if given.parts else PARTS:
         began = time.monotonic()
-        part()
-        print(f"{part.__name__}: {time.monotonic() - began:.0f} s", flush=True)
+        PARTS[name]()
+        print(f"{name}: {time.monotonic() - began:.0f} s", flush=True)
 print("passed" if failures == 0 else f"{failures} failed")
 sys.exit(failures > 0)
