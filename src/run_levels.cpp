@@ -13,6 +13,7 @@
 #include "bounds.h"
 #include "descent/descent.h"
 #include "parallel/loops.h"
+#include "parallel/stop.h"
 #include "relax/along_curve.h"
 #include "relax/deal.h"
 #include "relax/initialize.h"
@@ -120,8 +121,8 @@ std::optional<Stop::Pause> Run<Scalar>::pause_for(std::int64_t points) {
   return std::optional<Stop::Pause>(std::in_place, stop);
 }
 
-/// Lets the points of the next level join the cells. When the run is cancelled meanwhile, all
-/// points are dealt out.
+/// Lets the points of the next level join the cells. When the run is cancelled meanwhile, and they
+/// do not come to an end soon, all points are dealt out.
 template <class Scalar>
 void Run<Scalar>::enter_level(std::size_t next) {
   const auto timed = record.initializing();
@@ -137,6 +138,8 @@ void Run<Scalar>::enter_level(std::size_t next) {
   level = next;
   try {
     const auto pause = pause_for(static_cast<std::int64_t>(levels[level].joining.size()));
+    // Points that went where there is room may cost a hundred times as much.
+    const Stop::Patience to_the_end(stop, kTimeToFinish);
     join(levels[level].joining, near, filling);
   } catch (const Stopped&) {
     return deal(larger, filling.filled);

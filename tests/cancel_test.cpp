@@ -329,6 +329,40 @@ TEST_CASE("an arena asks on the thread that called, and stops all") {
   }
 }
 
+TEST_CASE("what had better be done to its end gets the time that it is given, and nothing else") {
+  const auto ask = [](Stop& stop) {
+    std::this_thread::sleep_for(milliseconds(21));  // longer than between two asks
+    stop.check();
+  };
+  bool wanted = true;
+  Stop stop([&] { return !wanted; });
+  {
+    const Stop::Patience patience(stop, std::chrono::hours(1));
+    CHECK_NOTHROW(ask(stop));
+    wanted = false;
+    CHECK_NOTHROW(ask(stop));
+    CHECK(stop.wished());
+    CHECK_NOTHROW(ask(stop));
+  }
+  CHECK_THROWS_AS(ask(stop), Stopped);
+
+  Stop unheard([] { return true; });
+  {
+    const Stop::Patience patience(unheard, milliseconds(30));
+    CHECK_NOTHROW(unheard.check());
+    CHECK_NOTHROW(unheard.check());
+    std::this_thread::sleep_for(milliseconds(40));
+    CHECK_THROWS_AS(ask(unheard), Stopped);
+  }
+
+  // To one who has waited before, no more is owed; and he may have been promised to wait.
+  Stop patient([] { return true; });
+  patient.be_patient(std::chrono::hours(1));
+  CHECK(patient.wished());
+  { const Stop::Patience patience(patient, std::chrono::hours(2)); }
+  CHECK_NOTHROW(ask(patient));
+}
+
 TEST_SUITE_END();
 
 }  // namespace

@@ -98,6 +98,26 @@ class Stop {
     bool stopped_;
   };
 
+  /// So much more patience, with a wish that comes while this lives, in what had better be done to
+  /// its end. When it is over, the caller has waited long enough.
+  class Patience {
+   public:
+    Patience(Stop& stop, std::chrono::milliseconds more)
+        : stop_(stop), more_(stop.wished_ ? std::chrono::milliseconds(0) : more) {
+      stop_.patience_ += more_;
+    }
+    ~Patience() {
+      stop_.patience_ -= more_;
+      if (stop_.wished_) stop_.latest_ -= more_;
+    }
+    Patience(const Patience&) = delete;
+    Patience& operator=(const Patience&) = delete;
+
+   private:
+    Stop& stop_;
+    std::chrono::milliseconds more_;
+  };
+
   /// The callback is not asked again, and check() throws no more.
   void off() {
     asking_ = limited_ = false;
