@@ -14,6 +14,7 @@
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
 #include "ccvt/volume.h"
+#include "exact/weighted_sites.h"
 #include "support/files.h"
 
 using ccvt::Box;
@@ -181,6 +182,41 @@ TEST_CASE("no warning of thin, clustered or whole-numbered points, or for a few 
   outlier.col(7).setConstant(1e9F);
   CHECK(warnings_of(outlier).empty());
   CHECK(warnings_of((even * 1000).array().floor().matrix()).empty());
+}
+
+TEST_CASE("one point far away keeps no others from being exchanged") {
+  Eigen::MatrixXd points = ccvt::sample_uniform<double>(Box::unit(2), 3000, 5);
+  for (const double away : {1e9, 1e14}) {
+    CAPTURE(away);
+    points.col(77).setConstant(away);
+    const auto result = ccvt::tessellate(points, 20);
+    const Eigen::MatrixXd sites = result.sites;
+    const Eigen::Index strays = result.owners[77];
+    // What moving a point from its site to another gains, at most.
+    Eigen::MatrixXd gain = Eigen::MatrixXd::Constant(20, 20, -1e300);
+    for (Eigen::Index p = 0; p < points.cols(); ++p) {
+      const Eigen::Index own = result.owners[static_cast<std::size_t>(p)];
+      const Eigen::VectorXd squared = (sites.colwise() - points.col(p)).colwise().squaredNorm();
+      for (Eigen::Index s = 0; s < 20; ++s) {
+        gain(own, s) = std::max(gain(own, s), squared[own] - squared[s]);
+      }
+    }
+    for (Eigen::Index i = 0; i < 20; ++i) {
+      for (Eigen::Index j = 0; j < i; ++j) {
+        if (i != strays && j != strays) CHECK(gain(i, j) + gain(j, i) < 1e-12);
+      }
+    }
+  }
+}
+
+TEST_CASE("one weight far from all others costs these no digits") {
+  for (const double far : {1e12, -1e12}) {
+    std::vector<double> weights = {0.1, 0.25, far, 0.5, 0.75};
+    ccvt::bring_near_zero(weights);
+    CHECK(weights[1] - weights[0] == doctest::Approx(0.15).epsilon(1e-15));
+    CHECK(weights[4] - weights[3] == 0.25);
+    CHECK(weights[2] == far - (far > 0 ? 0.5 : 0.25));
+  }
 }
 
 TEST_SUITE_END();

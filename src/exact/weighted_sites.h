@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <span>
 #include <vector>
 
@@ -24,11 +25,15 @@ struct WeightedSites {
   std::size_t dimension;
 };
 
-/// Makes the highest weight 0. Only their differences count, and these lose digits where all are
-/// far from 0: paths from one of two groups of points to the other, far away, lower all.
+/// Makes the median weight 0. Only their differences count, and these lose digits where most are
+/// far from 0: paths from one of two groups of points to the other, far away, lower all, and a cell
+/// with a point that is far away has a weight far from those of all others.
 inline void bring_near_zero(std::vector<double>& weights) {
-  const double highest = *std::max_element(weights.begin(), weights.end());
-  for (double& weight : weights) weight -= highest;
+  std::vector<double> order = weights;
+  const auto middle = order.begin() + std::ssize(order) / 2;
+  std::nth_element(order.begin(), middle, order.end());
+  const double median = *middle;
+  for (double& weight : weights) weight -= median;
 }
 
 }  // namespace ccvt

@@ -234,7 +234,7 @@ Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, Patches<Scalar>& pat
   if (moves_.from_i.empty() || moves_.from_j.empty()) return 0;
 
   const auto centroid_error = [&](SiteNumber cell) {
-    return energy_of_rounding(metric_, coordinate_bound_, cells.size(cell), sites.radius[cell]);
+    return energy_of_rounding(metric_, coordinate_bound_, cells.size(cell), sites, cell);
   };
   const double margin = 2 * cut_.rounding() + (centroid_error(i) + centroid_error(j)) / 2;
   select_exchange(method_, margin, moves_);

@@ -23,8 +23,10 @@ double upper_radius(double squared, int dimension);
 
 /// What a site that is not quite at the centroid of its cell, by rounding in update_site(), can add
 /// to the cell's energy, at most: the points times e^2, where e bounds how far it is off.
+/// `coordinate_bound`: on the absolute values of all coordinates; but on a torus, those of the cell
+/// count only: one point far away, in another, must not keep these points from being exchanged.
 double energy_of_rounding(const Metric& metric, double coordinate_bound, double points,
-                          double radius);
+                          const SiteState& sites, SiteNumber site);
 
 /// The sum of the sites' energies, in a fixed order and with an error that hardly grows with n.
 double total_energy(const SiteState& sites, const Arena& arena = Arena(1));
