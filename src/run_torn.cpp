@@ -77,6 +77,7 @@ bool Run<Scalar>::mend_torn_cells() {
   const WindowLimits most = torn_windows();
   if (most.sites == 0) return false;
   const auto timed = record.relaxing();
+  const auto charge = arena.phase(Phase::mend);
   const auto torn_now = [&](const SiteTree& tree) {
     std::vector<TornSite> torn = torn_sites(metric, state, tree, arena);
     std::erase_if(

@@ -69,6 +69,20 @@ TEST_CASE("owners are found soon where many chosen points are in one place") {
   }
 }
 
+TEST_CASE("choices in the same places are told") {
+  Points<double> points = sphere(100);
+  const auto warnings_of = [&] { return thin(points, 50, {}).summary.warnings; };
+  CHECK(warnings_of().empty());
+  points.leftCols(70).colwise() = points.col(0).eval();
+  const auto warnings = warnings_of();
+  REQUIRE(warnings.size() == 1);
+  // There are 31 places.
+  CHECK(
+      warnings[0].ends_with(" of the 50 points chosen lie where another one does: many points are "
+                            "in the same places"));
+  CHECK(std::stoi(warnings[0]) >= 19);
+}
+
 TEST_CASE("normals that are too long are refused by their weight") {
   Points<double> points = sphere(100);
   const Points<double> normals = points;

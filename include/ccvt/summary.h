@@ -54,8 +54,8 @@ struct IterationRecord {
 /// points join on which; "nearest" sites of points; how they "join" cells; the "graph" of
 /// neighbouring sites, the "potential" on it, and the "flow" down it of points where cells are too
 /// full; "lists" of the pairs of sites that meet, and their "schedule"; "swap" of points between
-/// the cells of a pair; "update" of the sites; "descent" of the energy by steps of all sites; and
-/// "other".
+/// the cells of a pair; "update" of the sites; "descent" of the energy by steps of all sites; what
+/// it takes to "mend" cells that are torn between clouds of points; and "other".
 struct PhaseRecord {
   std::string name;         ///< as above
   double seconds = 0;       ///< on the clock

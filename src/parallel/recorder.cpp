@@ -6,8 +6,8 @@ namespace ccvt {
 
 const char* name_of(Phase phase) {
   static constexpr std::array<const char*, kPhases> names{
-      "other", "sites", "levels",   "nearest", "join",   "graph",  "potential",
-      "flow",  "lists", "schedule", "swap",    "update", "descent"};
+      "other", "sites", "levels",   "nearest", "join",   "graph",   "potential",
+      "flow",  "lists", "schedule", "swap",    "update", "descent", "mend"};
   return names[static_cast<std::size_t>(phase)];
 }
 

@@ -26,8 +26,9 @@ enum class Phase {
   swap,       ///< of points between the cells of a pair
   update,     ///< of the sites
   descent,    ///< of the energy, all sites at once
+  mend,       ///< cells that are torn
 };
-inline constexpr std::size_t kPhases = 13;
+inline constexpr std::size_t kPhases = 14;
 const char* name_of(Phase phase);
 
 /// Where time goes: for each phase how long it took, how much of that was work in parallel loops,

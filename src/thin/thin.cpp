@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -219,6 +220,22 @@ void sort(Thinning& result) {
   for (Index& owner : result.owners) owner = rank[SiteNumber(owner)];
 }
 
+/// How many of these points lie where another one does that comes before.
+template <class Scalar>
+std::size_t copies_among(PointsView<Scalar> points, std::vector<Index> numbers) {
+  const auto coordinates = [&](Index p) {
+    return std::span(points[p], static_cast<std::size_t>(points.dimension));
+  };
+  std::sort(numbers.begin(), numbers.end(), [&](Index a, Index b) {
+    return std::ranges::lexicographical_compare(coordinates(a), coordinates(b));
+  });
+  std::size_t copies = 0;
+  for (std::size_t k = 1; k < numbers.size(); ++k) {
+    copies += std::ranges::equal(coordinates(numbers[k - 1]), coordinates(numbers[k])) ? 1 : 0;
+  }
+  return copies;
+}
+
 template <class Scalar>
 double energy_of(PointsView<Scalar> points, const Thinning& result, const Arena& arena) {
   const Metric metric(points.dimension, Domain());
@@ -306,6 +323,11 @@ Thinning thin(PointsView<Scalar> points, Index sites, const ThinOptions& options
   count(result);
   result.energy = energy_of(points, result, untold);
   count_normals(space.dimension - points.dimension, result.summary);
+  if (const std::size_t copies = copies_among(points, result.chosen); copies > 0) {
+    result.summary.warnings.push_back(concat(copies, " of the ", sites,
+                                             " points chosen lie where another",
+                                             " one does: many points are in the same places"));
+  }
   result.summary.seconds_total = thinner.seconds();
   return result;
 }
