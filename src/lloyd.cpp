@@ -242,7 +242,7 @@ void Lloyd<Scalar>::bound_margin() {
   constexpr double kRounded = 2;  // where the cell was gathered, and where it has followed points
   margin_ = 0;
   for (const SiteNumber s : sites_.all()) {
-    margin_ += energy_of_rounding(metric_, coordinate_bound_, cells_.count(s), sites_, s);
+    margin_ += energy_of_rounding(metric_, coordinate_bound_, cells_.count(s), sites_.radius[s]);
   }
   margin_ *= kRounded * kRounded;
   summary_.energy = total_energy(sites_, arena_);

@@ -233,8 +233,11 @@ Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, Patches<Scalar>& pat
   find_candidates(cells, sites, i, j, bounds);
   if (moves_.from_i.empty() || moves_.from_j.empty()) return 0;
 
+  // Of both cells, whose points may change places; one far away, in another, counts for nothing.
+  const double bound = std::max(coordinate_bound_of(metric_, coordinate_bound_, sites, i),
+                                coordinate_bound_of(metric_, coordinate_bound_, sites, j));
   const auto centroid_error = [&](SiteNumber cell) {
-    return energy_of_rounding(metric_, coordinate_bound_, cells.size(cell), sites, cell);
+    return energy_of_rounding(metric_, bound, cells.size(cell), sites.radius[cell]);
   };
   const double margin = 2 * cut_.rounding() + (centroid_error(i) + centroid_error(j)) / 2;
   select_exchange(method_, margin, moves_);

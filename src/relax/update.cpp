@@ -170,19 +170,21 @@ double upper_radius(double squared, int dimension) {
 }
 
 double energy_of_rounding(const Metric& metric, double coordinate_bound, double points,
-                          const SiteState& sites, SiteNumber site) {
-  const double radius = sites.radius[site];
-  if (!metric.periodic()) {
-    double farthest = 0;
-    for (std::size_t d = 0; d < sites.dimension; ++d) {
-      farthest = std::max(farthest, std::abs(sites.at(site)[d]));
-    }
-    coordinate_bound = std::min(coordinate_bound, farthest + radius);
-  }
+                          double radius) {
   const double summed =
       metric.periodic() ? (points + 16) * metric.largest_extent() : (points / 8 + 16) * 2 * radius;
   const double error = kHalfUlp * (coordinate_bound + summed);
   return points * error * error * metric.dimension();
+}
+
+double coordinate_bound_of(const Metric& metric, double all, const SiteState& sites,
+                           SiteNumber site) {
+  if (metric.periodic()) return all;
+  double farthest = 0;
+  for (std::size_t d = 0; d < sites.dimension; ++d) {
+    farthest = std::max(farthest, std::abs(sites.at(site)[d]));
+  }
+  return std::min(all, farthest + sites.radius[site]);
 }
 
 double total_energy(const SiteState& sites, const Arena& arena) {

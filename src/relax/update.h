@@ -23,10 +23,13 @@ double upper_radius(double squared, int dimension);
 
 /// What a site that is not quite at the centroid of its cell, by rounding in update_site(), can add
 /// to the cell's energy, at most: the points times e^2, where e bounds how far it is off.
-/// `coordinate_bound`: on the absolute values of all coordinates; but on a torus, those of the cell
-/// count only: one point far away, in another, must not keep these points from being exchanged.
 double energy_of_rounding(const Metric& metric, double coordinate_bound, double points,
-                          const SiteState& sites, SiteNumber site);
+                          double radius);
+
+/// On the absolute values of the coordinates of a cell's points: `all`, that of all points, or less
+/// where none is far away. On a torus it is always that.
+double coordinate_bound_of(const Metric& metric, double all, const SiteState& sites,
+                           SiteNumber site);
 
 /// The sum of the sites' energies, in a fixed order and with an error that hardly grows with n.
 double total_energy(const SiteState& sites, const Arena& arena = Arena(1));

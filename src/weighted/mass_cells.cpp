@@ -167,8 +167,9 @@ void MassCells<Scalar>::update(SiteNumber site) {
   sites_.radius[site] = upper_radius(spread.squared_radius, metric_.dimension());
   const auto count = static_cast<double>(cells_[site].points.size());
   constexpr double kRounded = 4;  // of a mean of weighted points, and of where it is measured from
-  margin_[site] = kRounded * held_[site] *
-                  (energy_of_rounding(metric_, coordinate_bound_, count, sites_, site) / count);
+  margin_[site] =
+      kRounded * held_[site] *
+      (energy_of_rounding(metric_, coordinate_bound_, count, sites_.radius[site]) / count);
 }
 
 template <class Scalar>
