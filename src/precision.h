@@ -9,6 +9,7 @@
 
 #include "ccvt/domain.h"
 #include "ccvt/types.h"
+#include "median.h"
 #include "number_text.h"
 
 namespace ccvt {
@@ -55,13 +56,12 @@ std::string coarse_coordinates(const char* what, PointsView<Scalar> points, doub
       const double x = points[p][d];
       sizes.push_back(std::abs(x));
     }
-    const auto middle = sizes.begin() + std::ssize(sizes) / 2;
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    const auto size = static_cast<Stored>(*middle);
+    const double middle = median(sizes);
+    const auto size = static_cast<Stored>(middle);
     const double step = std::nextafter(size, std::numeric_limits<Stored>::infinity()) - size;
     if (step <= worst) continue;
     worst = step;
-    where = *middle;
+    where = middle;
     axis = d;
   }
   if (points.count < 2 || !(2 * worst > spacing)) return {};

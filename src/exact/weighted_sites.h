@@ -1,11 +1,10 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
-#include <iterator>
 #include <span>
 #include <vector>
 
+#include "median.h"
 #include "numbers.h"
 
 namespace ccvt {
@@ -30,10 +29,8 @@ struct WeightedSites {
 /// with a point that is far away has a weight far from those of all others.
 inline void bring_near_zero(std::vector<double>& weights) {
   std::vector<double> order = weights;
-  const auto middle = order.begin() + std::ssize(order) / 2;
-  std::nth_element(order.begin(), middle, order.end());
-  const double median = *middle;
-  for (double& weight : weights) weight -= median;
+  const double middle = median(order);
+  for (double& weight : weights) weight -= middle;
 }
 
 }  // namespace ccvt

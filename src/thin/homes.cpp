@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "ccvt/metrics.h"
+#include "median.h"
 #include "metrics/sets.h"
 #include "relax/meeting_pairs.h"
 #include "relax/update.h"
 #include "schedule/tiling.h"
 #include "spatial/site_tree.h"
-#include "thin/median.h"
 
 namespace ccvt {
 namespace {

@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "geometry/metric.h"
+#include "median.h"
 #include "number_text.h"
 #include "numbers.h"
 #include "parallel/loops.h"
 #include "random.h"
 #include "spatial/site_tree.h"
 #include "streams.h"
-#include "thin/median.h"
 
 namespace ccvt {
 namespace {
