@@ -270,7 +270,7 @@ TEST_CASE("What is damaged is named, and what another format or machine wrote") 
   };
   CHECK(changed(0) == "is not a checkpoint of ccvt, or not all of one");
   CHECK(changed(8) == "was written by a machine of another byte order");
-  CHECK(changed(12) == "has the format 7 of checkpoints, and only 6 can be continued");
+  CHECK(changed(12) == "has the format 6 of checkpoints, and only 7 can be continued");
   CHECK(changed(16) == "is damaged: its header is not as written");
   CHECK(changed(100) == "is damaged: what it has of the sites is not as written");
   CHECK(message_of([&] {

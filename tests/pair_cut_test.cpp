@@ -143,6 +143,49 @@ Errors looseness(const Pair<Scalar>& pair, const PairCut<Scalar>& cut,
   return errors;
 }
 
+/// A cut kept for one side, with a box that is first around half of the cell's points.
+template <class Scalar>
+struct KeptCut {
+  using Cut = PairCut<Scalar>;
+
+  KeptCut(const Pair<Scalar>& pair, const Cut& cut, typename Cut::Side its_side)
+      : side(its_side), cell(side == Cut::Side::i ? 0 : 1), block(pair.cells.block(cell)) {
+    std::vector<Scalar> low;
+    std::vector<Scalar> high;
+    std::vector<Scalar> ends;
+    for (std::size_t d = 0; d < pair.cells.dimension(); ++d) {
+      const Scalar* const stream = block + static_cast<Index>(d) * kPoints;
+      const auto half = std::minmax_element(stream, stream + kPoints / 2);
+      const auto rest = std::minmax_element(stream + kPoints / 2, stream + kPoints);
+      low.push_back(*half.first);
+      high.push_back(*half.second);
+      ends.insert(ends.end(), {*rest.first, *rest.second});
+    }
+    cut.keep(side, low, high, kept);
+    kept.extend(ends);
+    limit = extreme(cut);
+  }
+
+  /// Of the kernels' keys of all points, the one farthest on the other side.
+  [[nodiscard]] double extreme(const Cut& cut) const {
+    return ccvt::kernels::extreme_key(
+        block, kPoints, kPoints, static_cast<int>(kept.axes.size()), cut.straight_cut(side),
+        side == Cut::Side::i ? ccvt::kernels::Beyond::above : ccvt::kernels::Beyond::below);
+  }
+  [[nodiscard]] double exact_extreme(const Cut& cut) const {
+    std::vector<double> keys(kPoints, 0.0);
+    cut.add_keys(side, block, kPoints, keys.data());
+    return side == Cut::Side::i ? *std::max_element(keys.begin(), keys.end())
+                                : *std::min_element(keys.begin(), keys.end());
+  }
+
+  typename Cut::Side side;
+  SiteNumber cell;
+  const Scalar* block;
+  typename Cut::Kept kept;
+  double limit = 0;
+};
+
 }  // namespace
 
 TEST_SUITE_BEGIN("swap");
@@ -202,6 +245,60 @@ TEST_CASE_TEMPLATE("keys are half the difference of the energies at both sites",
   CHECK(face > 100);
   CHECK(wrapped > 100);
   CHECK(torus > 100);
+}
+
+TEST_CASE_TEMPLATE("a cut that was kept bounds the keys by a later one", Scalar, float, double) {
+  using Side = typename PairCut<Scalar>::Side;
+  int bounded = 0;
+  for (const int dimension : {1, 2, 3, 5}) {
+    for (const bool periodic : {false, true}) {
+      for (const double offset : {0.0, 1e4}) {
+        if (periodic && offset > 0) continue;
+        Box box = uneven_box(dimension);
+        for (int d = 0; d < dimension; ++d) {
+          box.lower[d] += offset;
+          box.upper[d] += offset;
+        }
+        const Metric metric(dimension, periodic ? Domain::periodic(box) : Domain());
+        PairCut<Scalar> cut(metric, box.upper.eigen().array().abs().maxCoeff() + 5);
+        Random random(2, static_cast<std::uint64_t>(dimension));
+        for (int trial = 0; trial < 200; ++trial) {
+          CAPTURE(dimension);
+          CAPTURE(periodic);
+          CAPTURE(offset);
+          CAPTURE(trial);
+          const double radius = trial % 2 == 0 ? 0.05 : 0.15;
+          Pair<Scalar> pair(metric, box, random, radius);
+          cut.place(pair.sites, SiteNumber(0), SiteNumber(1));
+          if (!cut.straight()) continue;
+          const KeptCut<Scalar> kept[] = {{pair, cut, Side::i}, {pair, cut, Side::j}};
+          double moved = 0;
+          for (const SiteNumber s : ccvt::sites_below(2)) {
+            for (int d = 0; d < dimension; ++d) {
+              const double by = radius * 0.01 * (trial % 10) * (2 * random.uniform() - 1);
+              pair.sites.at(s)[d] += by;
+              moved += std::abs(by);
+            }
+            pair.sites.radius[s] += moved;
+          }
+          cut.place(pair.sites, SiteNumber(0), SiteNumber(1));
+          if (!cut.straight()) continue;
+          for (const KeptCut<Scalar>& side : kept) {
+            const double sign = side.side == Side::i ? 1 : -1;
+            const auto bounds = cut.bounds_since(side.side, side.kept, side.limit);
+            const double loose = sign * (bounds.of_kernels - side.extreme(cut));
+            REQUIRE(loose >= 0);
+            REQUIRE(sign * (bounds.exact - side.exact_extreme(cut)) >= 0);
+            REQUIRE(loose <= moved * 8 * radius * dimension * 4 + 8 * cut.tolerance());
+            const double differ = side.extreme(cut) - side.exact_extreme(cut);
+            REQUIRE(std::abs(differ - cut.kernels_differ(side.side)) <= 2 * cut.tolerance());
+            ++bounded;
+          }
+        }
+      }
+    }
+  }
+  CHECK(bounded > 1000);
 }
 
 TEST_SUITE_END();

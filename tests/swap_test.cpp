@@ -389,11 +389,11 @@ TEST_CASE("patches lie close together, and are divided anew when they do not") {
   CHECK(patches.count(site_i) > 20);
   CHECK(area() < 1.5);  // of the whole; in no order, they would cover it each
   const std::vector<float> far{0.5F, 0.5F};
-  for (Index k = 0; k < 2500; ++k) patches.replace(site_i, k, far.data());
+  for (Index k = 0; k < 2500; ++k) patches.replace(site_i, k, far.data(), far.data());
   CHECK(area() > 2);
   wear(patches, pair.cells);
   CHECK(area() > 2);
-  patches.replace(site_i, 0, far.data());  // a quarter, and one more
+  patches.replace(site_i, 0, far.data(), far.data());  // a quarter, and one more
   wear(patches, pair.cells);
   CHECK(area() < 1.5);
 }

@@ -10,7 +10,7 @@ namespace ccvt {
 namespace {
 
 constexpr std::uint32_t kByteOrder = 0x01020304;
-constexpr std::uint32_t kFormat = 6;
+constexpr std::uint32_t kFormat = 7;
 
 struct Header {
   std::array<char, 8> magic = kCheckpointMagic;

@@ -213,6 +213,56 @@ void PairCut<Scalar>::bound_keys(Side side, std::span<const Scalar> low,
   for (double& bound : bounds) bound += side == Side::i ? slack : -slack;
 }
 
+template <class Scalar>
+double PairCut<Scalar>::kernels_differ(Side side) const {
+  const std::vector<Scalar>& origin = side == Side::i ? scalar_middle_i_ : scalar_middle_j_;
+  double by = 0;
+  for (std::size_t d = 0; d < normal_.size(); ++d) {
+    by += (middle(side)[d] - origin[d]) * normal_[d];
+  }
+  return by;
+}
+
+template <class Scalar>
+void PairCut<Scalar>::keep(Side side, std::span<const Scalar> low, std::span<const Scalar> high,
+                           Kept& kept) const {
+  const std::vector<Scalar>& origin = side == Side::i ? scalar_middle_i_ : scalar_middle_j_;
+  const std::size_t boxes = low.size() / normal_.size();
+  kept.axes.clear();
+  for (std::size_t d = 0; d < normal_.size(); ++d) {
+    const std::size_t last = d * boxes + boxes - 1;
+    kept.axes.push_back({origin[d], scalar_normal_[d], low[last], high[last]});
+  }
+  kept.tolerance = tolerance_;
+}
+
+/// The keys by two cuts differ by what is linear in the coordinates: it is largest in a corner.
+template <class Scalar>
+auto PairCut<Scalar>::bounds_since(Side side, const Kept& kept, double limit) const -> Bounds {
+  const std::vector<Scalar>& origin = side == Side::i ? scalar_middle_i_ : scalar_middle_j_;
+  const double sign = side == Side::i ? 1 : -1;
+  double of_kernels = 0;
+  double exact = 0;
+  double size = 0;
+  for (std::size_t d = 0; d < normal_.size(); ++d) {
+    const typename Kept::Axis& axis = kept.axes[d];
+    const double at_low = (axis.low - axis.middle) * axis.normal;
+    const double at_high = (axis.high - axis.middle) * axis.normal;
+    const auto add = [&](double from, double along, double& bound) {
+      const double low_now = (axis.low - from) * along;
+      const double high_now = (axis.high - from) * along;
+      bound += std::max(sign * (low_now - at_low), sign * (high_now - at_high));
+      size += std::max(std::abs(low_now), std::abs(high_now));
+    };
+    add(origin[d], scalar_normal_[d], of_kernels);
+    add(middle(side)[d], normal_[d], exact);
+    size += 2 * std::max(std::abs(at_low), std::abs(at_high));
+  }
+  const double slack = kept.tolerance + rounding_of_size_ * size + least_rounding_;
+  return {limit + sign * (of_kernels + slack + tolerance_),
+          limit + sign * (exact + slack + rounding_)};
+}
+
 template class PairCut<float>;
 template class PairCut<double>;
 

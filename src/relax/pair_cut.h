@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -36,11 +38,57 @@ class PairCut {
   /// Whether the cut is a plane for both cells as they stand, and points of both sides can be
   /// bounded by boxes around them.
   [[nodiscard]] bool straight() const { return frame_ == Frame::plain; }
+  /// Where it is: as the kernels see it from one side.
+  [[nodiscard]] kernels::Cut<Scalar> straight_cut(Side side) const {
+    return {(side == Side::i ? scalar_middle_i_ : scalar_middle_j_).data(), scalar_normal_.data()};
+  }
   /// Where the cut is straight: bounds on the kernels' keys of points in boxes, from above for side
   /// i and from below for side j. `low` and `high` are the boxes' ends, a stream for each
   /// dimension; the last box is around all others, and has no bound.
   void bound_keys(Side side, std::span<const Scalar> low, std::span<const Scalar> high,
                   std::vector<double>& bounds) const;
+
+  /// By how much the kernels' keys of a side are above those in double, but for the tolerance.
+  [[nodiscard]] double kernels_differ(Side side) const;
+  /// A straight cut as the kernels saw it from one side, and a box around points.
+  struct Kept {
+    struct Axis {
+      double middle;
+      double normal;
+      double low;
+      double high;
+    };
+    std::vector<Axis> axes;
+    double tolerance = 0;
+    /// `Dimension`: 0 for any.
+    template <std::size_t Dimension>
+    [[nodiscard]] double key(const Scalar* point) const {
+      const std::size_t dimension = Dimension > 0 ? Dimension : axes.size();
+      const Axis* const axis = axes.data();
+      double key = 0;
+      for (std::size_t d = 0; d < dimension; ++d) {
+        key += (point[d] - axis[d].middle) * axis[d].normal;
+      }
+      return key;
+    }
+    /// `ends`: a lower and an upper one for each dimension.
+    void extend(std::span<const Scalar> ends) {
+      for (std::size_t d = 0; d < axes.size(); ++d) {
+        axes[d].low = std::min<double>(axes[d].low, ends[2 * d]);
+        axes[d].high = std::max<double>(axes[d].high, ends[2 * d + 1]);
+      }
+    }
+  };
+  /// Keeps the cut, with the last of some boxes.
+  void keep(Side side, std::span<const Scalar> low, std::span<const Scalar> high, Kept& kept) const;
+  /// Where the cut is straight: what bounds the kernels' keys now of the points in the box, and
+  /// their keys in double, from above for side i and from below for side j, when `limit` bounds
+  /// their keys by a cut that was kept.
+  struct Bounds {
+    double of_kernels;
+    double exact;
+  };
+  [[nodiscard]] Bounds bounds_since(Side side, const Kept& kept, double limit) const;
 
   /// The distance between the two sites.
   [[nodiscard]] double length() const { return length_; }
@@ -121,8 +169,7 @@ auto PairCut<Scalar>::with_kernels(const Visit& visit) const {
       return visit(cut, cut);
     }
   }
-  return visit(kernels::Cut<Scalar>{scalar_middle_i_.data(), scalar_normal_.data()},
-               kernels::Cut<Scalar>{scalar_middle_j_.data(), scalar_normal_.data()});
+  return visit(straight_cut(Side::i), straight_cut(Side::j));
 }
 
 extern template class PairCut<float>;

@@ -21,6 +21,8 @@ constexpr Index kSizeStep = 16;  // whole vectors
 constexpr double kLeastAlong = 4;
 /// Of its points: when so many have been replaced, a cell is divided anew.
 constexpr Index kReplacedShare = 4;
+/// Of its points: so many changes are kept in mind.
+constexpr std::size_t kChangesShare = 16;
 /// Bins of a patch, along the last dimension: within a bin points are in no order.
 constexpr double kBinsOfPatch = 8;
 
@@ -96,6 +98,7 @@ bool Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scrat
   cell.size = size;
   const std::size_t count = this->count(site);
   sort(cells, site, scratch);
+  cell.changes.forget();
   cell.replaced = 0;
   const Scalar* stream = cells.block(site);
   Scalar* low = cell.low.data();
@@ -139,11 +142,43 @@ void Patches<Scalar>::sort(Cells<Scalar>& cells, SiteNumber site, Scratch& scrat
 }
 
 template <class Scalar>
-void Patches<Scalar>::replace(SiteNumber site, Index place, const Scalar* coordinates) {
+void Patches<Scalar>::Changes::add(Index place, std::span<const Scalar> come,
+                                   std::span<const Scalar> left) {
+  places.push_back(place);
+  coordinates.insert(coordinates.end(), come.begin(), come.end());
+  coordinates.insert(coordinates.end(), left.begin(), left.end());
+  if (box.empty()) {
+    for (const Scalar x : come) box.insert(box.end(), {x, x});
+  }
+  for (std::size_t d = 0; d < come.size(); ++d) {
+    box[2 * d] = std::min(box[2 * d], come[d]);
+    box[2 * d + 1] = std::max(box[2 * d + 1], come[d]);
+  }
+}
+
+template <class Scalar>
+void Patches<Scalar>::replace(SiteNumber site, Index place, const Scalar* coordinates,
+                              const Scalar* left) {
   Cell& cell = cells_[site];
   if (cell.low.empty()) return;
   ++cell.replaced;
   const std::size_t patches = count(site);
+  Changes& changes = cell.changes;
+  if (changes.places.size() >= patches * static_cast<std::size_t>(cell.size) / kChangesShare) {
+    changes.forget();
+  }
+  changes.add(place, {coordinates, dimension_}, {left, dimension_});
+  Sums& sums = cell.sums;
+  if (sums.exchanged != Sums::kUnknown) {
+    ++sums.exchanged;
+    for (std::size_t d = 0; d < dimension_; ++d) {
+      const double come_from = coordinates[d] - sums.centre[d];
+      const double gone_from = left[d] - sums.centre[d];
+      const double by = come_from - gone_from;
+      sums.shift[d] += by;
+      sums.energy += by * (come_from + gone_from);
+    }
+  }
   const auto patch = static_cast<std::size_t>(place / cell.size);
   for (std::size_t d = 0; d < dimension_; ++d) {
     for (const std::size_t k : {d * (patches + 1) + patch, d * (patches + 1) + patches}) {
@@ -159,6 +194,16 @@ void Patches<Scalar>::save(ByteWriter& out, SiteNumber site, Index points) const
   const Cell& cell = cells_[site];
   out.put(cell.looks);
   out.put(cell.replaced);
+  Sums sums = cell.sums;
+  sums.centre.resize(dimension_);
+  sums.shift.resize(dimension_);
+  out.put(sums.exchanged);
+  out.put(sums.updates);
+  out.put(sums.moved);
+  out.put(sums.first_energy);
+  out.put(sums.energy);
+  out.put(std::span<const double>(sums.centre));
+  out.put(std::span<const double>(sums.shift));
   out.put(Index{has(site)});
   out.put(std::span<const Scalar>(cell.low));
   out.put(std::span<const Scalar>(cell.high));
@@ -169,8 +214,19 @@ template <class Scalar>
 void Patches<Scalar>::load(ByteReader& in, SiteNumber site, Index points) {
   if (!divides(points)) return;
   Cell& cell = cells_[site];
+  cell.changes.forget();
   cell.looks = in.get<Index>();
   cell.replaced = in.get<Index>();
+  Sums& sums = cell.sums;
+  sums.exchanged = in.get<Index>();
+  sums.updates = in.get<Index>();
+  sums.moved = in.get<double>();
+  sums.first_energy = in.get<double>();
+  sums.energy = in.get<double>();
+  sums.centre.resize(dimension_);
+  sums.shift.resize(dimension_);
+  in.get(std::span(sums.centre));
+  in.get(std::span(sums.shift));
   if (in.get<Index>() == 0) {
     cell.low.clear();
     cell.high.clear();

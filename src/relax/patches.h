@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,7 +13,7 @@ namespace ccvt {
 
 /// Large cells, divided into patches: consecutive points that lie close together, with a box around
 /// them. What concerns the border of a cell looks at the patches near it, and leaves the others
-/// alone.
+/// alone. Also what is known of the points that such a cell has exchanged.
 ///
 /// A cell is divided when it has been looked at often enough for that to pay, and anew when many of
 /// its points have been replaced. Only the order of its points changes. Cells may be used at the
@@ -49,16 +51,66 @@ class Patches {
   /// Whether a cell of so many points is ever divided. What is known of others does not matter.
   [[nodiscard]] bool divides(Index points) const { return ends(points) > 0; }
 
+  /// What is known may be wrong.
+  void forget() noexcept {
+    for (Cell& cell : cells_) {
+      cell.low.clear();
+      cell.high.clear();
+      cell.changes.forget();
+      cell.sums.exchanged = Sums::kUnknown;
+    }
+  }
+
   /// What is known of a cell of so many points, for another rank or a file: in as many bytes for
   /// all of that size, and in none for those that are never divided.
   void save(ByteWriter& out, SiteNumber site, Index points) const;
   void load(ByteReader& in, SiteNumber site, Index points);
   [[nodiscard]] std::size_t bytes(Index points) const {
-    return divides(points) ? 3 * sizeof(Index) + 2 * ends(points) * sizeof(Scalar) : 0;
+    if (!divides(points)) return 0;
+    return 5 * sizeof(Index) + (3 + 2 * dimension_) * sizeof(double) +
+           2 * ends(points) * sizeof(Scalar);
   }
 
-  /// Says that another point has come to a place of a cell.
-  void replace(SiteNumber site, Index place, const Scalar* coordinates);
+  /// Says that another point has come to a place of a cell, and which one has left it.
+  void replace(SiteNumber site, Index place, const Scalar* coordinates, const Scalar* left);
+
+  /// What exchanges have changed of a divided cell since all of its points were summed up: see
+  /// update_by_sums().
+  struct Sums {
+    static constexpr Index kUnknown = -1;
+    Index exchanged = kUnknown;  ///< points
+    Index updates = 0;           ///< of the site
+    double moved = 0;            ///< how far the site has gone, at most
+    double first_energy = 0;
+    double energy = 0;           ///< of the points as they are now, around `centre`
+    std::vector<double> centre;  ///< where the site was then
+    std::vector<double> shift;   ///< of the sum of the points' coordinates
+  };
+  [[nodiscard]] Sums& sums(SiteNumber site) { return cells_[site].sums; }
+
+  /// The places of a divided cell that other points have come to, in order, since `version` last
+  /// rose; before that any may have changed.
+  struct Changes {
+    std::uint32_t version = 0;
+    std::vector<Index> places;
+    std::vector<Scalar> coordinates;  ///< of the point that came, and of the one that left
+    std::vector<Scalar> box;          ///< around those that came: for each dimension, both ends
+    void forget() {
+      ++version;
+      places.clear();
+      coordinates.clear();
+      box.clear();
+    }
+    void add(Index place, std::span<const Scalar> come, std::span<const Scalar> left);
+  };
+  [[nodiscard]] const Changes& changes(SiteNumber site) const { return cells_[site].changes; }
+  /// Has those after the first ones fetched from memory.
+  void prefetch_changes(SiteNumber site, std::size_t known) const {
+    const Changes& changes = cells_[site].changes;
+    const std::size_t next = std::min(known, changes.places.size());
+    __builtin_prefetch(changes.places.data() + next);
+    __builtin_prefetch(changes.coordinates.data() + 2 * dimension_ * next);
+  }
 
  private:
   struct Cell {
@@ -67,6 +119,8 @@ class Patches {
     Index size = 0;  ///< of a patch
     Index looks = 0;
     Index replaced = 0;
+    Changes changes;
+    Sums sums;
   };
   [[nodiscard]] Index patch_size(Index points) const;
   [[nodiscard]] std::size_t ends(Index points) const;

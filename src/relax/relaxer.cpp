@@ -28,6 +28,7 @@ Relaxer<Scalar>::Relaxer(const Metric& metric, const Options& options, const Are
       stop_(stop),
       workers_(arena, {PairSwapper<Scalar>(metric, options, coordinate_bound), {}, {}, 0}),
       patches_(metric.dimension(), sites),
+      bands_(sites),
       screen_(metric) {
   changed_.assign(sites, 0);
   touched_.assign(changed_.size(), 1);
@@ -39,6 +40,11 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
   for (int w = 0; w < arena_.threads(); ++w) {
     workers_[w].count = {};
     workers_[w].swapped.clear();
+  }
+  if (!has_large_cells_) {
+    Index largest = 0;
+    for (const SiteNumber s : state.cells.sites()) largest = std::max(largest, state.cells.size(s));
+    has_large_cells_ = patches_.divides(largest);
   }
   if (touched_tile_.empty()) touched_tile_.assign(state.tiling.count(), 1);
   if (state.tiling.ranks() != nullptr) loans_.begin(state.tiling);
@@ -54,8 +60,11 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
     forget_pairs();
   } catch (...) {
     if (state.tiling.ranks() != nullptr) throw;  // others wait for messages, and are ended
-    // Swaps have been made: whoever goes on must find the sites where their cells are.
+    // Swaps have been made: whoever goes on must find the sites where their cells are. What is
+    // known of these may lack the last one.
     forget_pairs();
+    patches_.forget();
+    bands_.forget();
     std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
     const Stop::Pause pause(stop_);
     update_all(metric_, state, arena_);
@@ -112,10 +121,14 @@ void Relaxer<Scalar>::run(Source&& source, const Tiling& tiling, bool full,
   };
   const auto relax = [&](const Schedule::Task& task, int w) {
     Worker& worker = workers_[w];
-    for_pairs(task, [&](SiteNumber i, SiteNumber j) {
+    const auto look = [&](SiteNumber i, SiteNumber j) {
       if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j)) return;
       examine(state, worker, i, j);
-    });
+    };
+    if (!*has_large_cells_) return for_pairs(task, look);
+    PairsAhead<Scalar> ahead(bands_, patches_, state.cells);
+    for_pairs(task, [&](SiteNumber i, SiteNumber j) { ahead.push(i, j, look); });
+    ahead.finish(look);
   };
   const RelaxedLender lender{
       state, tiling, patches_, changed_, loans_, for_pairs, of_touched ? &touched_tile_ : nullptr};
@@ -131,7 +144,7 @@ void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, SiteNum
     arena_.check();
   }
   ++worker.count.pairs;
-  const std::int64_t exchanged = worker.swap(state.cells, patches_, state.sites, i, j);
+  const std::int64_t exchanged = worker.swap(state.cells, patches_, state.sites, i, j, &bands_);
   const auto [sorted_i, sorted_j] = worker.swap.sorted();
   if (sorted_i) loans_.note_sorting(i);
   if (sorted_j) loans_.note_sorting(j);
@@ -176,7 +189,12 @@ Index Relaxer<Scalar>::update_changed(LevelState<Scalar>& state, bool full) {
   PerWorker<Index> active(arena_);
   for_each_tile(arena_, state.tiling, [&](Tile tile, int) {
     for (const SiteNumber site : state.tiling.sites_of(tile)) {
-      if (changed_[site] != 0) update_site(metric_, state.cells, state.sites, site);
+      if (changed_[site] == 0 ||
+          update_by_sums(metric_, patches_, state.sites, site, state.cells.size(site))) {
+        continue;
+      }
+      update_site(metric_, state.cells, state.sites, site);
+      begin_sums(patches_, state.sites, site);
     }
   });
   share_records(state.tiling, state.sites, changed_);

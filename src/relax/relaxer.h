@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -81,6 +82,7 @@ class Relaxer {
   PerWorker<Worker> workers_;
 
   Patches<Scalar> patches_;
+  Bands<Scalar> bands_;
   PairLists lists_;
   Screen<Scalar> screen_;
   Loans loans_;
@@ -89,6 +91,7 @@ class Relaxer {
   std::vector<std::uint8_t> touched_tile_;  ///< tiles with touched sites
   std::vector<Pair> cache_;                 ///< pairs that swapped in the last pass
   int cached_passes_ = 0;                   ///< since the last full pass
+  std::optional<bool> has_large_cells_;     ///< that are divided into patches
   bool stable_ = false;
   bool stopped_ = false;
 };

@@ -55,7 +55,8 @@ void heap_swap(double margin, Exchange& moves) {
 }
 
 /// Cell i keeps as many of all candidates as it brought: those with the lowest keys. What it
-/// brought and does not keep moves to j, and the other way round.
+/// brought and does not keep moves to j, and the other way round. Of equal keys those move that
+/// sort_swap() would move.
 void median_swap(double margin, Exchange& moves) {
   using Choice = Exchange::Choice;
   std::vector<Choice>& all = moves.both;
@@ -67,7 +68,8 @@ void median_swap(double margin, Exchange& moves) {
   std::nth_element(all.data(), kept_by_j.data(), all.data() + all.size(),
                    [](const Choice& a, const Choice& b) {
                      if (a.key != b.key) return a.key < b.key;
-                     return a.from_j != b.from_j ? b.from_j : a.place < b.place;
+                     if (a.from_j != b.from_j) return b.from_j;
+                     return a.from_j ? a.place < b.place : a.place > b.place;
                    });
   moves.from_i.clear();
   moves.from_j.clear();

@@ -19,20 +19,16 @@ PairSwapper<Scalar>::PairSwapper(const Metric& metric, const Options& options,
       median_cut_(options.median_cut_pruning),
       coordinate_bound_(coordinate_bound),
       cut_(metric, coordinate_bound),
-      coordinates_(static_cast<std::size_t>(metric.dimension())) {}
+      coordinates_(2 * static_cast<std::size_t>(metric.dimension())) {}
 
-/// Divides a cell that is worth it, and bounds the keys of its patches. Returns whether its points
-/// are in another order.
+/// Bounds the keys of the patches of a cell that is divided.
 template <class Scalar>
-bool PairSwapper<Scalar>::divide(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteNumber cell,
-                                 Side side, Part& part) {
-  const bool sorted = patches.look(cells, cell, scratch_);
+void PairSwapper<Scalar>::divide(const Patches<Scalar>& patches, SiteNumber cell, Side side,
+                                 Part& part) {
   part.divided = cut_.straight() && patches.has(cell);
-  if (part.divided) {
-    part.size = patches.size(cell);
-    cut_.bound_keys(side, patches.low(cell), patches.high(cell), part.bounds);
-  }
-  return sorted;
+  if (!part.divided) return;
+  part.size = patches.size(cell);
+  cut_.bound_keys(side, patches.low(cell), patches.high(cell), part.bounds);
 }
 
 /// Of a cell of so many points, the patches that may have keys beyond what is known: higher ones
@@ -131,6 +127,30 @@ Index PairSwapper<Scalar>::within_reach(const Cells<Scalar>& cells, const SiteSt
   return found;
 }
 
+/// The points in the stretches of a cell whose keys are beyond a threshold. Notes their places and
+/// returns how many.
+template <class Scalar>
+Index PairSwapper<Scalar>::find_beyond(const Cells<Scalar>& cells, SiteNumber cell, Side side,
+                                       const Part& part, Scalar threshold) {
+  make_room(cells.points(cell).size());
+  return cut_.with_kernels([&](const auto& cut_i, const auto& cut_j) {
+    Index found = 0;
+    for (const Stretch& stretch : part.stretches) {
+      if (!is_beyond(side, stretch.bound, threshold)) continue;
+      Index* const places = places_.data() + found;
+      const Scalar* const block = cells.block(cell) + stretch.first;
+      const auto find = [&](const auto& cut) {
+        return kernels::places_beyond(block, cells.size(cell), stretch.count, metric_.dimension(),
+                                      cut, beyond(side), threshold, places);
+      };
+      const Index here = side == Side::i ? find(cut_i) : find(cut_j);
+      for (Index k = 0; k < here; ++k) places[k] += stretch.first;
+      found += here;
+    }
+    return found;
+  });
+}
+
 template <class Scalar>
 void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const SiteState& sites,
                                           SiteNumber i, SiteNumber j, const KeyBounds& bounds) {
@@ -170,25 +190,8 @@ void PairSwapper<Scalar>::find_candidates(const Cells<Scalar>& cells, const Site
           std::nextafter(static_cast<Scalar>(bounds.lowest_j - cut_.tolerance()), -infinity);
       const auto ceiling =
           std::nextafter(static_cast<Scalar>(bounds.highest_i + cut_.tolerance()), infinity);
-      const auto find = [&](SiteNumber cell, Side side, const Part& part, const auto& cut,
-                            Scalar threshold) {
-        make_room(cells.points(cell).size());
-        Index found = 0;
-        for (const auto& [bound, first, count] : part.stretches) {
-          if (!is_beyond(side, bound, threshold)) continue;
-          Index* const places = places_.data() + found;
-          const Index here =
-              kernels::places_beyond(cells.block(cell) + first, cells.size(cell), count,
-                                     metric_.dimension(), cut, beyond(side), threshold, places);
-          for (Index k = 0; k < here; ++k) places[k] += first;
-          found += here;
-        }
-        return found;
-      };
-      cut_.with_kernels([&](const auto& cut_i, const auto& cut_j) {
-        keep(i, Side::i, find(i, Side::i, part_i_, cut_i, floor), moves_.from_i);
-        keep(j, Side::j, find(j, Side::j, part_j_, cut_j, ceiling), moves_.from_j);
-      });
+      keep(i, Side::i, find_beyond(cells, i, Side::i, part_i_, floor), moves_.from_i);
+      keep(j, Side::j, find_beyond(cells, j, Side::j, part_j_, ceiling), moves_.from_j);
       return;
     }
   }
@@ -201,46 +204,76 @@ void PairSwapper<Scalar>::exchange(Cells<Scalar>& cells, Patches<Scalar>& patche
   const auto by_place = [](const Candidate& a, const Candidate& b) { return a.place < b.place; };
   std::sort(moves_.from_i.begin(), moves_.from_i.end(), by_place);
   std::sort(moves_.from_j.begin(), moves_.from_j.end(), by_place);
-  const auto grow = [&](SiteNumber cell, Index place) {
-    cells.get(cell, place, coordinates_.data());
+  Scalar* const to_i = coordinates_.data();
+  Scalar* const to_j = to_i + metric_.dimension();
+  const auto grow = [&](SiteNumber cell, Index place, const Scalar* come, const Scalar* left) {
     double& radius = sites.radius[cell];
-    const double squared = metric_.squared_distance(coordinates_.data(), sites.at(cell));
+    const double squared = metric_.squared_distance(come, sites.at(cell));
     if (squared > radius * radius) radius = upper_radius(squared, metric_.dimension());
-    patches.replace(cell, place, coordinates_.data());
+    patches.replace(cell, place, come, left);
   };
   for (std::size_t k = 0; k < moves_.from_i.size(); ++k) {
-    cells.exchange(i, moves_.from_i[k].place, j, moves_.from_j[k].place);
-    grow(i, moves_.from_i[k].place);
-    grow(j, moves_.from_j[k].place);
+    const Index place_i = moves_.from_i[k].place;
+    const Index place_j = moves_.from_j[k].place;
+    cells.get(i, place_i, to_j);
+    cells.get(j, place_j, to_i);
+    cells.exchange(i, place_i, j, place_j);
+    grow(i, place_i, to_i, to_j);
+    grow(j, place_j, to_j, to_i);
   }
   if (cut_.crosses_faces()) {
     sites.compact[i] = sites.compact[j] = 0;
   }
 }
 
+/// Reduces the candidates to those that move.
 template <class Scalar>
-Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, Patches<Scalar>& patches,
-                                      SiteState& sites, SiteNumber i, SiteNumber j) {
-  cut_.place(sites, i, j);
-  KeyBounds bounds{};
-  sorted_ = {};
-  if (median_cut_ || pruning_ == PointPruning::extremes) {
-    sorted_.i = divide(cells, patches, i, Side::i, part_i_);
-    sorted_.j = divide(cells, patches, j, Side::j, part_j_);
-    bounds = key_bounds(cells, i, j);
-    if (bounds.separated()) return 0;
-  }
-  find_candidates(cells, sites, i, j, bounds);
-  if (moves_.from_i.empty() || moves_.from_j.empty()) return 0;
-
+void PairSwapper<Scalar>::select(const Cells<Scalar>& cells, const SiteState& sites, SiteNumber i,
+                                 SiteNumber j) {
   // Of both cells, whose points may change places; one far away, in another, counts for nothing.
   const double bound = std::max(coordinate_bound_of(metric_, coordinate_bound_, sites, i),
                                 coordinate_bound_of(metric_, coordinate_bound_, sites, j));
   const auto centroid_error = [&](SiteNumber cell) {
     return energy_of_rounding(metric_, bound, cells.size(cell), sites.radius[cell]);
   };
-  const double margin = 2 * cut_.rounding() + (centroid_error(i) + centroid_error(j)) / 2;
-  select_exchange(method_, margin, moves_);
+  margin_ = 2 * cut_.rounding() + (centroid_error(i) + centroid_error(j)) / 2;
+  if (moves_.from_i.empty() || moves_.from_j.empty()) return moves_.clear();
+  select_exchange(method_, margin_, moves_);
+}
+
+/// Finds what to exchange in the two cells.
+template <class Scalar>
+void PairSwapper<Scalar>::search(const Cells<Scalar>& cells, const Patches<Scalar>& patches,
+                                 const SiteState& sites, SiteNumber i, SiteNumber j) {
+  moves_.clear();
+  if (looks_at_bounds()) {
+    divide(patches, i, Side::i, part_i_);
+    divide(patches, j, Side::j, part_j_);
+    bounds_ = key_bounds(cells, i, j);
+    if (bounds_.separated()) return;
+  }
+  find_candidates(cells, sites, i, j, bounds_);
+  select(cells, sites, i, j);
+}
+
+template <class Scalar>
+Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, Patches<Scalar>& patches,
+                                      SiteState& sites, SiteNumber i, SiteNumber j,
+                                      Bands<Scalar>* bands) {
+  cut_.place(sites, i, j);
+  sorted_ = {};
+  Band<Scalar>* band = nullptr;  // of pairs that have exchanged points
+  bool may_have_band = false;
+  if (looks_at_bounds()) {
+    sorted_ = {patches.look(cells, i, scratch_), patches.look(cells, j, scratch_)};
+    may_have_band = bands != nullptr && cut_.straight() && (patches.has(i) || patches.has(j));
+    if (may_have_band) band = bands->find(cells, i, j);
+  }
+  if (band == nullptr || !search_band(cells, patches, sites, i, j, *band)) {
+    search(cells, patches, sites, i, j);
+    if (may_have_band && !moves_.from_i.empty()) band = &bands->of(cells, i, j);
+    if (band != nullptr) note_level(*band);
+  }
   if (moves_.from_i.empty()) return 0;
   exchange(cells, patches, sites, i, j);
   return static_cast<Index>(moves_.from_i.size());

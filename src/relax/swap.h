@@ -6,6 +6,7 @@
 
 #include "ccvt/options.h"
 #include "geometry/metric.h"
+#include "relax/bands.h"
 #include "relax/cells.h"
 #include "relax/pair_cut.h"
 #include "relax/patches.h"
@@ -31,6 +32,11 @@ struct Exchange {
     bool from_j;
   };
   std::vector<Choice> both;  ///< scratch memory, kept between swaps
+
+  void clear() {
+    from_i.clear();
+    from_j.clear();
+  }
 };
 
 /// Reduces the candidates to those that move: the k points of cell i with the highest keys and the
@@ -57,10 +63,11 @@ class PairSwapper {
   PairSwapper(const Metric& metric, const Options& options, double coordinate_bound);
 
   /// Makes the pair (i, j) optimal; returns how many points of each cell changed owner. Radii
-  /// remain upper bounds. Touches nothing but the two cells, their patches and the state of the two
-  /// sites.
+  /// remain upper bounds. Touches nothing but the two cells, their patches, the state of the two
+  /// sites, and the pair's band. With `bands`, which they are kept in, only the points near the cut
+  /// of a pair that has exchanged some before are looked at; the result is the same.
   Index operator()(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteState& sites, SiteNumber i,
-                   SiteNumber j);
+                   SiteNumber j, Bands<Scalar>* bands = nullptr);
 
   /// Whether the last call put the points of the cells i and j into another order first.
   struct Sorted {
@@ -100,8 +107,7 @@ class PairSwapper {
     Index size = 0;              ///< of a patch
     std::vector<Stretch> stretches;
   };
-  bool divide(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteNumber cell, Side side,
-              Part& part);
+  void divide(const Patches<Scalar>& patches, SiteNumber cell, Side side, Part& part);
   /// Which keys of a side are those of points that may move.
   [[nodiscard]] static kernels::Beyond beyond(Side side) {
     return side == Side::i ? kernels::Beyond::above : kernels::Beyond::below;
@@ -116,6 +122,43 @@ class PairSwapper {
                        SiteNumber j, const KeyBounds& bounds);
   Index within_reach(const Cells<Scalar>& cells, const SiteState& sites, SiteNumber cell,
                      SiteNumber other);
+  Index find_beyond(const Cells<Scalar>& cells, SiteNumber cell, Side side, const Part& part,
+                    Scalar threshold);
+  void select(const Cells<Scalar>& cells, const SiteState& sites, SiteNumber i, SiteNumber j);
+  void search(const Cells<Scalar>& cells, const Patches<Scalar>& patches, const SiteState& sites,
+              SiteNumber i, SiteNumber j);
+  [[nodiscard]] bool looks_at_bounds() const {
+    return median_cut_ || pruning_ == PointPruning::extremes;
+  }
+
+  // Of bands: see swap_bands.cpp.
+  bool within_band(const Cells<Scalar>& cells, const Patches<Scalar>& patches,
+                   const SiteState& sites, SiteNumber i, SiteNumber j, Band<Scalar>& band);
+  bool follow(Side side, const Patches<Scalar>& patches, SiteNumber cell,
+              BandSide<Scalar>& band) const;
+  /// Of one cell of a pair, the points that are in its band.
+  struct NearPoints {
+    Side side;
+    kernels::Cut<Scalar> cut;
+    const Scalar* block;
+    Index stride;
+    Index count;
+    const Index* places;                      ///< in the cell; null: all of it
+    typename PairCut<Scalar>::Bounds others;  ///< on the keys of all other points
+  };
+  NearPoints near_points(Side side, const Cells<Scalar>& cells, SiteNumber cell,
+                         const BandSide<Scalar>& band) const;
+  double extreme(const NearPoints& near) const;
+  void near_candidates(const NearPoints& near, double opposite, double others,
+                       std::vector<Candidate>& candidates);
+  bool search_band(const Cells<Scalar>& cells, const Patches<Scalar>& patches,
+                   const SiteState& sites, SiteNumber i, SiteNumber j, Band<Scalar>& band);
+  void note_level(Band<Scalar>& band) const;
+  void make_band(const Cells<Scalar>& cells, const Patches<Scalar>& patches, SiteNumber i,
+                 SiteNumber j, Band<Scalar>& band);
+  bool copy_band(Side side, const Cells<Scalar>& cells, const Patches<Scalar>& patches,
+                 SiteNumber cell, double level, Part& part, BandSide<Scalar>& band);
+
   void make_room(std::size_t places) { places_.resize(std::max(places_.size(), places)); }
   void exchange(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteState& sites, SiteNumber i,
                 SiteNumber j);
@@ -128,12 +171,15 @@ class PairSwapper {
   PairCut<Scalar> cut_;  ///< of the current pair
   Part part_i_;
   Part part_j_;
+  KeyBounds bounds_{};
+  double margin_ = 0;  ///< of the last selection
   Sorted sorted_;
   typename Patches<Scalar>::Scratch scratch_;
-  std::vector<Scalar> coordinates_;  ///< of one point
+  std::vector<Scalar> coordinates_;  ///< of two points
   std::vector<double> per_point_;    ///< exact keys, or squared distances, of one cell
   std::vector<Index> places_;        ///< points of one cell, found last
   Exchange moves_;
+  Exchange known_;  ///< what moves_ was selected from, of a band
 };
 
 extern template class PairSwapper<float>;

@@ -14,6 +14,19 @@ namespace {
 
 using Range = kernels::Range<double>;
 
+// Sums are made anew:
+/// when one point of so many has been exchanged,
+constexpr Index kExchanged = 8;
+/// when the site has moved so far, of its cell's radius, which would become too loose,
+constexpr double kMoved = 0x1p-7;
+/// after so many updates, and when so little of the energy is left, as it is when a point far away
+/// has gone,
+constexpr Index kUpdates = 32;
+constexpr double kEnergyLeft = 0.5;
+/// and each time where a coordinate of the site is greater than this share of the points times the
+/// radius: see update_by_sums().
+constexpr double kCoordinateShare = 0x1p-4;
+
 template <class Scalar>
 Range range(const Scalar* stream, Index count) {
   const auto [low, high] = kernels::range(stream, count);
@@ -165,6 +178,61 @@ void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& si
   sites.radius[site] = upper_radius(spread.squared_radius, metric.dimension());
 }
 
+template <class Scalar>
+void begin_sums(Patches<Scalar>& patches, const SiteState& sites, SiteNumber site) {
+  typename Patches<Scalar>::Sums& sums = patches.sums(site);
+  sums.exchanged = Patches<Scalar>::Sums::kUnknown;
+  if (!patches.has(site) || sites.is_fixed(site) || sites.compact[site] == 0) return;
+  sums.exchanged = 0;
+  sums.updates = 0;
+  sums.moved = 0;
+  sums.first_energy = sums.energy = sites.energy[site];
+  sums.centre.assign(sites.at(site), sites.at(site) + sites.dimension);
+  sums.shift.assign(sites.dimension, 0);
+}
+
+template <class Scalar>
+bool update_by_sums(const Metric& metric, Patches<Scalar>& patches, SiteState& sites,
+                    SiteNumber site, Index points) {
+  using Sums = typename Patches<Scalar>::Sums;
+  Sums& sums = patches.sums(site);
+  if (sums.exchanged == Sums::kUnknown || sums.exchanged > points / kExchanged ||
+      sums.updates == kUpdates) {
+    return false;
+  }
+  double* const position = sites.at(site);
+  double moved = 0;
+  double away = 0;
+  double farthest = 0;
+  for (std::size_t d = 0; d < sites.dimension; ++d) {
+    const double by = sums.shift[d] / points;
+    const double to = sums.centre[d] + by;
+    moved += (to - position[d]) * (to - position[d]);
+    away += by * by;
+    farthest = std::max(farthest, std::abs(to));
+  }
+  const double energy = sums.energy - points * away;
+  if (energy < kEnergyLeft * sums.first_energy) return false;
+  if (farthest > kCoordinateShare * points * sites.radius[site]) return false;
+  moved = upper_radius(moved, metric.dimension());
+  const double radius = (sites.radius[site] + moved) * (1 + 4 * kHalfUlp);
+  const double moved_in_all = sums.moved + moved;
+  if (moved_in_all > kMoved * radius || sites.compact[site] == 0) return false;
+  if (metric.periodic()) {
+    for (int d = 0; d < metric.dimension(); ++d) {
+      if (!ball_is_small(metric, sums.centre.data(), radius + moved_in_all, d)) return false;
+    }
+  }
+  for (std::size_t d = 0; d < sites.dimension; ++d) {
+    position[d] = sums.centre[d] + sums.shift[d] / points;
+  }
+  ++sums.updates;
+  sums.moved = moved_in_all;
+  sites.radius[site] = radius;
+  sites.energy[site] = energy;
+  return true;
+}
+
 double upper_radius(double squared, int dimension) {
   return std::sqrt(squared) * (1 + (dimension + 8) * 0x1p-52);
 }
@@ -195,5 +263,10 @@ double total_energy(const SiteState& sites, const Arena& arena) {
 
 template void update_site(const Metric&, const Cells<float>&, SiteState&, SiteNumber);
 template void update_site(const Metric&, const Cells<double>&, SiteState&, SiteNumber);
+
+template bool update_by_sums(const Metric&, Patches<float>&, SiteState&, SiteNumber, Index);
+template bool update_by_sums(const Metric&, Patches<double>&, SiteState&, SiteNumber, Index);
+template void begin_sums(Patches<float>&, const SiteState&, SiteNumber);
+template void begin_sums(Patches<double>&, const SiteState&, SiteNumber);
 
 }  // namespace ccvt

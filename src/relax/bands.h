@@ -1,0 +1,191 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "numbers.h"
+#include "relax/cells.h"
+#include "relax/pair_cut.h"
+#include "relax/patches.h"
+
+namespace ccvt {
+
+/// Of one cell of a pair, the points near the cut, copied: while the cut does not move farther than
+/// the band is wide, no other point can be exchanged. A copy may outlive its point in the cell
+/// where rounding decides whether that was near: its key is not beyond `limit` then, and like those
+/// of all points outside it never counts.
+template <class Scalar>
+struct BandSide {
+  using Cut = typename PairCut<Scalar>::Kept;
+  bool whole = true;  ///< nothing is copied: the cell is small
+  bool copied = false;
+  Cut cut;                    ///< as it was
+  double limit = 0;           ///< on the keys, by that cut, of all points that are not in the band
+  double width = 0;           ///< in keys; 0: not known yet
+  std::uint32_t version = 0;  ///< of the cell's changes, and how many of them are known
+  std::size_t known = 0;
+  std::vector<Index> places;
+  std::vector<Scalar> block;  ///< coordinates, a stream of `room` for each dimension
+  std::size_t room = 0;
+
+  /// Where a place is among `places`; their number, where it is not.
+  [[nodiscard]] std::size_t find(Index place) const {
+    constexpr std::size_t kAtOnce = 16;
+    std::size_t at = 0;
+    for (; at + kAtOnce <= places.size(); at += kAtOnce) {
+      int found = 0;
+      for (std::size_t k = 0; k < kAtOnce; ++k) found |= places[at + k] == place ? 1 : 0;
+      if (found != 0) break;
+    }
+    while (at < places.size() && places[at] != place) ++at;
+    return at;
+  }
+
+  /// Another point has come to a place of the cell; null: one that is not near the cut. False
+  /// where there is no room.
+  bool replace(Index place, const Scalar* coordinates, std::size_t dimension) {
+    const std::size_t at = find(place);
+    if (coordinates == nullptr) {
+      if (at == places.size()) return true;
+      places[at] = places.back();
+      places.pop_back();
+      for (std::size_t d = 0; d < dimension; ++d) {
+        block[d * room + at] = block[d * room + places.size()];
+      }
+      return true;
+    }
+    if (at == room) return false;
+    if (at == places.size()) places.push_back(place);
+    for (std::size_t d = 0; d < dimension; ++d) block[d * room + at] = coordinates[d];
+    return true;
+  }
+};
+
+template <class Scalar>
+struct Band {
+  bool has_level = false;
+  double level = 0;    ///< the key where the cells met, the last time
+  bool valid = false;  ///< the sides are as they should be
+  SiteNumber first;    ///< whose side is i
+  int uses = 0;        ///< since it was made
+  int wait = 0;        ///< looks at the pair until it is made again
+  int failures = 0;    ///< in a row, of bands just made
+  BandSide<Scalar> i;
+  BandSide<Scalar> j;
+
+  void note_level(double now) {
+    if (!std::isfinite(now)) return;
+    has_level = true;
+    level = now;
+  }
+};
+
+/// The bands of all pairs. Those of pairs that have no cell in common may be used at the same time.
+template <class Scalar>
+class Bands {
+ public:
+  explicit Bands(std::size_t sites) : of_(sites) {}
+
+  /// The band of a pair, kept with the smaller cell.
+  Band<Scalar>& of(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j) {
+    if (Band<Scalar>* const found = find(cells, i, j)) return *found;
+    const auto [keeper, other] = keeper_first(cells, i, j);
+    return *of_[keeper].emplace_back(other, std::make_unique<Band<Scalar>>()).second;
+  }
+  /// Null where it has none yet.
+  [[nodiscard]] Band<Scalar>* find(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j) const {
+    const auto [keeper, other] = keeper_first(cells, i, j);
+    for (auto& [site, band] : of_[keeper]) {
+      if (site == other) return band.get();
+    }
+    return nullptr;
+  }
+  void forget() noexcept {
+    for (auto& bands : of_) bands.clear();
+  }
+  /// Has the list of the pair's keeper fetched from memory.
+  void prefetch(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j) const {
+    __builtin_prefetch(of_[keeper_first(cells, i, j).first].data());
+  }
+
+ private:
+  static std::pair<SiteNumber, SiteNumber> keeper_first(const Cells<Scalar>& cells, SiteNumber i,
+                                                        SiteNumber j) {
+    const auto order = [&](SiteNumber s) { return std::pair(cells.size(s), s); };
+    return order(i) < order(j) ? std::pair(i, j) : std::pair(j, i);
+  }
+  std::vector<std::vector<std::pair<SiteNumber, std::unique_ptr<Band<Scalar>>>>> of_;
+};
+
+/// Looks at pairs a little later, when their bands have come from memory: one after the other these
+/// would be waited for longer than they take.
+template <class Scalar>
+class PairsAhead {
+ public:
+  PairsAhead(const Bands<Scalar>& bands, const Patches<Scalar>& patches, const Cells<Scalar>& cells)
+      : bands_(bands), patches_(patches), cells_(cells) {}
+
+  template <class Look>
+  void push(SiteNumber i, SiteNumber j, const Look& look) {
+    bands_.prefetch(cells_, i, j);
+    pairs_[pushed_ % kAhead] = {i, j, nullptr};
+    ++pushed_;
+    if (pushed_ >= 2) fetch_band(pairs_[(pushed_ - 2) % kAhead]);
+    if (pushed_ >= 3) fetch_points(pairs_[(pushed_ - 3) % kAhead]);
+    if (pushed_ >= kAhead) pop(look);
+  }
+  /// Looks at those that are left.
+  template <class Look>
+  void finish(const Look& look) {
+    while (popped_ < pushed_) pop(look);
+  }
+
+ private:
+  static constexpr std::size_t kAhead = 4;
+  struct Pair {
+    SiteNumber i;
+    SiteNumber j;
+    const Band<Scalar>* band;
+  };
+
+  template <class Look>
+  void pop(const Look& look) {
+    const Pair& pair = pairs_[popped_++ % kAhead];
+    look(pair.i, pair.j);
+  }
+  static void fetch(const void* begin, std::size_t bytes) {
+    for (std::size_t b = 0; b < bytes; b += 64) {
+      __builtin_prefetch(static_cast<const char*>(begin) + b);
+    }
+  }
+  void fetch_band(Pair& pair) const {
+    pair.band = bands_.find(cells_, pair.i, pair.j);
+    if (pair.band != nullptr) fetch(pair.band, sizeof(Band<Scalar>));
+  }
+  void fetch_points(const Pair& pair) const {
+    if (pair.band == nullptr || !pair.band->valid) return;
+    patches_.prefetch_changes(pair.i, pair.band->i.known);
+    patches_.prefetch_changes(pair.j, pair.band->j.known);
+    for (const BandSide<Scalar>* side : {&pair.band->i, &pair.band->j}) {
+      if (side->whole) continue;
+      fetch(side->cut.axes.data(), side->cut.axes.size() * sizeof(side->cut.axes[0]));
+      fetch(side->block.data(), std::min(side->block.size() * sizeof(Scalar), kMostBytes));
+    }
+  }
+  static constexpr std::size_t kMostBytes = 2048;
+
+  const Bands<Scalar>& bands_;
+  const Patches<Scalar>& patches_;
+  const Cells<Scalar>& cells_;
+  std::array<Pair, kAhead> pairs_;
+  std::size_t pushed_ = 0;
+  std::size_t popped_ = 0;
+};
+
+}  // namespace ccvt
