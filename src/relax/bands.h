@@ -23,7 +23,6 @@ namespace ccvt {
 template <class Scalar>
 struct BandSide {
   using Cut = typename PairCut<Scalar>::Kept;
-  bool whole = true;  ///< nothing is copied: the cell is small
   bool copied = false;
   Cut cut;                    ///< as it was
   double limit = 0;           ///< on the keys, by that cut, of all points that are not in the band
@@ -86,7 +85,8 @@ struct Band {
   }
 };
 
-/// The bands of all pairs. Those of pairs that have no cell in common may be used at the same time.
+/// The bands of all pairs of divided cells; beside a small cell a search is as fast. Those of pairs
+/// that have no cell in common may be used at the same time.
 template <class Scalar>
 class Bands {
  public:
@@ -173,7 +173,6 @@ class PairsAhead {
     patches_.prefetch_changes(pair.i, pair.band->i.known);
     patches_.prefetch_changes(pair.j, pair.band->j.known);
     for (const BandSide<Scalar>* side : {&pair.band->i, &pair.band->j}) {
-      if (side->whole) continue;
       fetch(side->cut.axes.data(), side->cut.axes.size() * sizeof(side->cut.axes[0]));
       fetch(side->block.data(), std::min(side->block.size() * sizeof(Scalar), kMostBytes));
     }

@@ -41,11 +41,8 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
     workers_[w].count = {};
     workers_[w].swapped.clear();
   }
-  if (!has_large_cells_) {
-    Index largest = 0;
-    for (const SiteNumber s : state.cells.sites()) largest = std::max(largest, state.cells.size(s));
-    has_large_cells_ = patches_.divides(largest);
-  }
+  const auto sites = static_cast<std::int64_t>(state.cells.site_count());
+  cells_are_large_ = patches_.divides(static_cast<Index>(state.cells.point_count() / sites));
   if (touched_tile_.empty()) touched_tile_.assign(state.tiling.count(), 1);
   if (state.tiling.ranks() != nullptr) loans_.begin(state.tiling);
   cached_passes_ = full ? 0 : cached_passes_ + 1;
@@ -125,7 +122,7 @@ void Relaxer<Scalar>::run(Source&& source, const Tiling& tiling, bool full,
       if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j)) return;
       examine(state, worker, i, j);
     };
-    if (!*has_large_cells_) return for_pairs(task, look);
+    if (!cells_are_large_) return for_pairs(task, look);
     PairsAhead<Scalar> ahead(bands_, patches_, state.cells);
     for_pairs(task, [&](SiteNumber i, SiteNumber j) { ahead.push(i, j, look); });
     ahead.finish(look);

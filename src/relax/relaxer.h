@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -91,7 +90,7 @@ class Relaxer {
   std::vector<std::uint8_t> touched_tile_;  ///< tiles with touched sites
   std::vector<Pair> cache_;                 ///< pairs that swapped in the last pass
   int cached_passes_ = 0;                   ///< since the last full pass
-  std::optional<bool> has_large_cells_;     ///< that are divided into patches
+  bool cells_are_large_ = false;            ///< most of them: they have bands
   bool stable_ = false;
   bool stopped_ = false;
 };

@@ -266,7 +266,7 @@ Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, Patches<Scalar>& pat
   bool may_have_band = false;
   if (looks_at_bounds()) {
     sorted_ = {patches.look(cells, i, scratch_), patches.look(cells, j, scratch_)};
-    may_have_band = bands != nullptr && cut_.straight() && (patches.has(i) || patches.has(j));
+    may_have_band = bands != nullptr && cut_.straight() && patches.has(i) && patches.has(j);
     if (may_have_band) band = bands->find(cells, i, j);
   }
   if (band == nullptr || !search_band(cells, patches, sites, i, j, *band)) {

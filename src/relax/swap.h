@@ -65,7 +65,7 @@ class PairSwapper {
   /// Makes the pair (i, j) optimal; returns how many points of each cell changed owner. Radii
   /// remain upper bounds. Touches nothing but the two cells, their patches, the state of the two
   /// sites, and the pair's band. With `bands`, which they are kept in, only the points near the cut
-  /// of a pair that has exchanged some before are looked at; the result is the same.
+  /// of two large cells that have exchanged some before are looked at; the result is the same.
   Index operator()(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteState& sites, SiteNumber i,
                    SiteNumber j, Bands<Scalar>* bands = nullptr);
 
@@ -143,11 +143,10 @@ class PairSwapper {
     const Scalar* block;
     Index stride;
     Index count;
-    const Index* places;                      ///< in the cell; null: all of it
+    const Index* places;                      ///< in the cell
     typename PairCut<Scalar>::Bounds others;  ///< on the keys of all other points
   };
-  NearPoints near_points(Side side, const Cells<Scalar>& cells, SiteNumber cell,
-                         const BandSide<Scalar>& band) const;
+  NearPoints near_points(Side side, const BandSide<Scalar>& band) const;
   double extreme(const NearPoints& near) const;
   void near_candidates(const NearPoints& near, double opposite, double others,
                        std::vector<Candidate>& candidates);

@@ -47,7 +47,6 @@ double next_key(const std::vector<Candidate>& all, const std::vector<Candidate>&
 template <class Scalar>
 bool PairSwapper<Scalar>::follow(Side side, const Patches<Scalar>& patches, SiteNumber cell,
                                  BandSide<Scalar>& band) const {
-  if (band.whole) return !patches.has(cell);
   const typename Patches<Scalar>::Changes& changes = patches.changes(cell);
   if (changes.version != band.version) return false;
   if (band.known == changes.places.size()) return true;
@@ -77,16 +76,9 @@ bool PairSwapper<Scalar>::follow(Side side, const Patches<Scalar>& patches, Site
 
 /// Of one cell of a pair, the points in the band.
 template <class Scalar>
-auto PairSwapper<Scalar>::near_points(Side side, const Cells<Scalar>& cells, SiteNumber cell,
-                                      const BandSide<Scalar>& band) const -> NearPoints {
-  const kernels::Cut<Scalar> cut = cut_.straight_cut(side);
-  if (band.whole) {
-    const double none = side == Side::i ? -kInfinity : kInfinity;
-    const Index size = cells.size(cell);
-    return {side, cut, cells.block(cell), size, size, nullptr, {none, none}};
-  }
+auto PairSwapper<Scalar>::near_points(Side side, const BandSide<Scalar>& band) const -> NearPoints {
   return {side,
-          cut,
+          cut_.straight_cut(side),
           band.block.data(),
           static_cast<Index>(band.room),
           static_cast<Index>(band.places.size()),
@@ -124,7 +116,7 @@ void PairSwapper<Scalar>::near_candidates(const NearPoints& near, double opposit
     const Index at = places_[static_cast<std::size_t>(k)];
     const double key = cut_.key(near.side, near.block, near.stride, at);
     if (is_beyond(near.side, key, others)) {
-      candidates.push_back({key, near.places == nullptr ? at : near.places[at]});
+      candidates.push_back({key, near.places[at]});
     }
   }
 }
@@ -139,8 +131,8 @@ bool PairSwapper<Scalar>::within_band(const Cells<Scalar>& cells, const Patches<
   band.valid =
       band.first == i && follow(Side::i, patches, i, band.i) && follow(Side::j, patches, j, band.j);
   if (!band.valid) return false;
-  const NearPoints near_i = near_points(Side::i, cells, i, band.i);
-  const NearPoints near_j = near_points(Side::j, cells, j, band.j);
+  const NearPoints near_i = near_points(Side::i, band.i);
+  const NearPoints near_j = near_points(Side::j, band.j);
   const double highest = extreme(near_i);
   const double lowest = extreme(near_j);
   ++band.uses;
@@ -150,10 +142,8 @@ bool PairSwapper<Scalar>::within_band(const Cells<Scalar>& cells, const Patches<
     return true;
   }
   for (const double share : {kFirstShare, 1.0}) {
-    double others_i = near_i.others.exact;
-    double others_j = near_j.others.exact;
-    if (!band.i.whole) others_i = std::max(others_i, band.level - share * band.i.width);
-    if (!band.j.whole) others_j = std::min(others_j, band.level + share * band.j.width);
+    const double others_i = std::max(near_i.others.exact, band.level - share * band.i.width);
+    const double others_j = std::min(near_j.others.exact, band.level + share * band.j.width);
     near_candidates(near_i, lowest, others_i, moves_.from_i);
     near_candidates(near_j, highest, others_j, moves_.from_j);
     known_.from_i = moves_.from_i;
@@ -175,8 +165,6 @@ template <class Scalar>
 bool PairSwapper<Scalar>::copy_band(Side side, const Cells<Scalar>& cells,
                                     const Patches<Scalar>& patches, SiteNumber cell, double level,
                                     Part& part, BandSide<Scalar>& band) {
-  band.whole = !patches.has(cell);
-  if (band.whole) return true;
   const Index size = cells.size(cell);
   const std::size_t most = std::clamp(static_cast<std::size_t>(size) / kShare, kLeast, kMost);
   if (band.width == 0) {
