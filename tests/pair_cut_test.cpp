@@ -186,6 +186,34 @@ struct KeptCut {
   double limit = 0;
 };
 
+/// Both sites along each dimension, by no more than that; returns the sum of what they have moved.
+template <class Scalar>
+double move_sites(Pair<Scalar>& pair, double most, Random& random) {
+  double moved = 0;
+  for (const SiteNumber s : ccvt::sites_below(2)) {
+    for (std::size_t d = 0; d < pair.sites.dimension; ++d) {
+      const double by = most * (2 * random.uniform() - 1);
+      pair.sites.at(s)[d] += by;
+      moved += std::abs(by);
+    }
+    pair.sites.radius[s] += moved;
+  }
+  return moved;
+}
+
+/// That the kept cut bounds what keys are now, loose by no more than that and rounding.
+template <class Scalar>
+void check_bounds(const KeptCut<Scalar>& kept, const PairCut<Scalar>& cut, double loose) {
+  const double sign = kept.side == PairCut<Scalar>::Side::i ? 1 : -1;
+  const double extreme = kept.extreme(cut);
+  const double exact = kept.exact_extreme(cut);
+  const auto bounds = cut.bounds_since(kept.side, kept.kept, kept.limit);
+  REQUIRE(sign * (bounds.of_kernels - extreme) >= 0);
+  REQUIRE(sign * (bounds.exact - exact) >= 0);
+  REQUIRE(sign * (bounds.of_kernels - extreme) <= loose + 8 * cut.tolerance());
+  REQUIRE(std::abs(extreme - exact - cut.kernels_differ(kept.side)) <= 2 * cut.tolerance());
+}
+
 }  // namespace
 
 TEST_SUITE_BEGIN("swap");
@@ -272,26 +300,11 @@ TEST_CASE_TEMPLATE("a cut that was kept bounds the keys by a later one", Scalar,
           cut.place(pair.sites, SiteNumber(0), SiteNumber(1));
           if (!cut.straight()) continue;
           const KeptCut<Scalar> kept[] = {{pair, cut, Side::i}, {pair, cut, Side::j}};
-          double moved = 0;
-          for (const SiteNumber s : ccvt::sites_below(2)) {
-            for (int d = 0; d < dimension; ++d) {
-              const double by = radius * 0.01 * (trial % 10) * (2 * random.uniform() - 1);
-              pair.sites.at(s)[d] += by;
-              moved += std::abs(by);
-            }
-            pair.sites.radius[s] += moved;
-          }
+          const double moved = move_sites(pair, radius * 0.01 * (trial % 10), random);
           cut.place(pair.sites, SiteNumber(0), SiteNumber(1));
           if (!cut.straight()) continue;
           for (const KeptCut<Scalar>& side : kept) {
-            const double sign = side.side == Side::i ? 1 : -1;
-            const auto bounds = cut.bounds_since(side.side, side.kept, side.limit);
-            const double loose = sign * (bounds.of_kernels - side.extreme(cut));
-            REQUIRE(loose >= 0);
-            REQUIRE(sign * (bounds.exact - side.exact_extreme(cut)) >= 0);
-            REQUIRE(loose <= moved * 8 * radius * dimension * 4 + 8 * cut.tolerance());
-            const double differ = side.extreme(cut) - side.exact_extreme(cut);
-            REQUIRE(std::abs(differ - cut.kernels_differ(side.side)) <= 2 * cut.tolerance());
+            check_bounds(side, cut, moved * 32 * radius * dimension);
             ++bounded;
           }
         }
