@@ -100,6 +100,29 @@ int uses(const Relaxed<Scalar>& relaxed) {
   return all;
 }
 
+/// Relaxes both, and requires that the same points change places; returns how often bands served.
+template <class Scalar>
+int relax_both(const Metric& metric, const Options& options, double coordinate_bound,
+               const ccvt::Points<Scalar>& points, const std::vector<Index>& sizes) {
+  PairSwapper<Scalar> swap(metric, options, coordinate_bound);
+  Relaxed<Scalar> with(metric, points, sizes);
+  Relaxed<Scalar> without(metric, points, sizes);
+  int used = 0;
+  for (int pass = 0; pass < 40; ++pass) {
+    const bool reversed = pass % 16 == 15;
+    const Index moved = without.pass(swap, false, reversed);
+    REQUIRE(with.pass(swap, true, reversed) == moved);
+    REQUIRE(same_places(with.cells, without.cells));
+    REQUIRE(with.sites.radius == without.sites.radius);
+    for (const SiteNumber s : with.cells.sites()) {
+      ccvt::update_site(metric, with.cells, with.sites, s);
+      ccvt::update_site(metric, without.cells, without.sites, s);
+    }
+    used = std::max(used, uses(with));
+  }
+  return used;
+}
+
 }  // namespace
 
 TEST_SUITE("bands") {
@@ -125,22 +148,7 @@ TEST_SUITE("bands") {
             const auto points = make_points<Scalar>(layout, box, count);
             Options options;
             options.swap = method;
-            PairSwapper<Scalar> swap(metric, options, 6.0);
-            Relaxed<Scalar> with(metric, points, c.sizes);
-            Relaxed<Scalar> without(metric, points, c.sizes);
-            int used = 0;
-            for (int pass = 0; pass < 40; ++pass) {
-              const bool reversed = pass % 16 == 15;
-              const Index moved = without.pass(swap, false, reversed);
-              REQUIRE(with.pass(swap, true, reversed) == moved);
-              REQUIRE(same_places(with.cells, without.cells));
-              REQUIRE(with.sites.radius == without.sites.radius);
-              for (const SiteNumber s : with.cells.sites()) {
-                ccvt::update_site(metric, with.cells, with.sites, s);
-                ccvt::update_site(metric, without.cells, without.sites, s);
-              }
-              used = std::max(used, uses(with));
-            }
+            const int used = relax_both(metric, options, 6.0, points, c.sizes);
             const bool ties = layout == Layout::two_places || layout == Layout::one_place;
             if (c.dimension == 2 && !periodic && !ties) CHECK(used > 10);
           }
@@ -160,18 +168,7 @@ TEST_SUITE("bands") {
         const Metric metric(2, Domain());
         auto points = make_points<Scalar>(layout, Box::unit(2), 20000);
         for (Index p = 0; p < 20000; ++p) points(0, p) += static_cast<Scalar>(offset);
-        PairSwapper<Scalar> swap(metric, Options{}, offset + 1);
-        const std::vector<Index> sizes(5, 4000);
-        Relaxed<Scalar> with(metric, points, sizes);
-        Relaxed<Scalar> without(metric, points, sizes);
-        for (int pass = 0; pass < 40; ++pass) {
-          REQUIRE(with.pass(swap, true) == without.pass(swap, false));
-          REQUIRE(same_places(with.cells, without.cells));
-          for (const SiteNumber s : with.cells.sites()) {
-            ccvt::update_site(metric, with.cells, with.sites, s);
-            ccvt::update_site(metric, without.cells, without.sites, s);
-          }
-        }
+        relax_both(metric, Options{}, offset + 1, points, std::vector<Index>(5, 4000));
       }
     }
   }
@@ -222,7 +219,6 @@ TEST_SUITE("bands") {
 
   TEST_CASE("sums are made anew after many exchanges, and are not kept where they may be wrong") {
     const Metric metric(2, Domain());
-    PairSwapper<float> swap(metric, Options{}, 6.0);
     const auto points = make_points<float>(Layout::random, Box::unit(2), 9000);
     Relaxed<float> relaxed(metric, points, {4000, 4900, 100});  // the last one is not divided
     constexpr SiteNumber first(0);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -33,7 +32,8 @@ struct BandSide {
   std::vector<Scalar> block;  ///< coordinates, a stream of `room` for each dimension
   std::size_t room = 0;
 
-  /// Where a place is among `places`; their number, where it is not.
+  /// Where a place is among `places`; their number, where it is not. Compares a few at once, by
+  /// vector instructions: this is asked for each point that comes near or goes.
   [[nodiscard]] std::size_t find(Index place) const {
     constexpr std::size_t kAtOnce = 16;
     std::size_t at = 0;
@@ -68,7 +68,6 @@ struct BandSide {
 
 template <class Scalar>
 struct Band {
-  bool has_level = false;
   double level = 0;    ///< the key where the cells met, the last time
   bool valid = false;  ///< the sides are as they should be
   SiteNumber first;    ///< whose side is i
@@ -77,12 +76,6 @@ struct Band {
   int failures = 0;    ///< in a row, of bands just made
   BandSide<Scalar> i;
   BandSide<Scalar> j;
-
-  void note_level(double now) {
-    if (!std::isfinite(now)) return;
-    has_level = true;
-    level = now;
-  }
 };
 
 /// The bands of all pairs of divided cells; beside a small cell a search is as fast. Those of pairs

@@ -194,16 +194,18 @@ void Patches<Scalar>::save(ByteWriter& out, SiteNumber site, Index points) const
   const Cell& cell = cells_[site];
   out.put(cell.looks);
   out.put(cell.replaced);
-  Sums sums = cell.sums;
-  sums.centre.resize(dimension_);
-  sums.shift.resize(dimension_);
+  const Sums& sums = cell.sums;
   out.put(sums.exchanged);
-  out.put(sums.updates);
-  out.put(sums.moved);
-  out.put(sums.first_energy);
-  out.put(sums.energy);
-  out.put(std::span<const double>(sums.centre));
-  out.put(std::span<const double>(sums.shift));
+  if (sums.exchanged == Sums::kUnknown) {
+    out.put_nothing(Sums::bytes(dimension_));
+  } else {
+    out.put(sums.updates);
+    out.put(sums.moved);
+    out.put(sums.first_energy);
+    out.put(sums.energy);
+    out.put(std::span<const double>(sums.centre));
+    out.put(std::span<const double>(sums.shift));
+  }
   out.put(Index{has(site)});
   out.put(std::span<const Scalar>(cell.low));
   out.put(std::span<const Scalar>(cell.high));
@@ -219,14 +221,18 @@ void Patches<Scalar>::load(ByteReader& in, SiteNumber site, Index points) {
   cell.replaced = in.get<Index>();
   Sums& sums = cell.sums;
   sums.exchanged = in.get<Index>();
-  sums.updates = in.get<Index>();
-  sums.moved = in.get<double>();
-  sums.first_energy = in.get<double>();
-  sums.energy = in.get<double>();
-  sums.centre.resize(dimension_);
-  sums.shift.resize(dimension_);
-  in.get(std::span(sums.centre));
-  in.get(std::span(sums.shift));
+  if (sums.exchanged == Sums::kUnknown) {
+    in.skip(Sums::bytes(dimension_));
+  } else {
+    sums.updates = in.get<Index>();
+    sums.moved = in.get<double>();
+    sums.first_energy = in.get<double>();
+    sums.energy = in.get<double>();
+    sums.centre.resize(dimension_);
+    sums.shift.resize(dimension_);
+    in.get(std::span(sums.centre));
+    in.get(std::span(sums.shift));
+  }
   if (in.get<Index>() == 0) {
     cell.low.clear();
     cell.high.clear();

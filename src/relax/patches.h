@@ -67,8 +67,7 @@ class Patches {
   void load(ByteReader& in, SiteNumber site, Index points);
   [[nodiscard]] std::size_t bytes(Index points) const {
     if (!divides(points)) return 0;
-    return 5 * sizeof(Index) + (3 + 2 * dimension_) * sizeof(double) +
-           2 * ends(points) * sizeof(Scalar);
+    return 4 * sizeof(Index) + Sums::bytes(dimension_) + 2 * ends(points) * sizeof(Scalar);
   }
 
   /// Says that another point has come to a place of a cell, and which one has left it.
@@ -85,6 +84,10 @@ class Patches {
     double energy = 0;           ///< of the points as they are now, around `centre`
     std::vector<double> centre;  ///< where the site was then
     std::vector<double> shift;   ///< of the sum of the points' coordinates
+    /// Of all but `exchanged`.
+    static std::size_t bytes(std::size_t dimension) {
+      return sizeof(Index) + (3 + 2 * dimension) * sizeof(double);
+    }
   };
   [[nodiscard]] Sums& sums(SiteNumber site) { return cells_[site].sums; }
 

@@ -272,7 +272,7 @@ Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, Patches<Scalar>& pat
   if (band == nullptr || !search_band(cells, patches, sites, i, j, *band)) {
     search(cells, patches, sites, i, j);
     if (may_have_band && !moves_.from_i.empty()) band = &bands->of(cells, i, j);
-    if (band != nullptr) note_level(*band);
+    if (band != nullptr) band->level = level();
   }
   if (moves_.from_i.empty()) return 0;
   exchange(cells, patches, sites, i, j);

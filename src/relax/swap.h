@@ -152,7 +152,7 @@ class PairSwapper {
                        std::vector<Candidate>& candidates);
   bool search_band(const Cells<Scalar>& cells, const Patches<Scalar>& patches,
                    const SiteState& sites, SiteNumber i, SiteNumber j, Band<Scalar>& band);
-  void note_level(Band<Scalar>& band) const;
+  [[nodiscard]] double level() const;
   void make_band(const Cells<Scalar>& cells, const Patches<Scalar>& patches, SiteNumber i,
                  SiteNumber j, Band<Scalar>& band);
   bool copy_band(Side side, const Cells<Scalar>& cells, const Patches<Scalar>& patches,

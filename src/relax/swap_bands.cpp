@@ -138,7 +138,7 @@ bool PairSwapper<Scalar>::within_band(const Cells<Scalar>& cells, const Patches<
   ++band.uses;
   if (highest + cut_.tolerance() <= lowest - cut_.tolerance()) {
     moves_.clear();
-    band.note_level((highest + lowest) / 2);
+    band.level = (highest + lowest) / 2;
     return true;
   }
   for (const double share : {kFirstShare, 1.0}) {
@@ -153,7 +153,7 @@ bool PairSwapper<Scalar>::within_band(const Cells<Scalar>& cells, const Patches<
     const double next_i = next_key(known_.from_i, moves_.from_i, others_i, std::greater<>());
     const double next_j = next_key(known_.from_j, moves_.from_j, others_j, std::less<>());
     if (next_i - next_j <= margin_) {
-      band.note_level((next_i + next_j) / 2);
+      band.level = (next_i + next_j) / 2;
       return true;
     }
   }
@@ -219,7 +219,7 @@ bool PairSwapper<Scalar>::search_band(const Cells<Scalar>& cells, const Patches<
                                       const SiteState& sites, SiteNumber i, SiteNumber j,
                                       Band<Scalar>& band) {
   if (within_band(cells, patches, sites, i, j, band)) return true;
-  if (!band.has_level || band.wait-- > 0) return false;
+  if (band.wait-- > 0) return false;
   band.wait = 0;
   make_band(cells, patches, i, j, band);
   if (within_band(cells, patches, sites, i, j, band)) {
@@ -230,17 +230,14 @@ bool PairSwapper<Scalar>::search_band(const Cells<Scalar>& cells, const Patches<
   return false;
 }
 
-/// After a search of both cells.
+/// After a search of both cells: the key where they meet.
 template <class Scalar>
-void PairSwapper<Scalar>::note_level(Band<Scalar>& band) const {
-  double level = (bounds_.highest_i + bounds_.lowest_j) / 2;
-  if (!moves_.from_i.empty()) {
-    const auto less = [](const Candidate& a, const Candidate& b) { return a.key < b.key; };
-    level = (std::min_element(moves_.from_i.begin(), moves_.from_i.end(), less)->key +
-             std::max_element(moves_.from_j.begin(), moves_.from_j.end(), less)->key) /
-            2;
-  }
-  band.note_level(level);
+double PairSwapper<Scalar>::level() const {
+  if (moves_.from_i.empty()) return (bounds_.highest_i + bounds_.lowest_j) / 2;
+  const auto less = [](const Candidate& a, const Candidate& b) { return a.key < b.key; };
+  return (std::min_element(moves_.from_i.begin(), moves_.from_i.end(), less)->key +
+          std::max_element(moves_.from_j.begin(), moves_.from_j.end(), less)->key) /
+         2;
 }
 
 template class PairSwapper<float>;
