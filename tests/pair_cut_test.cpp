@@ -169,7 +169,7 @@ struct KeptCut {
   /// Of the kernels' keys of all points, the one farthest on the other side.
   [[nodiscard]] double extreme(const Cut& cut) const {
     return ccvt::kernels::extreme_key(
-        block, kPoints, kPoints, static_cast<int>(kept.axes.size()), cut.straight_cut(side),
+        block, kPoints, kPoints, static_cast<int>(kept.dimension()), cut.straight_cut(side),
         side == Cut::Side::i ? ccvt::kernels::Beyond::above : ccvt::kernels::Beyond::below);
   }
   [[nodiscard]] double exact_extreme(const Cut& cut) const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "numbers.h"
+#include "relax/apart.h"
 #include "relax/cells.h"
 #include "relax/pair_cut.h"
 #include "relax/patches.h"
@@ -16,12 +17,14 @@
 namespace ccvt {
 
 /// Of one cell of a pair, the points near the cut, copied: while the cut does not move farther than
-/// the band is wide, no other point can be exchanged. A copy may outlive its point in the cell
+/// the band is wide, no other point can be exchanged. Of a cell that is not divided all points are
+/// looked at where they are. A copy may outlive its point in the cell
 /// where rounding decides whether that was near: its key is not beyond `limit` then, and like those
 /// of all points outside it never counts.
 template <class Scalar>
 struct BandSide {
   using Cut = typename PairCut<Scalar>::Kept;
+  bool of_all = false;  ///< the cell is not divided
   bool copied = false;
   Cut cut;                    ///< as it was
   double limit = 0;           ///< on the keys, by that cut, of all points that are not in the band
@@ -48,7 +51,7 @@ struct BandSide {
 
   /// Another point has come to a place of the cell; null: one that is not near the cut. False
   /// where there is no room.
-  bool replace(Index place, const Scalar* coordinates, std::size_t dimension) {
+  bool replace(Index place, const Scalar* coordinates, std::size_t stride, std::size_t dimension) {
     const std::size_t at = find(place);
     if (coordinates == nullptr) {
       if (at == places.size()) return true;
@@ -61,7 +64,7 @@ struct BandSide {
     }
     if (at == room) return false;
     if (at == places.size()) places.push_back(place);
-    for (std::size_t d = 0; d < dimension; ++d) block[d * room + at] = coordinates[d];
+    for (std::size_t d = 0; d < dimension; ++d) block[d * room + at] = coordinates[d * stride];
     return true;
   }
 };
@@ -78,24 +81,36 @@ struct Band {
   BandSide<Scalar> j;
 };
 
-/// The bands of all pairs of divided cells; beside a small cell a search is as fast. Those of pairs
-/// that have no cell in common may be used at the same time.
+/// What is known of a pair of cells of which one is divided, or both are.
+template <class Scalar>
+struct KnownPair {
+  SiteNumber other;  ///< than the smaller one
+  int searches = 0;  ///< of both cells, before it had a band
+  Apart<Scalar> apart{};
+  std::unique_ptr<Band<Scalar>> band{};
+};
+
+/// What is known of all such pairs. That of pairs that have no cell in common may be used at the
+/// same time.
 template <class Scalar>
 class Bands {
  public:
   explicit Bands(std::size_t sites) : of_(sites) {}
 
-  /// The band of a pair, kept with the smaller cell.
-  Band<Scalar>& of(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j) {
-    if (Band<Scalar>* const found = find(cells, i, j)) return *found;
+  /// What is known of a pair, kept with the smaller cell.
+  KnownPair<Scalar>& of(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j) {
     const auto [keeper, other] = keeper_first(cells, i, j);
-    return *of_[keeper].emplace_back(other, std::make_unique<Band<Scalar>>()).second;
+    for (KnownPair<Scalar>& pair : of_[keeper]) {
+      if (pair.other == other) return pair;
+    }
+    return of_[keeper].emplace_back(KnownPair<Scalar>{other});
   }
-  /// Null where it has none yet.
-  [[nodiscard]] Band<Scalar>* find(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j) const {
+  /// Null where nothing is known.
+  [[nodiscard]] const KnownPair<Scalar>* find(const Cells<Scalar>& cells, SiteNumber i,
+                                              SiteNumber j) const {
     const auto [keeper, other] = keeper_first(cells, i, j);
-    for (auto& [site, band] : of_[keeper]) {
-      if (site == other) return band.get();
+    for (const KnownPair<Scalar>& pair : of_[keeper]) {
+      if (pair.other == other) return &pair;
     }
     return nullptr;
   }
@@ -113,7 +128,7 @@ class Bands {
     const auto order = [&](SiteNumber s) { return std::pair(cells.size(s), s); };
     return order(i) < order(j) ? std::pair(i, j) : std::pair(j, i);
   }
-  std::vector<std::vector<std::pair<SiteNumber, std::unique_ptr<Band<Scalar>>>>> of_;
+  std::vector<std::vector<KnownPair<Scalar>>> of_;
 };
 
 /// Looks at pairs a little later, when their bands have come from memory: one after the other these
@@ -158,7 +173,8 @@ class PairsAhead {
     }
   }
   void fetch_band(Pair& pair) const {
-    pair.band = bands_.find(cells_, pair.i, pair.j);
+    const KnownPair<Scalar>* const known = bands_.find(cells_, pair.i, pair.j);
+    pair.band = known != nullptr ? known->band.get() : nullptr;
     if (pair.band != nullptr) fetch(pair.band, sizeof(Band<Scalar>));
   }
   void fetch_points(const Pair& pair) const {
@@ -166,7 +182,7 @@ class PairsAhead {
     patches_.prefetch_changes(pair.i, pair.band->i.known);
     patches_.prefetch_changes(pair.j, pair.band->j.known);
     for (const BandSide<Scalar>* side : {&pair.band->i, &pair.band->j}) {
-      fetch(side->cut.axes.data(), side->cut.axes.size() * sizeof(side->cut.axes[0]));
+      fetch(side->cut.numbers.data(), side->cut.numbers.size() * sizeof(Scalar));
       fetch(side->block.data(), std::min(side->block.size() * sizeof(Scalar), kMostBytes));
     }
   }

@@ -227,11 +227,13 @@ template <class Scalar>
 void PairCut<Scalar>::keep(Side side, std::span<const Scalar> low, std::span<const Scalar> high,
                            Kept& kept) const {
   const std::vector<Scalar>& origin = side == Side::i ? scalar_middle_i_ : scalar_middle_j_;
-  const std::size_t boxes = low.size() / normal_.size();
-  kept.axes.clear();
-  for (std::size_t d = 0; d < normal_.size(); ++d) {
+  const std::size_t dimension = normal_.size();
+  const std::size_t boxes = low.size() / dimension;
+  kept.numbers.resize(4 * dimension);
+  for (std::size_t d = 0; d < dimension; ++d) {
     const std::size_t last = d * boxes + boxes - 1;
-    kept.axes.push_back({origin[d], scalar_normal_[d], low[last], high[last]});
+    const Scalar of_axis[] = {origin[d], scalar_normal_[d], low[last], high[last]};
+    for (std::size_t k = 0; k < 4; ++k) kept.numbers[k * dimension + d] = of_axis[k];
   }
   kept.tolerance = tolerance_;
 }
@@ -245,12 +247,13 @@ auto PairCut<Scalar>::bounds_since(Side side, const Kept& kept, double limit) co
   double exact = 0;
   double size = 0;
   for (std::size_t d = 0; d < normal_.size(); ++d) {
-    const typename Kept::Axis& axis = kept.axes[d];
-    const double at_low = (axis.low - axis.middle) * axis.normal;
-    const double at_high = (axis.high - axis.middle) * axis.normal;
+    const double low = kept.low()[d];
+    const double high = kept.high()[d];
+    const double at_low = (low - kept.cut().middle[d]) * kept.cut().normal[d];
+    const double at_high = (high - kept.cut().middle[d]) * kept.cut().normal[d];
     const auto add = [&](double from, double along, double& bound) {
-      const double low_now = (axis.low - from) * along;
-      const double high_now = (axis.high - from) * along;
+      const double low_now = (low - from) * along;
+      const double high_now = (high - from) * along;
       bound += std::max(sign * (low_now - at_low), sign * (high_now - at_high));
       size += std::max(std::abs(low_now), std::abs(high_now));
     };

@@ -52,30 +52,22 @@ class PairCut {
   [[nodiscard]] double kernels_differ(Side side) const;
   /// A straight cut as the kernels saw it from one side, and a box around points.
   struct Kept {
-    struct Axis {
-      double middle;
-      double normal;
-      double low;
-      double high;
-    };
-    std::vector<Axis> axes;
+    /// Of each dimension the cut's middle; then its normal, then the box's lower and upper ends.
+    std::vector<Scalar> numbers;
     double tolerance = 0;
-    /// `Dimension`: 0 for any.
-    template <std::size_t Dimension>
-    [[nodiscard]] double key(const Scalar* point) const {
-      const std::size_t dimension = Dimension > 0 ? Dimension : axes.size();
-      const Axis* const axis = axes.data();
-      double key = 0;
-      for (std::size_t d = 0; d < dimension; ++d) {
-        key += (point[d] - axis[d].middle) * axis[d].normal;
-      }
-      return key;
+    [[nodiscard]] std::size_t dimension() const { return numbers.size() / 4; }
+    [[nodiscard]] kernels::Cut<Scalar> cut() const {
+      return {numbers.data(), numbers.data() + dimension()};
     }
+    [[nodiscard]] const Scalar* low() const { return numbers.data() + 2 * dimension(); }
+    [[nodiscard]] const Scalar* high() const { return numbers.data() + 3 * dimension(); }
     /// `ends`: a lower and an upper one for each dimension.
     void extend(std::span<const Scalar> ends) {
-      for (std::size_t d = 0; d < axes.size(); ++d) {
-        axes[d].low = std::min<double>(axes[d].low, ends[2 * d]);
-        axes[d].high = std::max<double>(axes[d].high, ends[2 * d + 1]);
+      Scalar* const low = numbers.data() + 2 * dimension();
+      Scalar* const high = low + dimension();
+      for (std::size_t d = 0; d < dimension(); ++d) {
+        low[d] = std::min(low[d], ends[2 * d]);
+        high[d] = std::max(high[d], ends[2 * d + 1]);
       }
     }
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -69,6 +70,24 @@ class Grid {
 
 }  // namespace
 
+/// Patches of one size have cells of some range of sizes: of the smallest patches that pay for any
+/// of them, the smallest cell, or a smaller one by rounding.
+template <class Scalar>
+Patches<Scalar>::Patches(int dimension, std::size_t sites)
+    : dimension_(static_cast<std::size_t>(dimension)),
+      least_(std::numeric_limits<Index>::max()),
+      cells_(sites),
+      exchanged_(sites),
+      divided_(sites) {
+  const auto cell_of = [](double patch) { return std::floor(std::pow(patch / kSizeOfRoot, 3)); };
+  const double patches = std::pow(kLeastAlong, dimension);
+  double patch = kSizeStep;
+  while (patch * patches < least_ && patch * patches > cell_of(patch + kSizeStep) + 1) {
+    patch += kSizeStep;
+  }
+  least_ = static_cast<Index>(std::min<double>(least_, std::max(patch * patches, cell_of(patch))));
+}
+
 /// Of a cell of so many points; 0 where it is not worth dividing.
 template <class Scalar>
 Index Patches<Scalar>::patch_size(Index points) const {
@@ -86,8 +105,9 @@ std::size_t Patches<Scalar>::ends(Index points) const {
 
 template <class Scalar>
 bool Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch) {
-  Cell& cell = cells_[site];
   const Index points = cells.size(site);
+  if (points < least_) return false;
+  Cell& cell = cells_[site];
   if (++cell.looks < kLooks) return false;
   cell.looks = 0;
   if (has(site) && cell.replaced <= points / kReplacedShare) return false;
@@ -96,6 +116,7 @@ bool Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scrat
   cell.low.resize(ends(points));
   cell.high.resize(cell.low.size());
   cell.size = size;
+  divided_[site] = 1;
   const std::size_t count = this->count(site);
   sort(cells, site, scratch);
   cell.changes.forget();
@@ -142,32 +163,37 @@ void Patches<Scalar>::sort(Cells<Scalar>& cells, SiteNumber site, Scratch& scrat
 }
 
 template <class Scalar>
-void Patches<Scalar>::Changes::add(Index place, std::span<const Scalar> come,
-                                   std::span<const Scalar> left) {
+void Patches<Scalar>::Changes::add(Index place, const Scalar* comes, const Scalar* leaves,
+                                   std::size_t dimension) {
+  if (places.size() == room) forget();
+  const std::size_t at = places.size();
   places.push_back(place);
-  coordinates.insert(coordinates.end(), come.begin(), come.end());
-  coordinates.insert(coordinates.end(), left.begin(), left.end());
   if (box.empty()) {
-    for (const Scalar x : come) box.insert(box.end(), {x, x});
+    for (std::size_t d = 0; d < dimension; ++d) box.insert(box.end(), {comes[d], comes[d]});
   }
-  for (std::size_t d = 0; d < come.size(); ++d) {
-    box[2 * d] = std::min(box[2 * d], come[d]);
-    box[2 * d + 1] = std::max(box[2 * d + 1], come[d]);
+  for (std::size_t d = 0; d < dimension; ++d) {
+    come[d * room + at] = comes[d];
+    left[d * room + at] = leaves[d];
+    box[2 * d] = std::min(box[2 * d], comes[d]);
+    box[2 * d + 1] = std::max(box[2 * d + 1], comes[d]);
   }
 }
 
 template <class Scalar>
 void Patches<Scalar>::replace(SiteNumber site, Index place, const Scalar* coordinates,
                               const Scalar* left) {
+  ++exchanged_[site];
+  if (!has(site)) return;
   Cell& cell = cells_[site];
-  if (cell.low.empty()) return;
   ++cell.replaced;
   const std::size_t patches = count(site);
   Changes& changes = cell.changes;
-  if (changes.places.size() >= patches * static_cast<std::size_t>(cell.size) / kChangesShare) {
-    changes.forget();
+  if (changes.come.empty()) {
+    changes.room = patches * static_cast<std::size_t>(cell.size) / kChangesShare;
+    changes.come.resize(dimension_ * changes.room);
+    changes.left.resize(dimension_ * changes.room);
   }
-  changes.add(place, {coordinates, dimension_}, {left, dimension_});
+  changes.add(place, coordinates, left, dimension_);
   Sums& sums = cell.sums;
   if (sums.exchanged != Sums::kUnknown) {
     ++sums.exchanged;
@@ -214,6 +240,7 @@ void Patches<Scalar>::save(ByteWriter& out, SiteNumber site, Index points) const
 
 template <class Scalar>
 void Patches<Scalar>::load(ByteReader& in, SiteNumber site, Index points) {
+  ++exchanged_[site];
   if (!divides(points)) return;
   Cell& cell = cells_[site];
   cell.changes.forget();
@@ -233,7 +260,8 @@ void Patches<Scalar>::load(ByteReader& in, SiteNumber site, Index points) {
     in.get(std::span(sums.centre));
     in.get(std::span(sums.shift));
   }
-  if (in.get<Index>() == 0) {
+  divided_[site] = in.get<Index>() != 0 ? 1 : 0;
+  if (!has(site)) {
     cell.low.clear();
     cell.high.clear();
     return in.skip(2 * ends(points) * sizeof(Scalar));

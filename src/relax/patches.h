@@ -21,8 +21,7 @@ namespace ccvt {
 template <class Scalar>
 class Patches {
  public:
-  Patches(int dimension, std::size_t sites)
-      : dimension_(static_cast<std::size_t>(dimension)), cells_(sites) {}
+  Patches(int dimension, std::size_t sites);
 
   /// What dividing a cell needs. One per worker.
   struct Scratch {
@@ -37,7 +36,7 @@ class Patches {
   bool look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch);
 
   /// Whether the cell is divided.
-  [[nodiscard]] bool has(SiteNumber site) const { return !cells_[site].low.empty(); }
+  [[nodiscard]] bool has(SiteNumber site) const { return divided_[site] != 0; }
   /// Of a divided cell: the points of a patch, but for the last one; and how many patches.
   [[nodiscard]] Index size(SiteNumber site) const { return cells_[site].size; }
   [[nodiscard]] std::size_t count(SiteNumber site) const {
@@ -59,6 +58,7 @@ class Patches {
       cell.changes.forget();
       cell.sums.exchanged = Sums::kUnknown;
     }
+    std::fill(divided_.begin(), divided_.end(), std::uint8_t{0});
   }
 
   /// What is known of a cell of so many points, for another rank or a file: in as many bytes for
@@ -69,6 +69,9 @@ class Patches {
     if (!divides(points)) return 0;
     return 4 * sizeof(Index) + Sums::bytes(dimension_) + 2 * ends(points) * sizeof(Scalar);
   }
+
+  /// Rises whenever another point comes to a cell.
+  [[nodiscard]] std::uint32_t exchanged(SiteNumber site) const { return exchanged_[site]; }
 
   /// Says that another point has come to a place of a cell, and which one has left it.
   void replace(SiteNumber site, Index place, const Scalar* coordinates, const Scalar* left);
@@ -96,23 +99,28 @@ class Patches {
   struct Changes {
     std::uint32_t version = 0;
     std::vector<Index> places;
-    std::vector<Scalar> coordinates;  ///< of the point that came, and of the one that left
-    std::vector<Scalar> box;          ///< around those that came: for each dimension, both ends
+    std::size_t room = 0;  ///< at most so many
+    std::vector<Scalar>
+        come;  ///< coordinates of these points, a stream of `room` for each dimension
+    std::vector<Scalar> left;  ///< and of those that were there
+    std::vector<Scalar> box;   ///< around those that came: for each dimension, both ends
     void forget() {
       ++version;
       places.clear();
-      coordinates.clear();
       box.clear();
     }
-    void add(Index place, std::span<const Scalar> come, std::span<const Scalar> left);
+    void add(Index place, const Scalar* comes, const Scalar* leaves, std::size_t dimension);
   };
   [[nodiscard]] const Changes& changes(SiteNumber site) const { return cells_[site].changes; }
   /// Has those after the first ones fetched from memory.
   void prefetch_changes(SiteNumber site, std::size_t known) const {
     const Changes& changes = cells_[site].changes;
     const std::size_t next = std::min(known, changes.places.size());
-    __builtin_prefetch(changes.places.data() + next);
-    __builtin_prefetch(changes.coordinates.data() + 2 * dimension_ * next);
+    for (const auto* streams : {&changes.come, &changes.left}) {
+      for (std::size_t d = 0; d < dimension_; ++d) {
+        __builtin_prefetch(streams->data() + d * changes.room + next);
+      }
+    }
   }
 
  private:
@@ -130,7 +138,10 @@ class Patches {
   void sort(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch) const;
 
   std::size_t dimension_;
+  Index least_;  ///< no smaller cell is ever divided
   std::vector<Cell> cells_;
+  std::vector<std::uint32_t> exchanged_;
+  std::vector<std::uint8_t> divided_;  ///< of each cell, whether it is: small, as it is often asked
 };
 
 extern template class Patches<float>;

@@ -1,10 +1,15 @@
 #include <algorithm>
+#include <cstddef>
+#include <iterator>
 #include <span>
 
 #include "relax/swap.h"
 
 namespace ccvt {
 namespace {
+
+/// Of one cell: so few candidates are sorted sooner than a median is found.
+constexpr std::size_t kFew = 8;
 
 bool more_to_j(const Candidate& a, const Candidate& b) {
   return a.key != b.key ? a.key > b.key : a.place < b.place;
@@ -25,6 +30,16 @@ void keep_gaining(double margin, Exchange& moves) {
 void sort_swap(double margin, Exchange& moves) {
   std::sort(moves.from_i.begin(), moves.from_i.end(), more_to_j);
   std::sort(moves.from_j.begin(), moves.from_j.end(), more_to_i);
+  keep_gaining(margin, moves);
+}
+
+/// The same, where one cell has few candidates: no more of the other's need be in order.
+void sort_few(double margin, Exchange& moves) {
+  auto& i = moves.from_i;
+  auto& j = moves.from_j;
+  const std::ptrdiff_t most = std::min(std::ssize(i), std::ssize(j));
+  std::partial_sort(i.begin(), i.begin() + most, i.end(), more_to_j);
+  std::partial_sort(j.begin(), j.begin() + most, j.end(), more_to_i);
   keep_gaining(margin, moves);
 }
 
@@ -58,6 +73,7 @@ void heap_swap(double margin, Exchange& moves) {
 /// brought and does not keep moves to j, and the other way round. Of equal keys those move that
 /// sort_swap() would move.
 void median_swap(double margin, Exchange& moves) {
+  if (std::min(moves.from_i.size(), moves.from_j.size()) <= kFew) return sort_few(margin, moves);
   using Choice = Exchange::Choice;
   std::vector<Choice>& all = moves.both;
   all.clear();

@@ -262,17 +262,17 @@ Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, Patches<Scalar>& pat
                                       Bands<Scalar>* bands) {
   cut_.place(sites, i, j);
   sorted_ = {};
-  Band<Scalar>* band = nullptr;  // of pairs that have exchanged points
-  bool may_have_band = false;
+  KnownPair<Scalar>* known = nullptr;
   if (looks_at_bounds()) {
     sorted_ = {patches.look(cells, i, scratch_), patches.look(cells, j, scratch_)};
-    may_have_band = bands != nullptr && cut_.straight() && patches.has(i) && patches.has(j);
-    if (may_have_band) band = bands->find(cells, i, j);
+    if (bands != nullptr && has_band(cells, patches, i, j)) {
+      known = &bands->of(cells, i, j);
+      if (known->apart.holds({metric_, cut_, cells, patches, sites, i, j})) return 0;
+    }
   }
-  if (band == nullptr || !search_band(cells, patches, sites, i, j, *band)) {
+  if (known == nullptr || !search_band(cells, patches, sites, i, j, *known)) {
     search(cells, patches, sites, i, j);
-    if (may_have_band && !moves_.from_i.empty()) band = &bands->of(cells, i, j);
-    if (band != nullptr) band->level = level();
+    if (known != nullptr) note_search(*known);
   }
   if (moves_.from_i.empty()) return 0;
   exchange(cells, patches, sites, i, j);

@@ -64,8 +64,8 @@ class PairSwapper {
 
   /// Makes the pair (i, j) optimal; returns how many points of each cell changed owner. Radii
   /// remain upper bounds. Touches nothing but the two cells, their patches, the state of the two
-  /// sites, and the pair's band. With `bands`, which they are kept in, only the points near the cut
-  /// of two large cells that have exchanged some before are looked at; the result is the same.
+  /// sites, and what is known of the pair. With `bands`, where that is kept, only the points near
+  /// the cut of large cells are looked at, or none; the result is the same.
   Index operator()(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteState& sites, SiteNumber i,
                    SiteNumber j, Bands<Scalar>* bands = nullptr);
 
@@ -133,9 +133,8 @@ class PairSwapper {
 
   // Of bands: see swap_bands.cpp.
   bool within_band(const Cells<Scalar>& cells, const Patches<Scalar>& patches,
-                   const SiteState& sites, SiteNumber i, SiteNumber j, Band<Scalar>& band);
-  bool follow(Side side, const Patches<Scalar>& patches, SiteNumber cell,
-              BandSide<Scalar>& band) const;
+                   const SiteState& sites, SiteNumber i, SiteNumber j, KnownPair<Scalar>& known);
+  bool follow(Side side, const Patches<Scalar>& patches, SiteNumber cell, BandSide<Scalar>& band);
   /// Of one cell of a pair, the points that are in its band.
   struct NearPoints {
     Side side;
@@ -143,20 +142,25 @@ class PairSwapper {
     const Scalar* block;
     Index stride;
     Index count;
-    const Index* places;                      ///< in the cell
+    const Index* places;                      ///< in the cell; null: all
     typename PairCut<Scalar>::Bounds others;  ///< on the keys of all other points
   };
-  NearPoints near_points(Side side, const BandSide<Scalar>& band) const;
+  NearPoints near_points(Side side, const Cells<Scalar>& cells, SiteNumber cell,
+                         const BandSide<Scalar>& band) const;
   double extreme(const NearPoints& near) const;
   void near_candidates(const NearPoints& near, double opposite, double others,
                        std::vector<Candidate>& candidates);
   bool search_band(const Cells<Scalar>& cells, const Patches<Scalar>& patches,
-                   const SiteState& sites, SiteNumber i, SiteNumber j, Band<Scalar>& band);
+                   const SiteState& sites, SiteNumber i, SiteNumber j, KnownPair<Scalar>& known);
   [[nodiscard]] double level() const;
+  bool has_band(const Cells<Scalar>& cells, const Patches<Scalar>& patches, SiteNumber i,
+                SiteNumber j) const;
+  void note_search(KnownPair<Scalar>& known) const;
   void make_band(const Cells<Scalar>& cells, const Patches<Scalar>& patches, SiteNumber i,
                  SiteNumber j, Band<Scalar>& band);
   bool copy_band(Side side, const Cells<Scalar>& cells, const Patches<Scalar>& patches,
-                 SiteNumber cell, double level, Part& part, BandSide<Scalar>& band);
+                 SiteNumber cell, SiteNumber other, double level, Part& part,
+                 BandSide<Scalar>& band);
 
   void make_room(std::size_t places) { places_.resize(std::max(places_.size(), places)); }
   void exchange(Cells<Scalar>& cells, Patches<Scalar>& patches, SiteState& sites, SiteNumber i,
@@ -177,6 +181,7 @@ class PairSwapper {
   std::vector<Scalar> coordinates_;  ///< of two points
   std::vector<double> per_point_;    ///< exact keys, or squared distances, of one cell
   std::vector<Index> places_;        ///< points of one cell, found last
+  std::vector<Index> places_left_;   ///< of changes
   Exchange moves_;
   Exchange known_;  ///< what moves_ was selected from, of a band
 };

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <type_traits>
+#include <memory>
 #include <utility>
 
 #include "kernels/keys.h"
@@ -15,12 +15,15 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Points of a side of a band.
 constexpr std::size_t kMost = 256;
 constexpr std::size_t kLeast = 32;
-constexpr std::size_t kShare = 64;  ///< of the cell's
+constexpr Index kShare = 64;  ///< of the cell's
 /// Places for points that come.
 constexpr std::size_t kSpare = 32;
 constexpr double kFirstShare = 0.125;  ///< of a band's width
 constexpr int kFewUses = 8;            ///< a band that served fewer looks was too narrow
 constexpr int kLongestWait = 32;       ///< of looks
+/// Of the smaller cell, points: to keep a band beside fewer takes more memory than it is worth.
+constexpr Index kFewest = 16;
+constexpr int kSearches = 4;  ///< until a pair has a band that exchanges nothing
 
 /// Of candidates of which `moves` are the best, the key of the next best, or what bounds those of
 /// points that are not among them, but for points that could not gain by any exchange.
@@ -44,41 +47,54 @@ double next_key(const std::vector<Candidate>& all, const std::vector<Candidate>&
 }  // namespace
 
 /// Brings what is copied of a cell up to date; false where that is not known, or there is no room.
+/// Of all points that have come or left, only those are gone through that were near the cut.
 template <class Scalar>
 bool PairSwapper<Scalar>::follow(Side side, const Patches<Scalar>& patches, SiteNumber cell,
-                                 BandSide<Scalar>& band) const {
+                                 BandSide<Scalar>& band) {
+  if (band.of_all == patches.has(cell)) return false;
+  if (band.of_all) return true;
   const typename Patches<Scalar>::Changes& changes = patches.changes(cell);
   if (changes.version != band.version) return false;
-  if (band.known == changes.places.size()) return true;
+  const std::size_t first = std::exchange(band.known, changes.places.size());
+  const auto count = static_cast<Index>(band.known - first);
+  if (count == 0) return true;
   band.cut.extend(changes.box);
-  const auto dimension = static_cast<std::size_t>(metric_.dimension());
-  const auto follow_in = [&](auto known_dimension) {
-    const Scalar* come = changes.coordinates.data() + 2 * dimension * band.known;
-    for (; band.known < changes.places.size(); ++band.known, come += 2 * dimension) {
-      const double now = band.cut.template key<known_dimension>(come);
-      const double before = band.cut.template key<known_dimension>(come + dimension);
-      const bool is_near = is_beyond(side, now, band.limit);
-      if (!is_near && !is_beyond(side, before, band.limit)) continue;
-      const Index place = changes.places[band.known];
-      if (!band.replace(place, is_near ? come : nullptr, dimension)) return false;
-    }
-    return true;
+  const auto near = [&](const std::vector<Scalar>& streams, std::vector<Index>& found) {
+    found.resize(std::max(found.size(), static_cast<std::size_t>(count)));
+    return found.data() + kernels::places_beyond(streams.data() + first,
+                                                 static_cast<Index>(changes.room), count,
+                                                 metric_.dimension(), band.cut.cut(), beyond(side),
+                                                 static_cast<Scalar>(band.limit), found.data());
   };
-  switch (dimension) {
-    case 2:
-      return follow_in(std::integral_constant<std::size_t, 2>());
-    case 3:
-      return follow_in(std::integral_constant<std::size_t, 3>());
-    default:
-      return follow_in(std::integral_constant<std::size_t, 0>());
+  const Index* const came_end = near(changes.come, places_);
+  const Index* const left_end = near(changes.left, places_left_);
+  const Index* came = places_.data();
+  const Index* left = places_left_.data();
+  const auto dimension = static_cast<std::size_t>(metric_.dimension());
+  while (came != came_end || left != left_end) {
+    const bool is_near = left == left_end || (came != came_end && *came <= *left);
+    const Index next = is_near ? *came : *left;
+    left += left != left_end && *left == next ? 1 : 0;
+    came += is_near ? 1 : 0;
+    const std::size_t at = first + static_cast<std::size_t>(next);
+    const Scalar* const coordinates = is_near ? changes.come.data() + at : nullptr;
+    if (!band.replace(changes.places[at], coordinates, changes.room, dimension)) return false;
   }
+  return true;
 }
 
-/// Of one cell of a pair, the points in the band.
+/// Of one cell of a pair, the points in the band; all of one that is not divided.
 template <class Scalar>
-auto PairSwapper<Scalar>::near_points(Side side, const BandSide<Scalar>& band) const -> NearPoints {
+auto PairSwapper<Scalar>::near_points(Side side, const Cells<Scalar>& cells, SiteNumber cell,
+                                      const BandSide<Scalar>& band) const -> NearPoints {
+  const kernels::Cut<Scalar> cut = cut_.straight_cut(side);
+  if (band.of_all) {
+    const Index all = cells.size(cell);
+    const double none = side == Side::i ? -kInfinity : kInfinity;
+    return {side, cut, cells.block(cell), all, all, nullptr, {none, none}};
+  }
   return {side,
-          cut_.straight_cut(side),
+          cut,
           band.block.data(),
           static_cast<Index>(band.room),
           static_cast<Index>(band.places.size()),
@@ -116,7 +132,7 @@ void PairSwapper<Scalar>::near_candidates(const NearPoints& near, double opposit
     const Index at = places_[static_cast<std::size_t>(k)];
     const double key = cut_.key(near.side, near.block, near.stride, at);
     if (is_beyond(near.side, key, others)) {
-      candidates.push_back({key, near.places[at]});
+      candidates.push_back({key, near.places == nullptr ? at : near.places[at]});
     }
   }
 }
@@ -126,19 +142,23 @@ void PairSwapper<Scalar>::near_candidates(const NearPoints& near, double opposit
 template <class Scalar>
 bool PairSwapper<Scalar>::within_band(const Cells<Scalar>& cells, const Patches<Scalar>& patches,
                                       const SiteState& sites, SiteNumber i, SiteNumber j,
-                                      Band<Scalar>& band) {
+                                      KnownPair<Scalar>& known) {
+  Band<Scalar>& band = *known.band;
   if (!band.valid) return false;
   band.valid =
       band.first == i && follow(Side::i, patches, i, band.i) && follow(Side::j, patches, j, band.j);
   if (!band.valid) return false;
-  const NearPoints near_i = near_points(Side::i, band.i);
-  const NearPoints near_j = near_points(Side::j, band.j);
+  const NearPoints near_i = near_points(Side::i, cells, i, band.i);
+  const NearPoints near_j = near_points(Side::j, cells, j, band.j);
   const double highest = extreme(near_i);
   const double lowest = extreme(near_j);
   ++band.uses;
   if (highest + cut_.tolerance() <= lowest - cut_.tolerance()) {
     moves_.clear();
     band.level = (highest + lowest) / 2;
+    const NearPoints& large = patches.has(i) ? near_i : near_j;
+    known.apart.note({metric_, cut_, cells, patches, sites, i, j}, large.block, large.stride,
+                     large.count, large.others.of_kernels);
     return true;
   }
   for (const double share : {kFirstShare, 1.0}) {
@@ -153,22 +173,36 @@ bool PairSwapper<Scalar>::within_band(const Cells<Scalar>& cells, const Patches<
     const double next_i = next_key(known_.from_i, moves_.from_i, others_i, std::greater<>());
     const double next_j = next_key(known_.from_j, moves_.from_j, others_j, std::less<>());
     if (next_i - next_j <= margin_) {
-      band.level = (next_i + next_j) / 2;
+      const double met_i = std::isinf(next_i) ? next_j : next_i;
+      band.level = (met_i + (std::isinf(next_j) ? next_i : next_j)) / 2;
       return true;
     }
   }
   return band.valid = false;
 }
 
-/// Copies the points of a cell that are near the cut.
+/// Copies the points of a cell that are near the cut; of one that is not divided all are looked at
+/// where they are.
 template <class Scalar>
 bool PairSwapper<Scalar>::copy_band(Side side, const Cells<Scalar>& cells,
-                                    const Patches<Scalar>& patches, SiteNumber cell, double level,
-                                    Part& part, BandSide<Scalar>& band) {
+                                    const Patches<Scalar>& patches, SiteNumber cell,
+                                    SiteNumber other, double level, Part& part,
+                                    BandSide<Scalar>& band) {
+  const bool was_of_all = std::exchange(band.of_all, !patches.has(cell));
+  if (band.of_all) {
+    band.width = kInfinity;
+    return true;
+  }
+  if (was_of_all) band.width = 0;
   const Index size = cells.size(cell);
-  const std::size_t most = std::clamp(static_cast<std::size_t>(size) / kShare, kLeast, kMost);
+  const Index others = std::min(size, cells.size(other));
+  const auto wanted = static_cast<std::size_t>(patches.has(other) ? size / kShare : others);
+  const std::size_t most = std::clamp(wanted, kLeast, kMost);
   if (band.width == 0) {
-    band.width = cut_.length() * cut_.length() * static_cast<double>(most) / 2 / size;
+    // The cut is as long as the smaller cell, of points that are spread as in this one.
+    const double depth = 1.0 / metric_.dimension();
+    band.width = cut_.length() * cut_.length() * static_cast<double>(most) / 2 /
+                 (std::pow(size, depth) * std::pow(others, 1 - depth));
   }
   std::size_t count = 0;
   Scalar limit = 0;
@@ -208,8 +242,8 @@ void PairSwapper<Scalar>::make_band(const Cells<Scalar>& cells, const Patches<Sc
   divide(patches, j, Side::j, part_j_);
   band.first = i;
   band.uses = 0;
-  band.valid = copy_band(Side::i, cells, patches, i, band.level, part_i_, band.i) &&
-               copy_band(Side::j, cells, patches, j, band.level, part_j_, band.j);
+  band.valid = copy_band(Side::i, cells, patches, i, j, band.level, part_i_, band.i) &&
+               copy_band(Side::j, cells, patches, j, i, band.level, part_j_, band.j);
 }
 
 /// Finds what to exchange by the band of a pair, which is made anew where it no longer serves;
@@ -217,17 +251,38 @@ void PairSwapper<Scalar>::make_band(const Cells<Scalar>& cells, const Patches<Sc
 template <class Scalar>
 bool PairSwapper<Scalar>::search_band(const Cells<Scalar>& cells, const Patches<Scalar>& patches,
                                       const SiteState& sites, SiteNumber i, SiteNumber j,
-                                      Band<Scalar>& band) {
-  if (within_band(cells, patches, sites, i, j, band)) return true;
+                                      KnownPair<Scalar>& known) {
+  if (known.band == nullptr) return false;
+  Band<Scalar>& band = *known.band;
+  if (within_band(cells, patches, sites, i, j, known)) return true;
   if (band.wait-- > 0) return false;
   band.wait = 0;
   make_band(cells, patches, i, j, band);
-  if (within_band(cells, patches, sites, i, j, band)) {
+  if (within_band(cells, patches, sites, i, j, known)) {
     band.failures = 0;
     return true;
   }
   band.wait = band.failures = std::min(band.failures + 1, kLongestWait);
   return false;
+}
+
+/// Whether a pair may have a band.
+template <class Scalar>
+bool PairSwapper<Scalar>::has_band(const Cells<Scalar>& cells, const Patches<Scalar>& patches,
+                                   SiteNumber i, SiteNumber j) const {
+  return cut_.straight() && (patches.has(i) || patches.has(j)) &&
+         std::min(cells.size(i), cells.size(j)) >= kFewest;
+}
+
+/// After a search of both cells: gives the pair a band when they have exchanged points, or have
+/// been searched often.
+template <class Scalar>
+void PairSwapper<Scalar>::note_search(KnownPair<Scalar>& known) const {
+  if (known.band == nullptr) {
+    if (moves_.from_i.empty() && ++known.searches < kSearches) return;
+    known.band = std::make_unique<Band<Scalar>>();
+  }
+  known.band->level = level();
 }
 
 /// After a search of both cells: the key where they meet.
