@@ -162,7 +162,7 @@ TEST_CASE("runs of many points a site become tables and plots") {
   add("box", 4096, "stable", 4)["wanted"] = {{"figure", "times_reference"}, {"most", 1.5}};
   add("box", 16384, "stable", 32)["wanted"] = {{"figure", "seconds"}, {"most", 33}};
   add("others", 4096, "stable", 2)["capacities"] = {29, 5000};
-  add("threads", 4096, "stable", 0.5);
+  add("threads", 4096, "stable", 0.5)["beside"] = repeated({0.625});
   record.json["parameters"]["order"] = {{"sites", 64}, {"sets", 5}};
   for (const char* until : {"stable", "blue_noise"}) {
     Json& run = add("order", 4096, until, 2);
@@ -177,8 +177,9 @@ TEST_CASE("runs of many points a site become tables and plots") {
   for (const char* part :
        {"| 65536 | 64x1024 | 2.00 |", "| 0.710 |", "at most 1.5 times the reference: not reached",
         "at most 33 s: reached", "| 64 | 1024 to 16384 | 1.00 | 1.50 |",
-        "2D box, capacities 29 to 5000", "| 64x4096 | 1 | 0.500 | 2.00 |", "| 4096 | blue_noise |",
-        "(growth.svg)", "(growth_order.svg)"}) {
+        "2D box, capacities 29 to 5000", "| 64x4096 | 1 | 0.500 | 2.00 |",
+        "| 64x4096 | 1, two runs at once | 0.625 | 1.60 |", "| 4096 | blue_noise |", "(growth.svg)",
+        "(growth_order.svg)"}) {
     CAPTURE(part);
     CHECK(text.find(part) != std::string::npos);
   }

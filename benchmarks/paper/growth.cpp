@@ -252,7 +252,18 @@ struct Measured {
   std::vector<double> seconds;
   std::vector<double> times_reference;
   std::vector<double> times_flann;
+  std::vector<double> beside;  ///< seconds of one of two unrelated runs at the same time
   std::vector<Json> results;
+
+  /// That of the run whose time is the median.
+  [[nodiscard]] const Json& typical() const {
+    const double middle = median(seconds);
+    const auto nearer = [&](double x, double y) {
+      return std::abs(x - middle) < std::abs(y - middle);
+    };
+    return results.at(static_cast<std::size_t>(
+        std::min_element(seconds.begin(), seconds.end(), nearer) - seconds.begin()));
+  }
 };
 
 void measure(const Group& group, const Input& input, std::uint64_t seed,
@@ -264,6 +275,10 @@ void measure(const Group& group, const Input& input, std::uint64_t seed,
     const auto seconds = own.results.back()["seconds"].get<double>();
     own.seconds.push_back(seconds);
     own.times_reference.push_back(seconds / measured.front().seconds.back());
+    if (std::string(group.table) == "threads" && run.threads == 1) {
+      const auto both = run_side_by_side([&] { return run_once(group, run, input, seed); });
+      for (const Json& one : both) own.beside.push_back(one["seconds"].get<double>());
+    }
     if (std::string(group.table) == "box" && run.points_per_site == kFlannPoints) {
       own.times_flann.push_back(seconds / flann_seconds(input.points, run.sites));
     }
@@ -276,11 +291,12 @@ void measure(const Group& group, const Input& input, std::uint64_t seed,
 void add_runs(const Group& group, const std::vector<Measured>& measured, Json& runs) {
   for (std::size_t k = 0; k < group.runs.size(); ++k) {
     Json run = described(group, group.runs[k]);
-    run.update(measured[k].results.back());
+    run.update(measured[k].typical());
     run["reference"] = k == 0;
     run["seconds"] = repeated(measured[k].seconds);
     run["times_reference"] = repeated(measured[k].times_reference);
     if (!measured[k].times_flann.empty()) run["times_flann"] = repeated(measured[k].times_flann);
+    if (!measured[k].beside.empty()) run["beside"] = repeated(measured[k].beside);
     for (const Wanted& wanted : kWanted) {
       const std::string size = size_name(group.runs[k].sites, group.runs[k].points_per_site);
       if (std::string(group.table) != "box" || size != wanted.size) continue;

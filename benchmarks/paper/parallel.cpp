@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "ccvt/codebook.h"
 #include "ccvt/sampling.h"
 #include "ccvt/solver.h"
 #include "ccvt/stipple.h"
@@ -13,6 +14,7 @@
 #include "parallel/arena.h"
 #include "random.h"
 #include "stopwatch.h"
+#include "support/normal.h"
 #include "support/replay.h"
 #include "support/statistics.h"
 
@@ -77,6 +79,38 @@ void sample_ball(const std::vector<float>& values, const Case& size, const Optio
   sample_volume<float>(grid, size.sites, all);
 }
 
+constexpr int kVectorDimension = 64;
+constexpr Index kVectors = 65536;
+
+/// Of vectors: Gaussian clouds, some of which have more of them than others.
+std::vector<float> clouds_of_vectors() {
+  constexpr std::size_t kClouds = 256;
+  Random random(7);
+  std::vector<double> centres(kClouds * kVectorDimension);
+  for (double& x : centres) x = normal(random);
+  std::vector<float> values;
+  for (Index p = 0; p < kVectors; ++p) {
+    const double u = random.uniform();
+    const auto cloud = static_cast<std::size_t>(u * u * kClouds);
+    for (std::size_t d = 0; d < kVectorDimension; ++d) {
+      const double x = centres[cloud * kVectorDimension + d] + 0.5 * normal(random);
+      values.push_back(static_cast<float>(x));
+    }
+  }
+  return values;
+}
+
+template <CodebookMethod method>
+void train(const std::vector<float>& values, const Case& size, const Options& options) {
+  CodebookOptions all;
+  all.method = method;
+  all.seed = options.seed;
+  all.threads = options.threads;
+  all.restarts = 1;
+  const Eigen::Map<const Points<float>> vectors(values.data(), kVectorDimension, kVectors);
+  train_codebook(Points<float>(vectors), size.sites, all);
+}
+
 std::vector<ParallelCase> make_cases(const Scale& scale) {
   if (scale.quick) return {{"box", {2, 512, 64}}, {"torus", {3, 512, 64}, true}};
   std::vector<ParallelCase> cases{{"box", {2, 4096, 256}}};
@@ -91,6 +125,11 @@ std::vector<ParallelCase> make_cases(const Scale& scale) {
   cases.push_back(
       {"stippling 1500 x 1500 pixels", {2, 100000, 64}, false, false, stipple_rings, rings});
   cases.push_back({"a volume of 180^3 voxels", {3, 200000, 64}, false, false, sample_ball, ball});
+  const Case codewords{kVectorDimension, 1024, kVectors / 1024};
+  cases.push_back({"balanced codebook, exact", codewords, false, false,
+                   train<CodebookMethod::exact>, clouds_of_vectors});
+  cases.push_back({"codebook by Lloyd", codewords, false, false, train<CodebookMethod::lloyd>,
+                   clouds_of_vectors});
   if (scale.is_long) {
     cases.push_back({"box", {2, 262144, 256}});
     cases.push_back({"box", {3, 262144, 256}});

@@ -10,10 +10,13 @@ namespace {
 struct Working {
   const void* arena = nullptr;
   int worker = 0;
+  Recorder::Clock::duration waited{};  ///< in the range it works at
 };
 thread_local Working working;
 
 }  // namespace
+
+void Arena::Waiting::add(Recorder::Clock::duration waited) { working.waited += waited; }
 
 void Arena::Range::operator()(std::size_t k, int worker, Recorder::Loop* timing) const {
   struct Restore {
@@ -25,7 +28,8 @@ void Arena::Range::operator()(std::size_t k, int worker, Recorder::Loop* timing)
   if (timing == nullptr) return function(context, begin, end, worker);
   const auto start = Recorder::Clock::now();
   function(context, begin, end, worker);
-  timing->tasks[k] = std::chrono::duration<float>(Recorder::Clock::now() - start).count();
+  const auto worked = Recorder::Clock::now() - start - working.waited;
+  timing->tasks[k] = std::chrono::duration<float>(worked).count();
 }
 
 void Arena::run_here(const Range& range, int worker, Recorder::Loop* timing) {

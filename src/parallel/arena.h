@@ -40,6 +40,24 @@ class Arena {
     if (stop_ != nullptr) stop_->check();
   }
 
+  /// Of the time that a range of a loop takes, what this lives is not work: it waits for another.
+  class Waiting {
+   public:
+    explicit Waiting(const Arena& arena) : recorder_(arena.recorder_) {
+      if (recorder_ != nullptr) since_ = Recorder::Clock::now();
+    }
+    ~Waiting() {
+      if (recorder_ != nullptr) add(Recorder::Clock::now() - since_);
+    }
+    Waiting(const Waiting&) = delete;
+    Waiting& operator=(const Waiting&) = delete;
+
+   private:
+    static void add(Recorder::Clock::duration waited);
+    const Recorder* recorder_;
+    Recorder::Clock::time_point since_;
+  };
+
   /// What is done from now on, until the result is destroyed, belongs to this phase.
   [[nodiscard]] Recorder::Scope phase(Phase phase) const { return {recorder_, phase}; }
 

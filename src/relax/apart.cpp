@@ -57,13 +57,13 @@ void Apart<Scalar>::note(const Pair& pair, const Scalar* near, Index stride, Ind
   exchanged_ = patches.exchanged(small);
   version_ = patches.changes(large).version;
   changes_ = static_cast<std::uint32_t>(patches.changes(large).places.size());
+  tolerance_ = cut.tolerance();
   const Index size = cells.size(small);
-  own_ = {key(pair, small, cells.block(small), size, size) - cut.tolerance(), sites.radius[small]};
-  far_ = {(pair.large_is_i() ? others : -others) + cut.tolerance(),
-          cut.length() + sites.radius[large]};
+  own_ = {key(pair, small, cells.block(small), size, size) - tolerance_, sites.radius[small]};
+  far_ = {(pair.large_is_i() ? others : -others) + tolerance_, cut.length() + sites.radius[large]};
   near_ = far_;
   if (count == 0) return;
-  near_ = {key(pair, large, near, stride, count) + cut.tolerance(),
+  near_ = {key(pair, large, near, stride, count) + tolerance_,
            farthest(near, stride, count, sites.at(small), metric.dimension())};
 }
 
@@ -81,10 +81,12 @@ void Apart<Scalar>::look_at_changes(const Pair& pair, double moved) {
   const auto& [metric, cut, cells, patches, sites, i, j] = pair;
   const SiteNumber small = pair.small();
   const SiteNumber large = pair.large();
+  // Of points that are farther away than any were.
+  tolerance_ = std::max(tolerance_, cut.tolerance());
   if (exchanged_ != patches.exchanged(small)) {
     exchanged_ = patches.exchanged(small);
     const Index size = cells.size(small);
-    own_ = {key(pair, small, cells.block(small), size, size) - cut.tolerance(),
+    own_ = {key(pair, small, cells.block(small), size, size) - tolerance_,
             sites.radius[small] + moved};
   }
   const typename Patches<Scalar>::Changes& changes = patches.changes(large);
@@ -93,7 +95,7 @@ void Apart<Scalar>::look_at_changes(const Pair& pair, double moved) {
   changes_ = static_cast<std::uint32_t>(changes.places.size());
   const double come = key(pair, large, changes.come.data() + known,
                           static_cast<Index>(changes.room), static_cast<Index>(changes_ - known));
-  far_ = {std::max(far_.key, come + cut.tolerance()),
+  far_ = {std::max(far_.key, come + tolerance_),
           std::max(far_.reach, cut.length() + sites.radius[large] + moved)};
 }
 
@@ -102,8 +104,11 @@ bool Apart<Scalar>::holds(const Pair& pair) {
   known_ = known_ && possible(pair) && version_ == pair.patches.changes(pair.large()).version;
   if (!known_) return false;
   const double by = moved(pair);
+  // Then the cut was at most twice as long, and keys by it had errors of at most four tolerances.
+  known_ = by <= pair.cut.length();
+  if (!known_) return false;
   look_at_changes(pair, by);
-  const double rounding = 4 * pair.cut.tolerance();
+  const double rounding = 6 * tolerance_;
   const auto apart_from = [&](const Part& part) {
     return own_.key - part.key > (own_.reach + part.reach) * by + rounding;
   };

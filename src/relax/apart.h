@@ -43,7 +43,8 @@ class Apart {
   void note(const Pair& pair, const Scalar* near, Index stride, Index count, double others);
 
   /// Whether no points of the pair can gain by an exchange, as far as is known here. False for all
-  /// times when it is false once, until it is noted anew. O(D + points that have come).
+  /// times when it is false once, until it is noted anew. The pair is given as it was then. O(D +
+  /// points that have come to the large cell); O(D * size) when one has come to the small cell.
   bool holds(const Pair& pair);
 
   [[nodiscard]] bool is_known() const { return known_; }
@@ -68,7 +69,8 @@ class Apart {
   std::uint32_t exchanged_ = 0;  ///< of the small cell: see Patches::exchanged()
   std::uint32_t version_ = 0;    ///< of the large cell's changes, and how many of them are known
   std::uint32_t changes_ = 0;
-  Part own_{};   ///< the small cell, from below
+  double tolerance_ = 0;  ///< of the cut
+  Part own_{};            ///< the small cell, from below
   Part near_{};  ///< of the large cell, the points near the cut, from above; and all others
   Part far_{};
   std::array<double, 2 * kMostDimensions> sites_{};  ///< where site i was, and site j

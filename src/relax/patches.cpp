@@ -188,10 +188,11 @@ void Patches<Scalar>::replace(SiteNumber site, Index place, const Scalar* coordi
   ++cell.replaced;
   const std::size_t patches = count(site);
   Changes& changes = cell.changes;
-  if (changes.come.empty()) {
-    changes.room = patches * static_cast<std::size_t>(cell.size) / kChangesShare;
-    changes.come.resize(dimension_ * changes.room);
-    changes.left.resize(dimension_ * changes.room);
+  if (changes.room == 0) {
+    const std::size_t room = patches * static_cast<std::size_t>(cell.size) / kChangesShare;
+    changes.come.resize(dimension_ * room);
+    changes.left.resize(dimension_ * room);
+    changes.room = room;  // when there is room in both
   }
   changes.add(place, coordinates, left, dimension_);
   Sums& sums = cell.sums;

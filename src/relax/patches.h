@@ -70,7 +70,7 @@ class Patches {
     return 4 * sizeof(Index) + Sums::bytes(dimension_) + 2 * ends(points) * sizeof(Scalar);
   }
 
-  /// Rises whenever another point comes to a cell.
+  /// Rises whenever another point has come to a cell, or may have.
   [[nodiscard]] std::uint32_t exchanged(SiteNumber site) const { return exchanged_[site]; }
 
   /// Says that another point has come to a place of a cell, and which one has left it.

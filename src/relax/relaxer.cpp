@@ -141,7 +141,11 @@ void Relaxer<Scalar>::examine(LevelState<Scalar>& state, Worker& worker, SiteNum
     arena_.check();
   }
   ++worker.count.pairs;
-  const std::int64_t exchanged = worker.swap(state.cells, patches_, state.sites, i, j, &bands_);
+  // What is known of all pairs of sites would take too much memory.
+  const bool may_be_known = options_.pairs != PairSelection::all ||
+                            PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j);
+  const std::int64_t exchanged =
+      worker.swap(state.cells, patches_, state.sites, i, j, may_be_known ? &bands_ : nullptr);
   const auto [sorted_i, sorted_j] = worker.swap.sorted();
   if (sorted_i) loans_.note_sorting(i);
   if (sorted_j) loans_.note_sorting(j);

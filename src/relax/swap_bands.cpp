@@ -21,7 +21,8 @@ constexpr std::size_t kSpare = 32;
 constexpr double kFirstShare = 0.125;  ///< of a band's width
 constexpr int kFewUses = 8;            ///< a band that served fewer looks was too narrow
 constexpr int kLongestWait = 32;       ///< of looks
-/// Of the smaller cell, points: to keep a band beside fewer takes more memory than it is worth.
+/// Of the smaller cell, points: to keep what is known of a pair with fewer takes more memory than
+/// it is worth.
 constexpr Index kFewest = 16;
 constexpr int kSearches = 4;  ///< until a pair has a band that exchanges nothing
 
@@ -59,6 +60,9 @@ bool PairSwapper<Scalar>::follow(Side side, const Patches<Scalar>& patches, Site
   const auto count = static_cast<Index>(band.known - first);
   if (count == 0) return true;
   band.cut.extend(changes.box);
+  // Of points that are farther away than any were, by a cut that was at most twice as long: when
+  // the sites have come closer than that, nothing is decided by the band.
+  band.cut.tolerance = std::max(band.cut.tolerance, 4 * cut_.tolerance());
   const auto near = [&](const std::vector<Scalar>& streams, std::vector<Index>& found) {
     found.resize(std::max(found.size(), static_cast<std::size_t>(count)));
     return found.data() + kernels::places_beyond(streams.data() + first,

@@ -9,10 +9,12 @@
 #include <set>
 #include <span>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "parallel/bytes.h"
+#include "schedule/in_order.h"
 #include "schedule/schedule.h"
 
 namespace ccvt {
@@ -346,6 +348,14 @@ template <class Source, class Lender, class Body, class GoOn>
 void run_batches(const Arena& arena, const Tiling& tiling, Source& source, const Lender& lender,
                  const Body& body, const GoOn& go_on) {
   if (tiling.ranks() == nullptr) {
+    if constexpr (std::is_same_v<std::remove_const_t<Source>, Schedule>) {
+      if (arena.threads() > 1) {
+        InOrder(source, tiling, [&](const Schedule::Task& task) {
+          return lender.load(task);
+        }).run(arena, body);
+        return;
+      }
+    }
     for (std::size_t b = 0; b < source.batch_count() && go_on(); ++b) {
       Schedule::run_batch(arena, tiling, source.batch(b), body);
     }
