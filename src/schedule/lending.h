@@ -341,8 +341,9 @@ class RankBatches {
 };
 
 /// Calls body(task, worker) for the tasks of all batches of a source, which is read like a
-/// Schedule; before each batch, go_on() says whether to, the same on all ranks. The tasks of a
-/// batch have no tile in common. Of several ranks, each runs some (see RankBatches); after each
+/// Schedule; before each batch, go_on() says whether to, the same on all ranks; where several
+/// threads run a Schedule (see InOrder), before the first. The tasks of a batch have no tile in
+/// common. Of several ranks, each runs some (see RankBatches); after each
 /// task messages get on, where ranks are MessageProgress.
 template <class Source, class Lender, class Body, class GoOn>
 void run_batches(const Arena& arena, const Tiling& tiling, Source& source, const Lender& lender,
@@ -350,6 +351,7 @@ void run_batches(const Arena& arena, const Tiling& tiling, Source& source, const
   if (tiling.ranks() == nullptr) {
     if constexpr (std::is_same_v<std::remove_const_t<Source>, Schedule>) {
       if (arena.threads() > 1) {
+        if (!go_on()) return;
         InOrder(source, tiling, [&](const Schedule::Task& task) {
           return lender.load(task);
         }).run(arena, body);
