@@ -281,8 +281,8 @@ std::string order(const Json& record, const Runs& runs, const fs::path& director
 std::string report_growth(const Json& record, const fs::path& directory) {
   std::string text = "## Many points a site\n\n" + quick_note(record);
   text +=
-      "Seconds and ratios are medians; iterations and energies are of the last repetition, but\n"
-      "those of the last table are medians, too.\n\n";
+      "Seconds and ratios are medians; iterations and energies are of the run whose time is the\n"
+      "median, but those of the last table are medians, too.\n\n";
   if (const Runs runs = runs_of(record, "box"); !runs.empty()) {
     text += box_table(runs) + exponents(runs, directory);
   }
