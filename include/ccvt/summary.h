@@ -64,8 +64,8 @@ struct PhaseRecord {
   std::int64_t tasks = 0;   ///< in these
 };
 
-/// A parallel loop: its tasks ran at the same time as far as there were threads. Exchanges by several
-/// threads have a task a thread, whose seconds are without what it waited for others.
+/// A parallel loop: its tasks ran at the same time as far as there were threads. Exchanges by
+/// several threads have a task a thread, whose seconds are without what it waited for others.
 struct LoopRecord {
   const char* phase = "";  ///< as in PhaseRecord
   double begin = 0;        ///< seconds since the start of the run
