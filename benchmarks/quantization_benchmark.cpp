@@ -21,6 +21,7 @@
 #include "ccvt/sampling.h"
 #include "ccvt/version.h"
 #include "random.h"
+#include "support/mixture.h"
 #include "support/normal.h"
 
 #ifdef CCVT_BENCHMARK_FAISS
@@ -36,6 +37,7 @@ using ccvt::CodebookMethod;
 using ccvt::CodebookOptions;
 using ccvt::Index;
 using ccvt::Points;
+using ccvt::bench::mixture;
 
 double seconds_of(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
@@ -129,23 +131,6 @@ void compare(const char* name, const Points<float>& points, Index codewords) {
     std::printf("| %s | %d | FAISS, unbalanced | 1 | 25 | %.6g | | | | | %.2f |\n", name, codewords,
                 floor->second, floor->first);
   }
-}
-
-/// `count` vectors of `components` Gaussian clouds with random centres and weights.
-Points<float> mixture(Index count, int dimension, int components) {
-  ccvt::Random random(7, 3);
-  Points<float> centres(dimension, components);
-  for (Eigen::Index k = 0; k < centres.size(); ++k)
-    centres.data()[k] = static_cast<float>(ccvt::bench::normal(random));
-  Points<float> points(dimension, count);
-  for (Index p = 0; p < count; ++p) {
-    const double u = random.uniform();
-    const auto component = static_cast<Eigen::Index>(u * u * components);  // uneven clouds
-    for (int d = 0; d < dimension; ++d) {
-      points(d, p) = centres(d, component) + static_cast<float>(0.5 * ccvt::bench::normal(random));
-    }
-  }
-  return points;
 }
 
 /// Show 3 and 4.

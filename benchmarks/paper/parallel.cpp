@@ -14,7 +14,7 @@
 #include "parallel/arena.h"
 #include "random.h"
 #include "stopwatch.h"
-#include "support/normal.h"
+#include "support/mixture.h"
 #include "support/replay.h"
 #include "support/statistics.h"
 
@@ -82,22 +82,9 @@ void sample_ball(const std::vector<float>& values, const Case& size, const Optio
 constexpr int kVectorDimension = 64;
 constexpr Index kVectors = 65536;
 
-/// Of vectors: Gaussian clouds, some of which have more of them than others.
 std::vector<float> clouds_of_vectors() {
-  constexpr std::size_t kClouds = 256;
-  Random random(7);
-  std::vector<double> centres(kClouds * kVectorDimension);
-  for (double& x : centres) x = normal(random);
-  std::vector<float> values;
-  for (Index p = 0; p < kVectors; ++p) {
-    const double u = random.uniform();
-    const auto cloud = static_cast<std::size_t>(u * u * kClouds);
-    for (std::size_t d = 0; d < kVectorDimension; ++d) {
-      const double x = centres[cloud * kVectorDimension + d] + 0.5 * normal(random);
-      values.push_back(static_cast<float>(x));
-    }
-  }
-  return values;
+  const Points<float> vectors = mixture(kVectors, kVectorDimension, 200);
+  return {vectors.data(), vectors.data() + vectors.size()};
 }
 
 template <CodebookMethod method>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -70,24 +69,6 @@ class Grid {
 
 }  // namespace
 
-/// Patches of one size have cells of some range of sizes: of the smallest patches that pay for any
-/// of them, the smallest cell, or a smaller one by rounding.
-template <class Scalar>
-Patches<Scalar>::Patches(int dimension, std::size_t sites)
-    : dimension_(static_cast<std::size_t>(dimension)),
-      least_(std::numeric_limits<Index>::max()),
-      cells_(sites),
-      exchanged_(sites),
-      divided_(sites) {
-  const auto cell_of = [](double patch) { return std::floor(std::pow(patch / kSizeOfRoot, 3)); };
-  const double patches = std::pow(kLeastAlong, dimension);
-  double patch = kSizeStep;
-  while (patch * patches < least_ && patch * patches > cell_of(patch + kSizeStep) + 1) {
-    patch += kSizeStep;
-  }
-  least_ = static_cast<Index>(std::min<double>(least_, std::max(patch * patches, cell_of(patch))));
-}
-
 /// Of a cell of so many points; 0 where it is not worth dividing.
 template <class Scalar>
 Index Patches<Scalar>::patch_size(Index points) const {
@@ -105,9 +86,8 @@ std::size_t Patches<Scalar>::ends(Index points) const {
 
 template <class Scalar>
 bool Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch) {
-  const Index points = cells.size(site);
-  if (points < least_) return false;
   Cell& cell = cells_[site];
+  const Index points = cells.size(site);
   if (++cell.looks < kLooks) return false;
   cell.looks = 0;
   if (has(site) && cell.replaced <= points / kReplacedShare) return false;
@@ -116,7 +96,6 @@ bool Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scrat
   cell.low.resize(ends(points));
   cell.high.resize(cell.low.size());
   cell.size = size;
-  divided_[site] = 1;
   const std::size_t count = this->count(site);
   sort(cells, site, scratch);
   cell.changes.forget();
@@ -261,8 +240,7 @@ void Patches<Scalar>::load(ByteReader& in, SiteNumber site, Index points) {
     in.get(std::span(sums.centre));
     in.get(std::span(sums.shift));
   }
-  divided_[site] = in.get<Index>() != 0 ? 1 : 0;
-  if (!has(site)) {
+  if (in.get<Index>() == 0) {
     cell.low.clear();
     cell.high.clear();
     return in.skip(2 * ends(points) * sizeof(Scalar));

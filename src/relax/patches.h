@@ -21,7 +21,8 @@ namespace ccvt {
 template <class Scalar>
 class Patches {
  public:
-  Patches(int dimension, std::size_t sites);
+  Patches(int dimension, std::size_t sites)
+      : dimension_(static_cast<std::size_t>(dimension)), cells_(sites), exchanged_(sites) {}
 
   /// What dividing a cell needs. One per worker.
   struct Scratch {
@@ -36,7 +37,7 @@ class Patches {
   bool look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch);
 
   /// Whether the cell is divided.
-  [[nodiscard]] bool has(SiteNumber site) const { return divided_[site] != 0; }
+  [[nodiscard]] bool has(SiteNumber site) const { return !cells_[site].low.empty(); }
   /// Of a divided cell: the points of a patch, but for the last one; and how many patches.
   [[nodiscard]] Index size(SiteNumber site) const { return cells_[site].size; }
   [[nodiscard]] std::size_t count(SiteNumber site) const {
@@ -58,7 +59,6 @@ class Patches {
       cell.changes.forget();
       cell.sums.exchanged = Sums::kUnknown;
     }
-    std::fill(divided_.begin(), divided_.end(), std::uint8_t{0});
   }
 
   /// What is known of a cell of so many points, for another rank or a file: in as many bytes for
@@ -99,10 +99,9 @@ class Patches {
   struct Changes {
     std::uint32_t version = 0;
     std::vector<Index> places;
-    std::size_t room = 0;  ///< at most so many
-    std::vector<Scalar>
-        come;  ///< coordinates of these points, a stream of `room` for each dimension
-    std::vector<Scalar> left;  ///< and of those that were there
+    std::size_t room = 0;      ///< for so many
+    std::vector<Scalar> come;  ///< their coordinates, a stream of `room` for each dimension
+    std::vector<Scalar> left;  ///< those of the points that were there
     std::vector<Scalar> box;   ///< around those that came: for each dimension, both ends
     void forget() {
       ++version;
@@ -138,10 +137,8 @@ class Patches {
   void sort(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch) const;
 
   std::size_t dimension_;
-  Index least_;  ///< no smaller cell is ever divided
   std::vector<Cell> cells_;
-  std::vector<std::uint32_t> exchanged_;
-  std::vector<std::uint8_t> divided_;  ///< of each cell, whether it is: small, as it is often asked
+  std::vector<std::uint32_t> exchanged_;  ///< of each cell
 };
 
 extern template class Patches<float>;
