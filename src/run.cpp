@@ -9,6 +9,7 @@
 #include "bounds.h"
 #include "descent/descent.h"
 #include "parallel/loops.h"
+#include "parallel/pages.h"
 #include "parallel/together.h"
 #include "relax/initial_sites.h"
 #include "relax/relaxer.h"
@@ -250,7 +251,7 @@ Columns<Scalar> Run<Scalar>::site_columns() const {
 template <class Scalar>
 std::vector<Index> Run<Scalar>::owners() const {
   if (ranks() != nullptr) return owners_at_home();
-  std::vector<Index> owners(static_cast<std::size_t>(problem.point_count()), -1);
+  auto owners = vector_in_large_pages<Index>(static_cast<std::size_t>(problem.point_count()), -1);
   const auto given = [&](SiteNumber site) { return site_of[site].index(); };
   const Arena apart(options.threads);  // not the run's: nothing of this belongs to it
   apart.for_each(dealt.size(), kPointsPerGrain,

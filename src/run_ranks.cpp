@@ -12,6 +12,7 @@
 #include "numbers.h"
 #include "parallel/alike.h"
 #include "parallel/bytes.h"
+#include "parallel/pages.h"
 #include "parallel/together.h"
 #include "run.h"
 #include "run_identity.h"
@@ -114,7 +115,7 @@ std::vector<Index> Run<Scalar>::owners_at_home() const {
     PointNumber point;
     SiteNumber owner;
   };
-  std::vector<Index> owners(static_cast<std::size_t>(problem.points().count), -1);
+  auto owners = vector_in_large_pages<Index>(static_cast<std::size_t>(problem.points().count), -1);
   const Homes home(*ranks(), problem.first_own_point());
   home.for_parts(state.tiling, state.cells, [&](NumberRange<SiteNumber> sites) {
     const auto note = [&](PointNumber point, SiteNumber owner) { owners[point] = owner.index(); };

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <initializer_list>
+#include <iterator>
 #include <numeric>
 #include <span>
 #include <stdexcept>
@@ -161,6 +162,24 @@ TEST_CASE("collect keeps the order of the items") {
   }
 }
 
+TEST_CASE("collect keeps what blocks of any length append, beyond the pieces that it is kept in") {
+  // 2 MB a piece: four blocks fill one nearly, and the fifth is longer than any.
+  constexpr std::size_t kLengths[] = {0, 100000, 3, 120000, 700000, 5, 262144, 1};
+  constexpr std::size_t kBlocks = std::size(kLengths);
+  std::vector<std::uint64_t> expected;
+  for (std::size_t b = 0; b < kBlocks; ++b) {
+    for (std::size_t k = 0; k < kLengths[b]; ++k) expected.push_back(b << 32U | k);
+  }
+  for (const int threads : thread_counts) {
+    const Buffer<std::uint64_t> found = ccvt::collect<std::uint64_t>(
+        Arena(threads), kBlocks, 1,
+        [&](std::size_t b, std::size_t, std::vector<std::uint64_t>& out, int) {
+          for (std::size_t k = 0; k < kLengths[b]; ++k) out.push_back(b << 32U | k);
+        });
+    CHECK(std::equal(found.begin(), found.end(), expected.begin(), expected.end()));
+  }
+}
+
 TEST_CASE("grouping by key is a stable sort") {
   struct Item {
     std::uint64_t key;
@@ -213,7 +232,16 @@ TEST_CASE("buffers are copied, moved and made smaller without loss of memory") {
   c.reset(10);
   c.reset(1000);
   CHECK(c.data() == memory);
-  CHECK(Buffer<double>(std::size_t{1} << 20).size() == std::size_t{1} << 20);
+  // Around the sizes of large pages, to the last byte.
+  constexpr std::size_t kLarge = std::size_t{1} << 21;
+  for (const std::size_t size :
+       {kLarge / 2 - 1, kLarge / 2, kLarge - 1, kLarge, kLarge + 1, 3 * kLarge / 2, 3 * kLarge}) {
+    Buffer<std::uint8_t> bytes(size);
+    std::fill(bytes.begin(), bytes.end(), std::uint8_t{7});
+    CHECK(std::count(bytes.begin(), bytes.end(), 7) == std::ssize(bytes.span()));
+    const std::vector<int> equal = ccvt::vector_in_large_pages(size, 3);
+    CHECK(equal == std::vector<int>(size, 3));
+  }
   CHECK_THROWS_AS(Buffer<double>(SIZE_MAX / 4), std::bad_alloc);
 }
 

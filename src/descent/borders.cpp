@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "parallel/together.h"
-#include "relax/nearest_sites.h"
+#include "relax/add_near.h"
 
 namespace ccvt {
 namespace {
@@ -171,8 +171,8 @@ void Borders<Scalar>::keep(const Cells<Scalar>& cells) {
     }
     first_block_.push_back(blocks_.size());
   }
-  parts_.resize(first_part_.back() * part_size());
-  totals_.resize(blocks_.size() * dimension_);
+  parts_.reset(first_part_.back() * part_size());
+  totals_.reset(blocks_.size() * dimension_);
   arena_.for_each(blocks_.size(), grain(blocks_.size(), place_.size()), [&](std::size_t b) {
     const auto& [cell, begin, end] = blocks_[b];
     const Scalar* stream = cells.block(cell);
@@ -353,19 +353,9 @@ std::int64_t Borders<Scalar>::change_owners_in(Filling<Scalar>& filling) const {
                                    own.point = filling.points.own(filling.take(s, place));
                                  });
                                });
-  const std::int64_t count = std::ssize(leaving.span());
-  const auto by_site = group_by_key(arena_, std::move(leaving), capacity_.size(),
-                                    [](const Leaving& l) { return l.site; });
-  for_each_site(arena_, filling.tiles, [&](SiteNumber s) {
-    for (const Leaving& l : by_site[s]) {
-      if constexpr (Dimension > 0) {
-        filling.add(s, filling.points.of_all(l.point), l.x.data());
-      } else {
-        filling.add(s, l.point);
-      }
-    }
-  });
-  return count;
+  Buffer<Leaving> spare;
+  add_near(arena_, leaving, spare, filling);
+  return std::ssize(leaving.span());
 }
 
 template class Borders<float>;

@@ -140,8 +140,8 @@ class Borders {
   std::vector<Block> blocks_;
   std::vector<std::size_t> first_block_;  ///< of each cell, and one more
   std::vector<std::size_t> first_part_;   ///< of each block, and one more
-  std::vector<double> totals_;            ///< the sum of each block's coordinates
-  std::vector<double> parts_;             ///< of each block, one for each view
+  Buffer<double> totals_;                 ///< the sum of each block's coordinates
+  Buffer<double> parts_;                  ///< of each block, one for each view
 
   /// What blocks of cells of other ranks have for sites of this one: of each view of such a cell,
   /// where their sums begin, and how many there are.

@@ -30,6 +30,11 @@ class Arena {
 
   /// Workers in use: never more than processors with the TBB backend.
   [[nodiscard]] int threads() const { return threads_; }
+  /// Whether it is worth while to prepare items for several workers: there are some, or someone
+  /// listens who wants to know what they would do.
+  [[nodiscard]] bool prepares() const {
+    return threads_ > 1 || (recorder_ != nullptr && recorder_->heard());
+  }
 
   /// Loops whose result all ranks need may be divided among them: see collect_together().
   void divide_among(Ranks* ranks) { ranks_ = ranks; }

@@ -89,34 +89,56 @@ T exclusive_scan(const Arena& arena, std::span<T> values) {
   return all;
 }
 
+/// Copies of lists, in pieces of memory that stay where they are: a vector of all would be copied
+/// each time it grows, into memory that has not been touched.
+template <class T>
+class Kept {
+ public:
+  std::span<const T> keep(std::span<const T> list) {
+    if (pieces_.empty() || pieces_.back().size() - used_ < list.size()) {
+      pieces_.emplace_back(std::max(list.size(), next_));
+      next_ = std::min(8 * next_, kMost);
+      used_ = 0;
+    }
+    T* const begin = pieces_.back().data() + used_;
+    std::copy(list.begin(), list.end(), begin);
+    used_ += list.size();
+    return {begin, list.size()};
+  }
+
+ private:
+  static constexpr std::size_t kMost = (std::size_t{1} << 21) / sizeof(T);
+  std::vector<Buffer<T>> pieces_;
+  std::size_t used_ = 0;  ///< of the last one
+  std::size_t next_ = kMost / 512 + 1;
+};
+
 /// What body(begin, end, out, worker) appends to the vector `out`, for blocks of `grain` items, one
 /// block after the other.
 template <class T, class Body>
 Buffer<T> collect(const Arena& arena, std::size_t count, std::size_t grain, const Body& body) {
-  struct Part {
-    int worker = 0;
-    std::size_t from = 0;
-    std::size_t count = 0;
+  struct Found {
+    std::vector<T> block;
+    Kept<T> kept;
   };
-  PerWorker<std::vector<T>> found(arena);
-  std::vector<Part> parts((count + grain - 1) / grain);
+  PerWorker<Found> found(arena);
+  std::vector<std::span<const T>> parts((count + grain - 1) / grain);
   arena.for_ranges(count, grain, [&](std::size_t begin, std::size_t end, int worker) {
-    std::vector<T>& out = found[worker];
-    const std::size_t from = out.size();
-    body(begin, end, out, worker);
-    parts[begin / grain] = {worker, from, out.size() - from};
+    auto& [block, kept] = found[worker];
+    block.clear();
+    body(begin, end, block, worker);
+    parts[begin / grain] = kept.keep(block);
   });
   std::vector<std::size_t> place;
   std::size_t total = 0;
-  for (const Part& part : parts) {
+  for (const std::span<const T> part : parts) {
     place.push_back(total);
-    total += part.count;
+    total += part.size();
   }
   Buffer<T> all(total);
   const std::size_t parts_each = 1 + parts.size() * (std::size_t{1} << 14) / (total + 1);
   arena.for_each(parts.size(), parts_each, [&](std::size_t k) {
-    const T* from = found[parts[k].worker].data() + parts[k].from;
-    std::copy_n(from, parts[k].count, all.data() + place[k]);
+    std::copy(parts[k].begin(), parts[k].end(), all.data() + place[k]);
   });
   return all;
 }

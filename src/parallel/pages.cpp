@@ -18,12 +18,14 @@ constexpr std::size_t kLargePage = std::size_t{1} << 21;
 }  // namespace
 
 void* allocate_pages(std::size_t bytes) {
-  const std::size_t alignment = bytes < 2 * kLargePage ? kCacheLine : kLargePage;
+  const bool large = bytes >= kLargePage / 2;
+  const std::size_t alignment = large ? kLargePage : kCacheLine;
   if (bytes > SIZE_MAX - alignment) throw std::bad_alloc();
   const std::size_t rounded = (std::max(bytes, std::size_t{1}) + alignment - 1) / alignment;
   void* const memory = std::aligned_alloc(alignment, rounded * alignment);
   if (memory == nullptr) throw std::bad_alloc();
-  prefer_large_pages(memory, bytes);
+  // The last page, too, where half of it is used.
+  if (large) prefer_large_pages(memory, bytes + kLargePage / 2);
   return memory;
 }
 
@@ -51,10 +53,10 @@ void free_reserved(Pages pages) noexcept {
 void prefer_large_pages([[maybe_unused]] void* memory,
                         [[maybe_unused]] std::size_t bytes) noexcept {
 #ifdef __linux__
-  if (bytes < 2 * kLargePage) return;
   // A wish: what comes of it changes nothing but the time. Of whole large pages only.
   const std::size_t off = reinterpret_cast<std::uintptr_t>(memory) % kLargePage;
   const std::size_t skipped = (kLargePage - off) % kLargePage;
+  if (bytes < skipped + kLargePage) return;
   const std::size_t whole = (bytes - skipped) / kLargePage * kLargePage;
   madvise(static_cast<std::byte*>(memory) + skipped, whole, MADV_HUGEPAGE);
 #endif

@@ -1,11 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 namespace ccvt {
 
-/// Memory without a value. Much of it comes in pages as large as the system has: at 4 kB a page,
-/// first touches take a tenth of a run. Throws std::bad_alloc.
+/// Memory without a value. From 1 MB on it comes in pages as large as the system has: at 4 kB a
+/// page, first touches take a tenth of a run, a quarter on virtual machines. Throws std::bad_alloc.
 void* allocate_pages(std::size_t bytes);
 void free_pages(void* memory) noexcept;
 
@@ -19,5 +20,15 @@ Pages reserve_pages(std::size_t bytes);
 void free_reserved(Pages pages) noexcept;
 
 void prefer_large_pages(void* memory, std::size_t bytes) noexcept;
+
+/// So many equal values for a caller, who gets no Buffer.
+template <class T>
+std::vector<T> vector_in_large_pages(std::size_t size, T value) {
+  std::vector<T> values;
+  values.reserve(size);
+  prefer_large_pages(values.data(), size * sizeof(T));
+  values.assign(size, value);
+  return values;
+}
 
 }  // namespace ccvt

@@ -61,6 +61,7 @@ class Recorder {
 
   /// Tells of each loop when it has ended. The listener must not throw, nor start loops.
   void listen(std::function<void(const Loop&)> listener) { listener_ = std::move(listener); }
+  [[nodiscard]] bool heard() const { return static_cast<bool>(listener_); }
 
   /// Charges a phase until it is destroyed, and then the one before.
   class Scope {

@@ -29,7 +29,7 @@ PointsAlongCurve::PointsAlongCurve(const OwnPoints<Scalar>& points, std::int64_t
                                    const Box& box, const Arena& arena)
     : count_(static_cast<std::size_t>(points_of_all)) {
   const CurveGrid grid = bins_in(box, count_);
-  std::vector<std::uint32_t> number(grid.count());
+  Buffer<std::uint32_t> number(grid.count());
   std::uint32_t next = 0;
   grid.visit_along_curve([&](std::size_t bin) { number[bin] = next++; });
   by_bin_ = group_by_key<Binned>(

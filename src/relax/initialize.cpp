@@ -7,9 +7,9 @@
 #include "parallel/loops.h"
 #include "parallel/together.h"
 #include "random.h"
+#include "relax/add_near.h"
 #include "relax/balance.h"
 #include "relax/home.h"
-#include "relax/nearest_sites.h"
 #include "spatial/site_tree.h"
 #include "streams.h"
 
@@ -59,26 +59,12 @@ Buffer<Pair> nearest_neighbours(const Metric& metric, const SiteState& sites, co
 template <std::size_t Dimension, class Scalar>
 void add_to_nearest(const NearestSites<Scalar>& nearest, const JoiningPoints& joining,
                     const Arena& arena, Filling<Scalar>& filling) {
-  using Item = Near<Scalar, Dimension>;
-  const std::size_t sites = filling.cells.site_count();
-  const std::size_t part = std::max(kLeastPoints, kPointsPerSite * sites);
+  const std::size_t part = std::max(kLeastPoints, kPointsPerSite * filling.cells.site_count());
   typename NearestSites<Scalar>::template Found<Dimension> found;
   joining.for_parts(part, arena, [&](std::span<const PointNumber> which) {
     nearest.template find<Dimension>(filling.points.view(), which, arena, found);
     const auto charge = arena.phase(Phase::join);
-    auto by_site = group_by_key(
-        arena, std::move(found.points), sites, [](std::size_t, const Item&) {},
-        [](const Item& item) { return item.site; }, found.spare);
-    for_each_site(arena, filling.tiles, [&](SiteNumber s) {
-      for (const Item& item : by_site[s]) {
-        if constexpr (Dimension > 0) {
-          filling.add(s, filling.points.of_all(item.point), item.x.data());
-        } else {
-          filling.add(s, item.point);
-        }
-      }
-    });
-    found.points = std::move(by_site.items);
+    add_near(arena, found.points, found.spare, filling);
   });
 }
 

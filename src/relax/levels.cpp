@@ -74,7 +74,7 @@ void share_points(std::span<Level> levels, const PointsAlongCurve& points, std::
   const NestedSubsets subsets(NestedSubsets::Order::even, Random(seed, streams::levels),
                               points.count(), sizes, arena);
   const auto own = std::make_shared<LevelOfPoints>();
-  own->level.resize(points.own_count());
+  own->level.reset(points.own_count());
   own->first = first;
   points.for_each(arena, [&](PointNumber point, std::size_t place, int) {
     own->level[point] = static_cast<std::uint8_t>(subsets.smallest_with(place));

@@ -18,7 +18,7 @@ namespace ccvt {
 
 /// The level on which each point of a rank joins, from the first of them on.
 struct LevelOfPoints {
-  std::vector<std::uint8_t> level;
+  Buffer<std::uint8_t> level;
   std::size_t first = 0;
 
   [[nodiscard]] std::uint8_t operator[](std::size_t point) const { return level[point - first]; }

@@ -21,6 +21,8 @@ constexpr double kRounding = 1e-12;
 constexpr std::size_t kPointsPerCell = 24;
 constexpr std::size_t kBinsPerGrain = 64;
 constexpr std::size_t kPointsPerGrain = 4096;
+/// Points whose coordinates are fetched ahead: those of few among many lie here and there.
+constexpr std::size_t kPointsAhead = 32;
 
 /// Of the sites that may be nearest to some points.
 using CandidateNumber = Number<struct OfCandidates>;
@@ -276,10 +278,12 @@ void NearestSites<Scalar>::find(const PointsView<Scalar>& points,
     });
   } else {
     const std::size_t bins = bins_->bin_count();
+    const std::size_t last = which.size() - 1;
     auto by_cell = group_by_key(
         arena, std::move(found.points), bins << Dimension,
         [&](std::size_t k, Item& item) {
           const Scalar* x = points[which[k].index()];
+          __builtin_prefetch(points[which[std::min(k + kPointsAhead, last)].index()]);
           item.site = SiteNumber(cell_of<Dimension>(x));
           item.point = which[k];
           std::copy_n(x, Dimension, item.x.begin());
