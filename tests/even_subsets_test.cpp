@@ -42,7 +42,8 @@ NestedSubsets even_subsets(std::uint64_t seed, std::size_t places,
 }
 
 /// By point; `along` has those of one process or rank.
-std::vector<std::size_t> places_of(const PointsAlongCurve& along, const Arena& arena) {
+template <class Scalar>
+std::vector<std::size_t> places_of(const PointsAlongCurve<Scalar>& along, const Arena& arena) {
   std::vector<std::size_t> places(along.own_count());
   along.for_each(arena, [&](PointNumber p, std::size_t place, int) { places[p] = place; });
   return places;
@@ -59,7 +60,7 @@ std::vector<std::size_t> places_of_all(const Points<Scalar>& points, const Box& 
   const Arena arena(threads);
   const auto count = static_cast<Index>(points.cols());
   const OwnPoints<Scalar> own(part_of(points, 0, count));
-  return places_of(PointsAlongCurve(own, count, box, arena), arena);
+  return places_of(PointsAlongCurve<Scalar>(own, count, box, arena), arena);
 }
 
 /// How many of the first places are in a subset, less as many as its share of them.
@@ -161,12 +162,12 @@ TEST_CASE_TEMPLATE("places along the curve are those of any threads and ranks", 
       const std::vector<Index> counts{5000, 0, 1, 12999, 2000};
       std::vector<std::vector<std::size_t>> found(counts.size());
       ThreadRanks(5).run([&](Ranks& ranks) {
-        Arena arena(1);
+        Arena arena(1 + ranks.rank() % 2);  // one worker counts, two sort
         arena.divide_among(&ranks);
         const auto r = static_cast<std::size_t>(ranks.rank());
         const Index first = std::accumulate(counts.begin(), counts.begin() + ranks.rank(), 0);
         const OwnPoints<Scalar> own(part_of(points, first, counts[r]), first);
-        found[r] = places_of(PointsAlongCurve(own, count, box, arena), arena);
+        found[r] = places_of(PointsAlongCurve<Scalar>(own, count, box, arena), arena);
       });
       std::vector<std::size_t> together;
       for (const auto& of_rank : found) {
@@ -219,7 +220,8 @@ TEST_CASE("clouds have their share of every level") {
   std::vector<ccvt::Level> levels = ccvt::make_levels(std::vector<Index>(64, count / 64), options);
   REQUIRE(levels.size() == 4);
   const Box box{Eigen::Vector2d(0, 0), Eigen::Vector2d(11, 1)};
-  const PointsAlongCurve along(OwnPoints<double>(part_of(points, 0, count)), count, box, Arena(1));
+  const PointsAlongCurve<double> along(OwnPoints<double>(part_of(points, 0, count)), count, box,
+                                       Arena(1));
   ccvt::share_points(levels, along, 0, options.seed, Arena(1));
   std::size_t joined = 0;
   int of_small = 0;
@@ -242,16 +244,17 @@ TEST_CASE("ranks share the points among levels as one process does") {
   std::vector<ccvt::Level> expected = ccvt::make_levels(capacities, options);
   REQUIRE(expected.size() > 3);
   ccvt::share_points(
-      expected, PointsAlongCurve(OwnPoints<float>(part_of(points, 0, count)), count, box, Arena(2)),
-      0, options.seed, Arena(2));
+      expected,
+      PointsAlongCurve<float>(OwnPoints<float>(part_of(points, 0, count)), count, box, Arena(2)), 0,
+      options.seed, Arena(2));
   std::vector<std::vector<std::vector<Index>>> found(counts.size());
   ThreadRanks(4).run([&](Ranks& ranks) {
-    Arena arena(1);
+    Arena arena(1 + ranks.rank() % 2);
     arena.divide_among(&ranks);
     const auto r = static_cast<std::size_t>(ranks.rank());
     const Index first = std::accumulate(counts.begin(), counts.begin() + ranks.rank(), 0);
-    const PointsAlongCurve along(OwnPoints<float>(part_of(points, first, counts[r]), first), count,
-                                 box, arena);
+    const PointsAlongCurve<float> along(OwnPoints<float>(part_of(points, first, counts[r]), first),
+                                        count, box, arena);
     std::vector<ccvt::Level> levels = ccvt::make_levels(capacities, options);
     ccvt::share_points(levels, along, static_cast<std::size_t>(first), options.seed, arena);
     for (ccvt::Level& level : levels) {

@@ -1,11 +1,11 @@
 #include "relax/along_curve.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <utility>
 
 #include "parallel/together.h"
-#include "sampling/curve_grid.h"
 
 namespace ccvt {
 namespace {
@@ -25,32 +25,65 @@ CurveGrid bins_in(const Box& box, std::size_t points) {
 }  // namespace
 
 template <class Scalar>
-PointsAlongCurve::PointsAlongCurve(const OwnPoints<Scalar>& points, std::int64_t points_of_all,
-                                   const Box& box, const Arena& arena)
-    : count_(static_cast<std::size_t>(points_of_all)) {
-  const CurveGrid grid = bins_in(box, count_);
-  Buffer<std::uint32_t> number(grid.count());
-  std::uint32_t next = 0;
-  grid.visit_along_curve([&](std::size_t bin) { number[bin] = next++; });
-  by_bin_ = group_by_key<Binned>(
-      arena, static_cast<std::size_t>(points.view().count), grid.count(),
-      [&](std::size_t p) {
-        return Binned{PointNumber(p), number[grid.cell_of(points[PointNumber(p)])]};
-      },
-      [](const Binned& item) { return item.bin; });
-  if (arena.ranks() != nullptr) count_before(*arena.ranks());
+PointsAlongCurve<Scalar>::PointsAlongCurve(const OwnPoints<Scalar>& points,
+                                           std::int64_t points_of_all, const Box& box,
+                                           const Arena& arena)
+    : points_(points),
+      count_(static_cast<std::size_t>(points_of_all)),
+      grid_(bins_in(box, count_)) {
+  const bool alone = !arena.prepares();
+  if (alone) {
+    count_in_cells();
+  } else {
+    group(arena);
+  }
+  if (arena.ranks() == nullptr) return;
+  std::vector<std::uint32_t> sizes;
+  sizes.reserve(grid_.count());
+  if (alone) {
+    std::vector<std::uint32_t> ends;
+    grid_.visit_along_curve([&](std::size_t cell) { ends.push_back(first_in_cell_[cell]); });
+    ends.push_back(static_cast<std::uint32_t>(own_count()));
+    for (std::size_t b = 0; b < grid_.count(); ++b) sizes.push_back(ends[b + 1] - ends[b]);
+  } else {
+    for (std::size_t b = 0; b < grid_.count(); ++b) {
+      sizes.push_back(static_cast<std::uint32_t>(by_bin_[b].size()));
+    }
+  }
+  count_before(*arena.ranks(), sizes);
 }
 
-/// Each rank finds it out for some of the bins, from what all have in these.
-void PointsAlongCurve::count_before(Ranks& ranks) {
+template <class Scalar>
+void PointsAlongCurve<Scalar>::count_in_cells() {
+  first_in_cell_.assign(grid_.count(), 0);
+  visit_cells(first_in_cell_, [](PointNumber, std::uint32_t& count) { ++count; });
+  std::uint32_t before = 0;
+  grid_.visit_along_curve(
+      [&](std::size_t cell) { before += std::exchange(first_in_cell_[cell], before); });
+}
+
+template <class Scalar>
+void PointsAlongCurve<Scalar>::group(const Arena& arena) {
+  Buffer<std::uint32_t> number(grid_.count());
+  std::uint32_t next = 0;
+  grid_.visit_along_curve([&](std::size_t cell) { number[cell] = next++; });
+  by_bin_ = group_by_key<Binned>(
+      arena, own_count(), grid_.count(),
+      [&](std::size_t p) {
+        return Binned{PointNumber(p), number[cell_of(PointNumber(p))]};
+      },
+      [](const Binned& item) { return item.bin; });
+}
+
+/// Each rank finds it out for some of the bins, from what all have in these: `sizes`, of this one.
+template <class Scalar>
+void PointsAlongCurve<Scalar>::count_before(Ranks& ranks, const std::vector<std::uint32_t>& sizes) {
   const auto all = static_cast<std::size_t>(ranks.count());
-  const std::size_t bins = by_bin_.count();
+  const std::size_t bins = sizes.size();
   const auto begin_of = [&](std::size_t rank) { return rank * bins / all; };
   std::vector<ByteWriter> counts(all);
   for (std::size_t r = 0; r < all; ++r) {
-    for (std::size_t b = begin_of(r); b < begin_of(r + 1); ++b) {
-      counts[r].put(static_cast<std::uint32_t>(by_bin_[b].size()));
-    }
+    counts[r].put(std::span(sizes).subspan(begin_of(r), begin_of(r + 1) - begin_of(r)));
   }
   const std::vector<Ranks::Bytes> come = exchanged(ranks, std::move(counts));
   std::vector<ByteReader> readers(come.begin(), come.end());
@@ -78,9 +111,7 @@ void PointsAlongCurve::count_before(Ranks& ranks) {
   }
 }
 
-template PointsAlongCurve::PointsAlongCurve(const OwnPoints<float>&, std::int64_t, const Box&,
-                                            const Arena&);
-template PointsAlongCurve::PointsAlongCurve(const OwnPoints<double>&, std::int64_t, const Box&,
-                                            const Arena&);
+template class PointsAlongCurve<float>;
+template class PointsAlongCurve<double>;
 
 }  // namespace ccvt

@@ -65,8 +65,9 @@ std::vector<Level> make_levels(std::span<const Index> capacities, const Options&
   return levels;
 }
 
-void share_points(std::span<Level> levels, const PointsAlongCurve& points, std::size_t first,
-                  std::uint64_t seed, const Arena& arena) {
+template <class Scalar>
+void share_points(std::span<Level> levels, const PointsAlongCurve<Scalar>& points,
+                  std::size_t first, std::uint64_t seed, const Arena& arena) {
   std::vector<std::size_t> sizes;
   for (const Level& level : levels.first(levels.size() - 1)) {
     sizes.push_back(static_cast<std::size_t>(total(level.capacities)));
@@ -87,6 +88,11 @@ void share_points(std::span<Level> levels, const PointsAlongCurve& points, std::
     levels[l].joining = JoiningPoints(own, l, of_level, points.count());
   }
 }
+
+template void share_points(std::span<Level>, const PointsAlongCurve<float>&, std::size_t,
+                           std::uint64_t, const Arena&);
+template void share_points(std::span<Level>, const PointsAlongCurve<double>&, std::size_t,
+                           std::uint64_t, const Arena&);
 
 JoiningPoints::JoiningPoints(std::shared_ptr<const LevelOfPoints> levels, std::size_t level,
                              std::span<const std::size_t> counts, std::size_t points)

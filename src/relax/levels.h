@@ -124,7 +124,8 @@ std::vector<Level> make_levels(std::span<const Index> capacities, const Options&
 /// Splits the points into nested random subsets: level l holds the points that join on levels
 /// 0..l, as many as its capacities sum to, evenly along the curve: see NestedSubsets. On the last
 /// level all have joined. `first`: of this rank's points. O(m).
-void share_points(std::span<Level> levels, const PointsAlongCurve& points, std::size_t first,
-                  std::uint64_t seed, const Arena& arena);
+template <class Scalar>
+void share_points(std::span<Level> levels, const PointsAlongCurve<Scalar>& points,
+                  std::size_t first, std::uint64_t seed, const Arena& arena);
 
 }  // namespace ccvt

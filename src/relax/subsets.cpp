@@ -1,6 +1,7 @@
 #include "relax/subsets.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "parallel/loops.h"
@@ -40,6 +41,10 @@ struct NestedSubsets::Window {
 NestedSubsets::NestedSubsets(Order order, Random random, std::size_t places,
                              std::span<const std::size_t> sizes, const Arena& arena)
     : even_(order == Order::even), start_(random.next()), last_(sizes.size()) {
+  if (even_) {
+    for (std::size_t s = 0; s < sizes.size(); ++s) last_[s] = even_key_of_rank(sizes[s], places);
+    return;
+  }
   if (sizes.empty()) return;
   std::vector<Window> windows;
   double deviations = 8;
@@ -49,6 +54,32 @@ NestedSubsets::NestedSubsets(Order order, Random random, std::size_t places,
       windows.push_back(Window::around(size, places, deviations));
     deviations *= 8;
   } while (!search(places, sizes, windows, arena));
+}
+
+/// How many places have an even key up to this one. In an aligned run of 2^k of them the keys have
+/// all different k highest bits, and below these the same bits: so all combinations.
+std::size_t NestedSubsets::even_keys_to(std::uint64_t key, std::size_t places) const {
+  std::size_t count = 0;
+  std::size_t begin = 0;
+  for (int k = static_cast<int>(std::bit_width(places)); k-- > 0;) {
+    const std::size_t run = std::size_t{1} << static_cast<unsigned>(k);
+    if ((places & run) == 0) continue;
+    const std::uint64_t below = UINT64_MAX >> static_cast<unsigned>(k);
+    const std::uint64_t rest = even_key(begin) & below;
+    count += k == 0 ? 0 : key >> static_cast<unsigned>(64 - k);
+    count += (key & below) >= rest ? 1 : 0;
+    begin += run;
+  }
+  return count;
+}
+
+/// The greatest key in the even subset of so many places. O(log places), 64 times.
+std::uint64_t NestedSubsets::even_key_of_rank(std::size_t size, std::size_t places) const {
+  std::uint64_t key = UINT64_MAX;
+  for (std::uint64_t step = std::uint64_t{1} << 63U; step > 0; step >>= 1U) {
+    if (even_keys_to(key - step, places) >= size) key -= step;
+  }
+  return key;
 }
 
 /// Keys below a subset's window are counted, those inside collected; of these, the one with the

@@ -23,19 +23,21 @@ class NestedSubsets {
     even
   };
 
-  /// `sizes` ascend, from 1 to m. O(m).
+  /// `sizes` ascend, from 1 to m. O(m) for random ones, O(log m) for even ones.
   NestedSubsets(Order order, Random random, std::size_t places, std::span<const std::size_t> sizes,
                 const Arena& arena);
 
   /// The smallest subset that a place is in; their number where it is in none.
   [[nodiscard]] std::size_t smallest_with(std::size_t place) const {
     const std::uint64_t key = key_of(place);
-    std::size_t subset = last_.size();
-    while (subset > 0 && key <= last_[subset - 1]) --subset;
-    return subset;
+    std::size_t without = 0;  // counted, as there is nothing to predict
+    for (const std::uint64_t last : last_) without += key > last ? 1 : 0;
+    return without;
   }
 
  private:
+  [[nodiscard]] std::size_t even_keys_to(std::uint64_t key, std::size_t places) const;
+  [[nodiscard]] std::uint64_t even_key_of_rank(std::size_t size, std::size_t places) const;
   struct Window;
   bool search(std::size_t places, std::span<const std::size_t> sizes,
               const std::vector<Window>& windows, const Arena& arena);
@@ -58,9 +60,7 @@ class NestedSubsets {
     x = (x >> 1U & 0x5555555555555555ULL) | (x & 0x5555555555555555ULL) << 1U;
     x = (x >> 2U & 0x3333333333333333ULL) | (x & 0x3333333333333333ULL) << 2U;
     x = (x >> 4U & 0x0f0f0f0f0f0f0f0fULL) | (x & 0x0f0f0f0f0f0f0f0fULL) << 4U;
-    x = (x >> 8U & 0x00ff00ff00ff00ffULL) | (x & 0x00ff00ff00ff00ffULL) << 8U;
-    x = (x >> 16U & 0x0000ffff0000ffffULL) | (x & 0x0000ffff0000ffffULL) << 16U;
-    return x >> 32U | x << 32U;
+    return __builtin_bswap64(x);
   }
 
   bool even_;

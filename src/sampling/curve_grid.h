@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "sampling/hilbert.h"
@@ -16,19 +15,23 @@ namespace ccvt {
 class CurveGrid {
  public:
   /// With `cells` cells or up to twice as many; one where the box is a point.
-  CurveGrid(std::vector<double> lower, const std::vector<double>& upper, std::size_t cells)
-      : lower_(std::move(lower)), shape_(lower_.size(), 1), cells_per_length_(lower_.size(), 0.0) {
-    std::vector<double> side(lower_.size());  // of a cell
-    for (std::size_t d = 0; d < side.size(); ++d) side[d] = upper[d] - lower_[d];
+  CurveGrid(const std::vector<double>& lower, const std::vector<double>& upper, std::size_t cells)
+      : shape_(lower.size(), 1) {
+    std::vector<double> side(lower.size());  // of a cell
+    for (std::size_t d = 0; d < side.size(); ++d) side[d] = upper[d] - lower[d];
     for (; count_ < cells; count_ *= 2) {
       const auto widest = std::max_element(side.begin(), side.end());
       if (!(*widest > 0)) break;
       *widest /= 2;
       shape_[static_cast<std::size_t>(widest - side.begin())] *= 2;
     }
+    std::int64_t stride = 1;
     for (std::size_t d = 0; d < side.size(); ++d) {
       const double inverse = 1 / side[d];
-      if (shape_[d] > 1 && std::isfinite(inverse)) cells_per_length_[d] = inverse;
+      if (shape_[d] > 1 && std::isfinite(inverse)) {
+        axes_.push_back({d, stride, lower[d], inverse, static_cast<double>(shape_[d] - 1)});
+      }
+      stride *= shape_[d];
     }
   }
 
@@ -37,16 +40,12 @@ class CurveGrid {
   /// The nearest one of points outside.
   template <class Scalar>
   [[nodiscard]] std::size_t cell_of(const Scalar* x) const {
-    std::size_t cell = 0;
-    std::size_t stride = 1;
-    for (std::size_t d = 0; d < shape_.size(); ++d) {
-      if (shape_[d] == 1) continue;
-      const auto last = static_cast<double>(shape_[d] - 1);
-      const double along = (x[d] - lower_[d]) * cells_per_length_[d];
-      cell += stride * static_cast<std::size_t>(std::clamp(along, 0.0, last));
-      stride *= static_cast<std::size_t>(shape_[d]);
+    std::int64_t cell = 0;
+    for (const Axis& axis : axes_) {
+      const double along = (x[axis.dimension] - axis.lower) * axis.cells_per_length;
+      cell += axis.stride * static_cast<std::int64_t>(std::clamp(along, 0.0, axis.last));
     }
-    return cell;
+    return static_cast<std::size_t>(cell);
   }
 
   /// Calls visit(cell) for each, in the order of the curve.
@@ -56,9 +55,16 @@ class CurveGrid {
   }
 
  private:
-  std::vector<double> lower_;
+  /// Along which there is more than one cell.
+  struct Axis {
+    std::size_t dimension;
+    std::int64_t stride;
+    double lower;
+    double cells_per_length;
+    double last;  ///< cell
+  };
+  std::vector<Axis> axes_;
   std::vector<std::int64_t> shape_;
-  std::vector<double> cells_per_length_;  ///< along each side; 0 where it has one cell
   std::size_t count_ = 1;
 };
 
