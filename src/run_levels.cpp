@@ -56,7 +56,7 @@ void Run<Scalar>::divide_points() {
   std::vector<Level> made = make_levels(capacities, options);
   const auto first = static_cast<std::size_t>(problem.first_own_point());
   if (made.size() > 1) {
-    const PointsAlongCurve<Scalar> along(own_points(), problem.point_count(),
+    PointsAlongCurve<Scalar> along(own_points(), problem.point_count(),
                                          box_around_points(problem, arena), arena);
     share_points(made, along, first, options.seed, arena);
   }

@@ -43,9 +43,9 @@ NestedSubsets even_subsets(std::uint64_t seed, std::size_t places,
 
 /// By point; `along` has those of one process or rank.
 template <class Scalar>
-std::vector<std::size_t> places_of(const PointsAlongCurve<Scalar>& along, const Arena& arena) {
+std::vector<std::size_t> places_of(PointsAlongCurve<Scalar> along, const Arena& arena) {
   std::vector<std::size_t> places(along.own_count());
-  along.for_each(arena, [&](PointNumber p, std::size_t place, int) { places[p] = place; });
+  along.for_each(arena, [&](PointNumber p, std::size_t place) { places[p] = place; });
   return places;
 }
 
@@ -162,7 +162,7 @@ TEST_CASE_TEMPLATE("places along the curve are those of any threads and ranks", 
       const std::vector<Index> counts{5000, 0, 1, 12999, 2000};
       std::vector<std::vector<std::size_t>> found(counts.size());
       ThreadRanks(5).run([&](Ranks& ranks) {
-        Arena arena(1 + ranks.rank() % 2);  // one worker counts, two sort
+        Arena arena(1 + ranks.rank() % 2);  // points in one run, and in two
         arena.divide_among(&ranks);
         const auto r = static_cast<std::size_t>(ranks.rank());
         const Index first = std::accumulate(counts.begin(), counts.begin() + ranks.rank(), 0);
@@ -220,8 +220,8 @@ TEST_CASE("clouds have their share of every level") {
   std::vector<ccvt::Level> levels = ccvt::make_levels(std::vector<Index>(64, count / 64), options);
   REQUIRE(levels.size() == 4);
   const Box box{Eigen::Vector2d(0, 0), Eigen::Vector2d(11, 1)};
-  const PointsAlongCurve<double> along(OwnPoints<double>(part_of(points, 0, count)), count, box,
-                                       Arena(1));
+  PointsAlongCurve<double> along(OwnPoints<double>(part_of(points, 0, count)), count, box,
+                                 Arena(1));
   ccvt::share_points(levels, along, 0, options.seed, Arena(1));
   std::size_t joined = 0;
   int of_small = 0;
@@ -243,18 +243,17 @@ TEST_CASE("ranks share the points among levels as one process does") {
   const ccvt::Options options;
   std::vector<ccvt::Level> expected = ccvt::make_levels(capacities, options);
   REQUIRE(expected.size() > 3);
-  ccvt::share_points(
-      expected,
-      PointsAlongCurve<float>(OwnPoints<float>(part_of(points, 0, count)), count, box, Arena(2)), 0,
-      options.seed, Arena(2));
+  PointsAlongCurve<float> all_points(OwnPoints<float>(part_of(points, 0, count)), count, box,
+                                     Arena(2));
+  ccvt::share_points(expected, all_points, 0, options.seed, Arena(2));
   std::vector<std::vector<std::vector<Index>>> found(counts.size());
   ThreadRanks(4).run([&](Ranks& ranks) {
     Arena arena(1 + ranks.rank() % 2);
     arena.divide_among(&ranks);
     const auto r = static_cast<std::size_t>(ranks.rank());
     const Index first = std::accumulate(counts.begin(), counts.begin() + ranks.rank(), 0);
-    const PointsAlongCurve<float> along(OwnPoints<float>(part_of(points, first, counts[r]), first),
-                                        count, box, arena);
+    PointsAlongCurve<float> along(OwnPoints<float>(part_of(points, first, counts[r]), first), count,
+                                  box, arena);
     std::vector<ccvt::Level> levels = ccvt::make_levels(capacities, options);
     ccvt::share_points(levels, along, static_cast<std::size_t>(first), options.seed, arena);
     for (ccvt::Level& level : levels) {

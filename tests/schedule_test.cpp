@@ -199,8 +199,8 @@ std::vector<ccvt::Level> levels_of(const std::vector<Index>& capacities, const O
   if (levels.size() == 1) return levels;
   const Index count = ccvt::test::sum_of(capacities);
   const Eigen::RowVectorXd line = Eigen::RowVectorXd::LinSpaced(count, 0, 1);
-  const ccvt::PointsAlongCurve<double> along(ccvt::OwnPoints<double>(ccvt::view_points(line)),
-                                             count, ccvt::Box::unit(1), ccvt::Arena(2));
+  ccvt::PointsAlongCurve<double> along(ccvt::OwnPoints<double>(ccvt::view_points(line)), count,
+                                       ccvt::Box::unit(1), ccvt::Arena(2));
   ccvt::share_points(levels, along, 0, options.seed, ccvt::Arena(2));
   return levels;
 }

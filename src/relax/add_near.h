@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include "parallel/loops.h"
@@ -9,27 +10,42 @@
 
 namespace ccvt {
 
-/// Adds points to the sites that they are near, to each in their order. For several workers they
-/// are grouped by tiles first, with the memory of `spare`.
+/// Adds points to the sites that they are near, to each in their order. A few workers look at all
+/// points, each for those of its tiles; for more they are grouped by tiles first, with the memory
+/// of `spare`.
 template <class Scalar, std::size_t Dimension>
 void add_near(const Arena& arena, Buffer<Near<Scalar, Dimension>>& points,
               Buffer<Near<Scalar, Dimension>>& spare, Filling<Scalar>& filling) {
+  constexpr std::size_t kFewWorkers = 4;
   using Item = Near<Scalar, Dimension>;
-  const auto add = [&](std::span<const Item> items) {
-    for (const Item& item : items) {
-      if constexpr (Dimension > 0) {
-        filling.add(item.site, filling.points.of_all(item.point), item.x.data());
-      } else {
-        filling.add(item.site, item.point);
-      }
+  const Tiling& tiling = filling.tiles;
+  const auto add = [&](const Item& item) {
+    if constexpr (Dimension > 0) {
+      filling.add(item.site, filling.points.of_all(item.point), item.x.data());
+    } else {
+      filling.add(item.site, item.point);
     }
   };
-  if (!arena.prepares()) return add(points.span());
-  const Tiling& tiling = filling.tiles;
+  const auto workers = static_cast<std::size_t>(arena.threads());
+  if (workers <= kFewWorkers && (workers > 1 || !arena.prepares())) {
+    arena.for_each(workers, 1, [&](std::size_t w) {
+      const std::size_t tiles = tiling.count();
+      const auto begin = static_cast<Index>(tiles * w / workers) * tiling.sites_per_tile();
+      const Index end = static_cast<Index>(tiles * (w + 1) / workers) * tiling.sites_per_tile();
+      for (const Item& item : std::as_const(points)) {
+        if (item.site.index() >= begin && item.site.index() < end) add(item);
+      }
+    });
+    return;
+  }
   auto by_tile = group_by_key(
       arena, std::move(points), tiling.count(), [](std::size_t, const Item&) {},
       [&](const Item& item) { return tiling.tile_of(item.site); }, spare);
-  for_each_tile(arena, tiling, [&](Tile tile, int) { add(by_tile[tile]); });
+  // Tiles in a row are one task: what is known of neighbouring sites is on the same cache lines.
+  const std::size_t grain = 1 + tiling.count() / (8 * workers);
+  arena.for_each(tiling.count(), grain, [&](std::size_t tile) {
+    for (const Item& item : std::as_const(by_tile)[tile]) add(item);
+  });
   points = std::move(by_tile.items);
 }
 

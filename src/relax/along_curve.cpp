@@ -22,6 +22,12 @@ CurveGrid bins_in(const Box& box, std::size_t points) {
           std::min(bins, kMostBins)};
 }
 
+/// Of points, each with counts of its own.
+std::size_t most_runs(const Arena& arena) {
+  if (arena.threads() > 1) return static_cast<std::size_t>(arena.threads());
+  return arena.prepares() ? SIZE_MAX : 1;
+}
+
 }  // namespace
 
 template <class Scalar>
@@ -30,49 +36,36 @@ PointsAlongCurve<Scalar>::PointsAlongCurve(const OwnPoints<Scalar>& points,
                                            const Arena& arena)
     : points_(points),
       count_(static_cast<std::size_t>(points_of_all)),
-      grid_(bins_in(box, count_)) {
-  const bool alone = !arena.prepares();
-  if (alone) {
-    count_in_cells();
-  } else {
-    group(arena);
+      grid_(bins_in(box, count_)),
+      runs_(std::clamp<std::size_t>(own_count() / grid_.count(), 1, most_runs(arena))),
+      of_cells_(runs_ * grid_.count()) {
+  arena.for_each(runs_, 1, [&](std::size_t run) {
+    std::fill_n(of_cells(run), grid_.count(), 0U);
+    visit_cells(run, [](PointNumber, std::size_t, std::uint32_t& count) { ++count; });
+  });
+  // In a cell, from run to run; then from bin to bin along the curve.
+  std::vector<std::uint32_t> before(grid_.count());
+  constexpr std::size_t kCellsPerGrain = 1 << 12;
+  const auto for_cells = [&](const auto& change) {
+    arena.for_ranges(before.size(), kCellsPerGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t run = 0; run < runs_; ++run) {
+        for (std::size_t cell = begin; cell < end; ++cell) change(of_cells(run)[cell], cell);
+      }
+    });
+  };
+  for_cells([&](std::uint32_t& of_run, std::size_t cell) {
+    before[cell] += std::exchange(of_run, before[cell]);
+  });
+  if (arena.ranks() != nullptr) {
+    std::vector<std::uint32_t> sizes;
+    sizes.reserve(before.size());
+    grid_.visit_along_curve([&](std::size_t cell) { sizes.push_back(before[cell]); });
+    count_before(*arena.ranks(), sizes);
+    return;
   }
-  if (arena.ranks() == nullptr) return;
-  std::vector<std::uint32_t> sizes;
-  sizes.reserve(grid_.count());
-  if (alone) {
-    std::vector<std::uint32_t> ends;
-    grid_.visit_along_curve([&](std::size_t cell) { ends.push_back(first_in_cell_[cell]); });
-    ends.push_back(static_cast<std::uint32_t>(own_count()));
-    for (std::size_t b = 0; b < grid_.count(); ++b) sizes.push_back(ends[b + 1] - ends[b]);
-  } else {
-    for (std::size_t b = 0; b < grid_.count(); ++b) {
-      sizes.push_back(static_cast<std::uint32_t>(by_bin_[b].size()));
-    }
-  }
-  count_before(*arena.ranks(), sizes);
-}
-
-template <class Scalar>
-void PointsAlongCurve<Scalar>::count_in_cells() {
-  first_in_cell_.assign(grid_.count(), 0);
-  visit_cells(first_in_cell_, [](PointNumber, std::uint32_t& count) { ++count; });
-  std::uint32_t before = 0;
-  grid_.visit_along_curve(
-      [&](std::size_t cell) { before += std::exchange(first_in_cell_[cell], before); });
-}
-
-template <class Scalar>
-void PointsAlongCurve<Scalar>::group(const Arena& arena) {
-  Buffer<std::uint32_t> number(grid_.count());
-  std::uint32_t next = 0;
-  grid_.visit_along_curve([&](std::size_t cell) { number[cell] = next++; });
-  by_bin_ = group_by_key<Binned>(
-      arena, own_count(), grid_.count(),
-      [&](std::size_t p) {
-        return Binned{PointNumber(p), number[cell_of(PointNumber(p))]};
-      },
-      [](const Binned& item) { return item.bin; });
+  std::uint32_t sum = 0;
+  grid_.visit_along_curve([&](std::size_t cell) { sum += std::exchange(before[cell], sum); });
+  for_cells([&](std::uint32_t& of_run, std::size_t cell) { of_run += before[cell]; });
 }
 
 /// Each rank finds it out for some of the bins, from what all have in these: `sizes`, of this one.
@@ -105,10 +98,14 @@ void PointsAlongCurve<Scalar>::count_before(Ranks& ranks, const std::vector<std:
   for (std::size_t r = 0; r < all; ++r) {
     places[r].put(std::span(std::as_const(before)).subspan(r * own_bins, own_bins));
   }
+  std::vector<std::size_t> before_bin;
   for (const Ranks::Bytes& of_bins : exchanged(ranks, std::move(places))) {
     ByteReader reader(of_bins);
-    while (!reader.done()) before_.push_back(reader.template get<std::size_t>());
+    while (!reader.done()) before_bin.push_back(reader.template get<std::size_t>());
   }
+  before_cell_.resize(bins);
+  auto next = before_bin.begin();
+  grid_.visit_along_curve([&](std::size_t cell) { before_cell_[cell] = *next++; });
 }
 
 template class PointsAlongCurve<float>;

@@ -66,8 +66,8 @@ std::vector<Level> make_levels(std::span<const Index> capacities, const Options&
 }
 
 template <class Scalar>
-void share_points(std::span<Level> levels, const PointsAlongCurve<Scalar>& points,
-                  std::size_t first, std::uint64_t seed, const Arena& arena) {
+void share_points(std::span<Level> levels, PointsAlongCurve<Scalar>& points, std::size_t first,
+                  std::uint64_t seed, const Arena& arena) {
   std::vector<std::size_t> sizes;
   for (const Level& level : levels.first(levels.size() - 1)) {
     sizes.push_back(static_cast<std::size_t>(total(level.capacities)));
@@ -77,7 +77,7 @@ void share_points(std::span<Level> levels, const PointsAlongCurve<Scalar>& point
   const auto own = std::make_shared<LevelOfPoints>();
   own->level.reset(points.own_count());
   own->first = first;
-  points.for_each(arena, [&](PointNumber point, std::size_t place, int) {
+  points.for_each(arena, [&](PointNumber point, std::size_t place) {
     own->level[point] = static_cast<std::uint8_t>(subsets.smallest_with(place));
   });
   const std::vector<std::size_t> counts =
@@ -89,10 +89,10 @@ void share_points(std::span<Level> levels, const PointsAlongCurve<Scalar>& point
   }
 }
 
-template void share_points(std::span<Level>, const PointsAlongCurve<float>&, std::size_t,
-                           std::uint64_t, const Arena&);
-template void share_points(std::span<Level>, const PointsAlongCurve<double>&, std::size_t,
-                           std::uint64_t, const Arena&);
+template void share_points(std::span<Level>, PointsAlongCurve<float>&, std::size_t, std::uint64_t,
+                           const Arena&);
+template void share_points(std::span<Level>, PointsAlongCurve<double>&, std::size_t, std::uint64_t,
+                           const Arena&);
 
 JoiningPoints::JoiningPoints(std::shared_ptr<const LevelOfPoints> levels, std::size_t level,
                              std::span<const std::size_t> counts, std::size_t points)

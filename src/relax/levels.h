@@ -125,7 +125,7 @@ std::vector<Level> make_levels(std::span<const Index> capacities, const Options&
 /// 0..l, as many as its capacities sum to, evenly along the curve: see NestedSubsets. On the last
 /// level all have joined. `first`: of this rank's points. O(m).
 template <class Scalar>
-void share_points(std::span<Level> levels, const PointsAlongCurve<Scalar>& points,
-                  std::size_t first, std::uint64_t seed, const Arena& arena);
+void share_points(std::span<Level> levels, PointsAlongCurve<Scalar>& points, std::size_t first,
+                  std::uint64_t seed, const Arena& arena);
 
 }  // namespace ccvt
