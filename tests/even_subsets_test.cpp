@@ -56,8 +56,8 @@ PointsView<Scalar> part_of(const Points<Scalar>& points, Index first, Index coun
 }
 
 template <class Scalar>
-std::vector<std::size_t> places_of_all(const Points<Scalar>& points, const Box& box, int threads) {
-  const Arena arena(threads);
+std::vector<std::size_t> places_of_all(const Points<Scalar>& points, const Box& box,
+                                       const Arena& arena = Arena(1)) {
   const auto count = static_cast<Index>(points.cols());
   const OwnPoints<Scalar> own(part_of(points, 0, count));
   return places_of(PointsAlongCurve<Scalar>(own, count, box, arena), arena);
@@ -151,13 +151,17 @@ TEST_CASE_TEMPLATE("places along the curve are those of any threads and ranks", 
       const Index count = 20000;
       Points<Scalar> points = ccvt::test::make_points<Scalar>(layout, box, count, 3);
       points.col(17) = points.col(4);
-      const std::vector<std::size_t> expected = places_of_all(points, box, 1);
+      const std::vector<std::size_t> expected = places_of_all(points, box);
       std::vector<std::size_t> sorted = expected;
       std::sort(sorted.begin(), sorted.end());
       std::vector<std::size_t> all(sorted.size());
       std::iota(all.begin(), all.end(), std::size_t{0});
       CHECK(sorted == all);
-      CHECK(places_of_all(points, box, 3) == expected);
+      CHECK(places_of_all(points, box, Arena(3)) == expected);
+      // In as many runs as many workers would count.
+      ccvt::Recorder recorder;
+      recorder.listen([](const ccvt::Recorder::Loop&) {});
+      CHECK(places_of_all(points, box, Arena(1, nullptr, &recorder)) == expected);
       // One rank has none.
       const std::vector<Index> counts{5000, 0, 1, 12999, 2000};
       std::vector<std::vector<std::size_t>> found(counts.size());
@@ -182,7 +186,7 @@ TEST_CASE("points that follow each other along the curve are near each other") {
   const Box box = Box::unit(2);
   const Index count = 1 << 14;
   const Points<double> points = ccvt::test::make_points<double>(Layout::random, box, count, 5);
-  const std::vector<std::size_t> place = places_of_all(points, box, 1);
+  const std::vector<std::size_t> place = places_of_all(points, box);
   std::vector<Index> order(place.size());
   for (std::size_t p = 0; p < place.size(); ++p) order[place[p]] = static_cast<Index>(p);
   double sum = 0;
@@ -198,10 +202,10 @@ TEST_CASE("points in one place, or far outside the box, have places all the same
   std::vector<std::size_t> expected(1000);
   std::iota(expected.begin(), expected.end(), std::size_t{0});
   const Box point{points.col(0).cast<double>(), points.col(0).cast<double>()};
-  CHECK(places_of_all(points, point, 1) == expected);
-  CHECK(places_of_all(points, Box::unit(2), 1) == expected);
+  CHECK(places_of_all(points, point) == expected);
+  CHECK(places_of_all(points, Box::unit(2)) == expected);
   points.row(0).setConstant(1e30F);
-  CHECK(places_of_all(points, Box::unit(2), 1) == expected);
+  CHECK(places_of_all(points, Box::unit(2)) == expected);
 }
 
 TEST_CASE("clouds have their share of every level") {

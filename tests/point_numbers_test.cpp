@@ -227,11 +227,19 @@ TEST_SUITE("point_numbers") {
     const std::vector<Index> capacities = ccvt::equal_capacities(count, 60);
     const Tiling tiles(capacities.size(), 4);
 
-    Cells<Scalar> cells(dimension, capacities);
-    Filling<Scalar> filling(cells, ccvt::view_points(points), tiles);
     const auto all = JoiningPoints::between(0, static_cast<std::size_t>(count));
-    ccvt::join_balanced(metric, sites, box, all, {}, Arena(1), filling);
-    const std::vector<std::int64_t> expected = listed(cells, cells.sites(), 0);
+    const auto joined_by = [&](const Arena& arena) {
+      Cells<Scalar> cells(dimension, capacities);
+      Filling<Scalar> filling(cells, ccvt::view_points(points), tiles);
+      ccvt::join_balanced(metric, sites, box, all, {}, arena, filling);
+      return listed(cells, cells.sites(), 0);
+    };
+    const std::vector<std::int64_t> expected = joined_by(Arena(1));
+    CHECK(joined_by(Arena(2)) == expected);
+    // Points are grouped as for many workers.
+    ccvt::Recorder recorder;
+    recorder.listen([](const ccvt::Recorder::Loop&) {});
+    CHECK(joined_by(Arena(1, nullptr, &recorder)) == expected);
 
     for (const std::int64_t before : {std::int64_t{0}, kFar}) {
       CAPTURE(before);
