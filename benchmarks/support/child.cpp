@@ -1,5 +1,8 @@
 #include "support/child.h"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -66,6 +69,10 @@ Child start(const std::function<Json()>& work) {
   std::array<int, 2> pipe{};
   if (::pipe(pipe.data()) != 0) fail("pipe");
   std::fflush(nullptr);
+#ifdef __GLIBC__
+  // What this process has freed, a child would write to again page by page, each a copy.
+  ::malloc_trim(0);
+#endif
   const pid_t id = ::fork();
   if (id < 0) fail("fork");
   if (id == 0) {
