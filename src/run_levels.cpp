@@ -57,7 +57,7 @@ void Run<Scalar>::divide_points() {
   const auto first = static_cast<std::size_t>(problem.first_own_point());
   if (made.size() > 1) {
     PointsAlongCurve<Scalar> along(own_points(), problem.point_count(),
-                                         box_around_points(problem, arena), arena);
+                                   box_around_points(problem, arena), arena);
     share_points(made, along, first, options.seed, arena);
   }
   levels = std::move(made);

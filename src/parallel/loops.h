@@ -95,22 +95,28 @@ template <class T>
 class Kept {
  public:
   std::span<const T> keep(std::span<const T> list) {
-    if (pieces_.empty() || pieces_.back().size() - used_ < list.size()) {
-      pieces_.emplace_back(std::max(list.size(), next_));
-      next_ = std::min(8 * next_, kMost);
-      used_ = 0;
+    if (list.size() > room_.size()) {
+      const bool own_piece = list.size() > next_ / 4;
+      const std::span<T> piece = pieces_.emplace_back(own_piece ? list.size() : next_).span();
+      next_ = std::min(next_ < kLarge ? 8 * next_ : 2 * next_, 16 * kLarge);
+      if (own_piece) return copied(list, piece);
+      room_ = piece;
     }
-    T* const begin = pieces_.back().data() + used_;
-    std::copy(list.begin(), list.end(), begin);
-    used_ += list.size();
-    return {begin, list.size()};
+    const std::span<const T> copy = copied(list, room_);
+    room_ = room_.subspan(list.size());
+    return copy;
   }
 
  private:
-  static constexpr std::size_t kMost = (std::size_t{1} << 21) / sizeof(T);
+  static constexpr std::size_t kLarge = (std::size_t{1} << 21) / sizeof(T) + 1;
+  static std::span<const T> copied(std::span<const T> list, std::span<T> to) {
+    std::copy(list.begin(), list.end(), to.begin());
+    return to.first(list.size());
+  }
+
   std::vector<Buffer<T>> pieces_;
-  std::size_t used_ = 0;  ///< of the last one
-  std::size_t next_ = kMost / 512 + 1;
+  std::span<T> room_;  ///< in one of them
+  std::size_t next_ = kLarge / 512 + 1;
 };
 
 /// What body(begin, end, out, worker) appends to the vector `out`, for blocks of `grain` items, one
@@ -127,7 +133,7 @@ Buffer<T> collect(const Arena& arena, std::size_t count, std::size_t grain, cons
     auto& [block, kept] = found[worker];
     block.clear();
     body(begin, end, block, worker);
-    parts[begin / grain] = kept.keep(block);
+    parts[begin / grain] = parts.size() == 1 ? std::span<const T>(block) : kept.keep(block);
   });
   std::vector<std::size_t> place;
   std::size_t total = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <utility>
 
@@ -11,12 +12,13 @@
 namespace ccvt {
 
 /// Adds points to the sites that they are near, to each in their order. A few workers look at all
-/// points, each for those of its tiles; for more they are grouped by tiles first, with the memory
-/// of `spare`.
+/// points, each for those of its tiles; for more, or when loops are listened to, they are grouped
+/// by tiles first, with the memory of `spare`.
 template <class Scalar, std::size_t Dimension>
 void add_near(const Arena& arena, Buffer<Near<Scalar, Dimension>>& points,
               Buffer<Near<Scalar, Dimension>>& spare, Filling<Scalar>& filling) {
   constexpr std::size_t kFewWorkers = 4;
+  constexpr std::size_t kBetweenChecks = 1 << 14;
   using Item = Near<Scalar, Dimension>;
   const Tiling& tiling = filling.tiles;
   const auto add = [&](const Item& item) {
@@ -29,10 +31,15 @@ void add_near(const Arena& arena, Buffer<Near<Scalar, Dimension>>& points,
   const auto workers = static_cast<std::size_t>(arena.threads());
   if (workers <= kFewWorkers && (workers > 1 || !arena.prepares())) {
     arena.for_each(workers, 1, [&](std::size_t w) {
-      const std::size_t tiles = tiling.count();
-      const auto begin = static_cast<Index>(tiles * w / workers) * tiling.sites_per_tile();
-      const Index end = static_cast<Index>(tiles * (w + 1) / workers) * tiling.sites_per_tile();
-      for (const Item& item : std::as_const(points)) {
+      const auto first_site = [&](std::size_t worker) {
+        return static_cast<std::int64_t>(tiling.count() * worker / workers) *
+               tiling.sites_per_tile();
+      };
+      const std::int64_t begin = first_site(w);
+      const std::int64_t end = first_site(w + 1);
+      for (std::size_t k = 0; k < points.size(); ++k) {
+        if (k % kBetweenChecks == 0) arena.check();
+        const Item& item = std::as_const(points)[k];
         if (item.site.index() >= begin && item.site.index() < end) add(item);
       }
     });

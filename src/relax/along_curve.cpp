@@ -37,11 +37,11 @@ PointsAlongCurve<Scalar>::PointsAlongCurve(const OwnPoints<Scalar>& points,
     : points_(points),
       count_(static_cast<std::size_t>(points_of_all)),
       grid_(bins_in(box, count_)),
-      runs_(std::clamp<std::size_t>(own_count() / grid_.count(), 1, most_runs(arena))),
+      runs_(std::clamp<std::size_t>(4 * own_count() / grid_.count(), 1, most_runs(arena))),
       of_cells_(runs_ * grid_.count()) {
   arena.for_each(runs_, 1, [&](std::size_t run) {
     std::fill_n(of_cells(run), grid_.count(), 0U);
-    visit_cells(run, [](PointNumber, std::size_t, std::uint32_t& count) { ++count; });
+    visit_cells(arena, run, [](PointNumber, std::size_t, std::uint32_t& count) { ++count; });
   });
   // In a cell, from run to run; then from bin to bin along the curve.
   std::vector<std::uint32_t> before(grid_.count());

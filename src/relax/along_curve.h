@@ -17,8 +17,8 @@ namespace ccvt {
 /// All points in an order in which what stands together lies together: along a Hilbert curve
 /// through the bins of a grid in a box around them, and in a bin by their numbers. Of several
 /// ranks, each knows the places of its own points. O(points * dimensions). Nothing is sorted: in
-/// each of some runs of points it is counted how many are in each bin. 4 bytes a bin and run; of
-/// both together there are no more than points.
+/// each of some runs of points, one for each worker, it is counted how many are in each bin. 4
+/// bytes a bin and run: 16 a point of this rank at most, or those of one run, up to 2 MB.
 template <class Scalar>
 class PointsAlongCurve {
  public:
@@ -38,7 +38,7 @@ class PointsAlongCurve {
   template <class Visit>
   void for_each(const Arena& arena, const Visit& visit) {
     arena.for_each(runs_, 1, [&](std::size_t run) {
-      visit_cells(run, [&](PointNumber p, std::size_t cell, std::uint32_t& next) {
+      visit_cells(arena, run, [&](PointNumber p, std::size_t cell, std::uint32_t& next) {
         visit(p, std::size_t{next++} + (before_cell_.empty() ? 0 : before_cell_[cell]));
       });
     });
@@ -53,12 +53,18 @@ class PointsAlongCurve {
   /// Calls visit(point, cell, value) for each point of a run in the order of their numbers, with
   /// the value that the run has for its cell. A few are fetched ahead: the cache does not hold all.
   template <class Visit>
-  void visit_cells(std::size_t run, const Visit& visit) {
+  void visit_cells(const Arena& arena, std::size_t run, const Visit& visit) {
     constexpr std::size_t kAhead = 16;
+    constexpr std::size_t kBetweenChecks = 1 << 10;  // of so many
+    std::size_t until_check = 0;
     std::array<std::size_t, kAhead> cells;
     std::uint32_t* const values = of_cells(run);
     const std::size_t end = own_count() * (run + 1) / runs_;
     for (std::size_t begin = own_count() * run / runs_; begin < end; begin += kAhead) {
+      if (until_check-- == 0) {
+        until_check = kBetweenChecks;
+        arena.check();
+      }
       const std::size_t count = std::min(kAhead, end - begin);
       for (std::size_t k = 0; k < count; ++k) {
         cells.data()[k] = grid_.cell_of(points_[PointNumber(begin + k)]);
