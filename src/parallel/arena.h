@@ -30,10 +30,12 @@ class Arena {
 
   /// Workers in use: never more than processors with the TBB backend.
   [[nodiscard]] int threads() const { return threads_; }
-  /// Whether it is worth while to prepare items for several workers: there are some, or someone
-  /// listens who wants to know what they would do.
-  [[nodiscard]] bool prepares() const {
-    return threads_ > 1 || (recorder_ != nullptr && recorder_->heard());
+  /// For how many workers work should be divided: those in use; many for one that someone listens
+  /// to, who wants to know what they would do.
+  [[nodiscard]] std::size_t workers_in_mind() const {
+    constexpr std::size_t kMany = 64;
+    const bool many = threads_ == 1 && recorder_ != nullptr && recorder_->heard();
+    return many ? kMany : static_cast<std::size_t>(threads_);
   }
 
   /// Loops whose result all ranks need may be divided among them: see collect_together().

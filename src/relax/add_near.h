@@ -12,8 +12,8 @@
 namespace ccvt {
 
 /// Adds points to the sites that they are near, to each in their order. A few workers look at all
-/// points, each for those of its tiles; for more, or when loops are listened to, they are grouped
-/// by tiles first, with the memory of `spare`.
+/// points, each for those of its tiles; for more, though only in mind, they are grouped by tiles
+/// first, with the memory of `spare`.
 template <class Scalar, std::size_t Dimension>
 void add_near(const Arena& arena, Buffer<Near<Scalar, Dimension>>& points,
               Buffer<Near<Scalar, Dimension>>& spare, Filling<Scalar>& filling) {
@@ -28,8 +28,8 @@ void add_near(const Arena& arena, Buffer<Near<Scalar, Dimension>>& points,
       filling.add(item.site, item.point);
     }
   };
-  const auto workers = static_cast<std::size_t>(arena.threads());
-  if (workers <= kFewWorkers && (workers > 1 || !arena.prepares())) {
+  const std::size_t workers = arena.workers_in_mind();
+  if (workers <= kFewWorkers) {
     arena.for_each(workers, 1, [&](std::size_t w) {
       const auto first_site = [&](std::size_t worker) {
         return static_cast<std::int64_t>(tiling.count() * worker / workers) *

@@ -22,12 +22,6 @@ CurveGrid bins_in(const Box& box, std::size_t points) {
           std::min(bins, kMostBins)};
 }
 
-/// Of points, each with counts of its own.
-std::size_t most_runs(const Arena& arena) {
-  if (arena.threads() > 1) return static_cast<std::size_t>(arena.threads());
-  return arena.prepares() ? SIZE_MAX : 1;
-}
-
 }  // namespace
 
 template <class Scalar>
@@ -37,7 +31,7 @@ PointsAlongCurve<Scalar>::PointsAlongCurve(const OwnPoints<Scalar>& points,
     : points_(points),
       count_(static_cast<std::size_t>(points_of_all)),
       grid_(bins_in(box, count_)),
-      runs_(std::clamp<std::size_t>(4 * own_count() / grid_.count(), 1, most_runs(arena))),
+      runs_(std::clamp<std::size_t>(4 * own_count() / grid_.count(), 1, arena.workers_in_mind())),
       of_cells_(runs_ * grid_.count()) {
   arena.for_each(runs_, 1, [&](std::size_t run) {
     std::fill_n(of_cells(run), grid_.count(), 0U);
