@@ -6,7 +6,8 @@
 namespace ccvt {
 
 /// Memory without a value. From 1 MB on it comes in pages as large as the system has: at 4 kB a
-/// page, first touches take a tenth of a run, a quarter on a virtual machine. Throws std::bad_alloc.
+/// page, first touches take a tenth of a run, a quarter on a virtual machine. Throws
+/// std::bad_alloc.
 void* allocate_pages(std::size_t bytes);
 void free_pages(void* memory) noexcept;
 
