@@ -14,6 +14,7 @@
 #include "support/generate.h"
 #include "support/oracle.h"
 
+using ccvt::Arena;
 using ccvt::Bands;
 using ccvt::Box;
 using ccvt::Cells;
@@ -60,6 +61,7 @@ struct Relaxed {
   /// All pairs, or those the other way round. Returns how many points have moved.
   Index pass(PairSwapper<Scalar>& swap, bool with_bands, bool reversed = false) {
     Index moved = 0;
+    bands.begin_pass(Arena(1));
     for (const SiteNumber i : cells.sites()) {
       for (const SiteNumber j : cells.sites().after(i)) {
         Bands<Scalar>* const given = with_bands ? &bands : nullptr;
@@ -166,6 +168,41 @@ TEST_SUITE("bands") {
         }
       }
     }
+  }
+
+  TEST_CASE("of many pairs that meet, few are kept") {
+    // Of one size, so that the first site of a pair keeps it.
+    const Cells<float> cells(1, std::vector<Index>(200, 500));
+    constexpr SiteNumber first(0);
+    Bands<float> bands(200);
+    const auto look = [&](Index begin, Index end) {
+      bands.begin_pass(Arena(1));
+      int known = 0;
+      for (Index j = begin; j < end; ++j) {
+        known += bands.of(cells, first, SiteNumber(j)) != nullptr ? 1 : 0;
+      }
+      return known;
+    };
+    const auto kept = [&] {
+      int found = 0;
+      for (const SiteNumber j : cells.sites().after(first)) {
+        found += bands.find(cells, first, j) != nullptr ? 1 : 0;
+      }
+      return found;
+    };
+    CHECK(look(1, 200) == 0);  // the first pass
+    CHECK(kept() == 0);
+    CHECK(look(1, 200) == 64);
+    CHECK(kept() == 64);
+    CHECK(look(190, 200) == 0);  // no more
+    for (int pass = 0; pass < 40; ++pass) look(60, 63);
+    CHECK(kept() == 3);  // the others were not looked at for long
+    CHECK(look(190, 200) == 10);
+    for (int pass = 0; pass < 40; ++pass) look(60, 63);
+    CHECK(kept() == 13);  // few
+    bands.forget();
+    CHECK(kept() == 0);
+    CHECK(look(1, 200) == 0);
   }
 
   // Far from the origin coordinates are coarse, and the kernels' cut is rounded as they are. What

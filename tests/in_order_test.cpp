@@ -135,4 +135,45 @@ TEST_SUITE("schedule") {
       }
     }
   }
+
+  TEST_CASE("after an exception of a task no worker goes on with others") {
+    std::vector<Pair> pairs;  // that have no site in common
+    for (Index k = 0; k < 400; ++k) pairs.emplace_back(SiteNumber(2 * k), SiteNumber(2 * k + 1));
+    const Tiling tiling =
+        Tiling::of_points(800, 800 << 13, 1);  // so many that workers take one pair
+    const Schedule schedule = ccvt::schedule_pairs(pairs, tiling);
+    REQUIRE(schedule.tasks.size() == 400);
+    for (const int threads : {1, 2, 4}) {
+      const Arena arena(threads);
+      std::atomic<int> others{0};
+      const auto body = [&](const Schedule::Task& task, int) {
+        if (&task == &schedule.tasks[0]) {
+          const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+          while (arena.threads() > 1 && others == 0 && std::chrono::steady_clock::now() < end) {
+            std::this_thread::yield();
+          }
+          throw std::runtime_error("bad");
+        }
+        ++others;
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      };
+      CHECK_THROWS_WITH_AS(InOrder(schedule, tiling, all_have_work).run(Arena(threads), body),
+                           "bad", std::runtime_error);
+      CHECK(others < 200);
+    }
+  }
+
+  TEST_CASE("many workers that wait for one tile take their turns") {
+    std::vector<Pair> pairs;
+    for (Index k = 1; k < 200; ++k) pairs.emplace_back(SiteNumber(0), SiteNumber(k));
+    const Tiling tiling = Tiling::of_points(200, 200 << 13, 1);
+    const Schedule schedule = ccvt::schedule_pairs(pairs, tiling);
+    for (const int threads : {2, 16, 64}) {
+      std::vector<const Schedule::Task*> log;  // not guarded: one at a time
+      InOrder(schedule, tiling, all_have_work)
+          .run(Arena(threads), [&](const Schedule::Task& task, int) { log.push_back(&task); });
+      REQUIRE(log.size() == schedule.tasks.size());
+      for (std::size_t t = 0; t < log.size(); ++t) CHECK(log[t] == &schedule.tasks[t]);
+    }
+  }
 }

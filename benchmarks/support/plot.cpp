@@ -25,7 +25,7 @@ std::string number(double value) { return decimal_text(value, 2); }
 
 /// What stands at a tick: plain where that is short, else as a power of ten.
 std::string tick_text(double value) {
-  if (value != 0 && (std::abs(value) >= 1e6 || std::abs(value) < 1e-3)) {
+  if (value != 0 && (std::abs(value) >= 1e5 || std::abs(value) < 1e-3)) {
     const double power = std::floor(std::log10(std::abs(value)) + 1e-9);
     const std::string digits = decimal_text(value / std::pow(10, power), 3);
     return (digits == "1" ? "" : digits + "\xC2\xB7") + "10^" + decimal_text(power, 0);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "numbers.h"
+#include "parallel/arena.h"
 #include "relax/apart.h"
 #include "relax/cells.h"
 #include "relax/pair_cut.h"
@@ -84,26 +85,44 @@ struct Band {
 /// What is known of a pair of cells of which one is divided, or both are.
 template <class Scalar>
 struct KnownPair {
-  SiteNumber other;  ///< than the smaller one
-  int searches = 0;  ///< of both cells, before it had a band
+  SiteNumber other;        ///< than the smaller one
+  std::uint32_t pass = 0;  ///< in which it was looked at last
+  int searches = 0;        ///< of both cells, before it had a band
   Apart<Scalar> apart{};
   std::unique_ptr<Band<Scalar>> band{};
 };
 
-/// What is known of all such pairs. That of pairs that have no cell in common may be used at the
-/// same time.
+/// What is known of all such pairs, but for some where a cell has many. That of pairs that have no
+/// cell in common may be used at the same time.
 template <class Scalar>
 class Bands {
  public:
   explicit Bands(std::size_t sites) : of_(sites) {}
 
-  /// What is known of a pair, kept with the smaller cell.
-  KnownPair<Scalar>& of(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j) {
+  /// Before each pass over pairs. Where much is known, that of pairs goes which were not looked at
+  /// for long, now and then. O(sites).
+  void begin_pass(const Arena& arena) {
+    ++pass_;
+    if (pass_ % kPasses != 0) return;
+    arena.for_each(of_.size(), kSitesPerGrain, [&](std::size_t s) {
+      auto& pairs = of_[SiteNumber(s)];
+      if (pairs.size() <= kFew) return;
+      std::erase_if(pairs, [&](const auto& pair) { return pass_ - pair.pass > kPasses; });
+    });
+  }
+
+  /// What is known of a pair, kept with the smaller cell. Null in the first pass, in which most
+  /// pairs may meet that never do again, and where that cell has too many.
+  KnownPair<Scalar>* of(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j) {
+    if (pass_ < 2) return nullptr;
     const auto [keeper, other] = keeper_first(cells, i, j);
     for (KnownPair<Scalar>& pair : of_[keeper]) {
-      if (pair.other == other) return pair;
+      if (pair.other != other) continue;
+      pair.pass = pass_;
+      return &pair;
     }
-    return of_[keeper].emplace_back(KnownPair<Scalar>{other});
+    if (of_[keeper].size() >= kMost) return nullptr;
+    return &of_[keeper].emplace_back(KnownPair<Scalar>{other, pass_});
   }
   /// Null where nothing is known.
   [[nodiscard]] const KnownPair<Scalar>* find(const Cells<Scalar>& cells, SiteNumber i,
@@ -115,7 +134,8 @@ class Bands {
     return nullptr;
   }
   void forget() noexcept {
-    for (auto& bands : of_) bands.clear();
+    for (auto& pairs : of_) pairs.clear();
+    pass_ = 0;
   }
   /// Has the list of the pair's keeper fetched from memory.
   void prefetch(const Cells<Scalar>& cells, SiteNumber i, SiteNumber j) const {
@@ -123,12 +143,19 @@ class Bands {
   }
 
  private:
+  /// Of one cell, pairs; beyond kFew those go that were not looked at in so many passes.
+  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kFew = 16;
+  static constexpr std::uint32_t kPasses = 16;
+  static constexpr std::size_t kSitesPerGrain = 1024;
+
   static std::pair<SiteNumber, SiteNumber> keeper_first(const Cells<Scalar>& cells, SiteNumber i,
                                                         SiteNumber j) {
     const auto order = [&](SiteNumber s) { return std::pair(cells.size(s), s); };
     return order(i) < order(j) ? std::pair(i, j) : std::pair(j, i);
   }
   std::vector<std::vector<KnownPair<Scalar>>> of_;
+  std::uint32_t pass_ = 0;
 };
 
 /// Looks at pairs a little later, when their bands have come from memory: one after the other these
@@ -139,10 +166,11 @@ class PairsAhead {
   PairsAhead(const Bands<Scalar>& bands, const Patches<Scalar>& patches, const Cells<Scalar>& cells)
       : bands_(bands), patches_(patches), cells_(cells) {}
 
+  /// `likely`: that there will be something to look at.
   template <class Look>
-  void push(SiteNumber i, SiteNumber j, const Look& look) {
-    bands_.prefetch(cells_, i, j);
-    pairs_[pushed_ % kAhead] = {i, j, nullptr};
+  void push(SiteNumber i, SiteNumber j, bool likely, const Look& look) {
+    if (likely) bands_.prefetch(cells_, i, j);
+    pairs_[pushed_ % kAhead] = {i, j, likely, nullptr};
     ++pushed_;
     if (pushed_ >= 2) fetch_band(pairs_[(pushed_ - 2) % kAhead]);
     if (pushed_ >= 3) fetch_points(pairs_[(pushed_ - 3) % kAhead]);
@@ -159,6 +187,7 @@ class PairsAhead {
   struct Pair {
     SiteNumber i;
     SiteNumber j;
+    bool likely;
     const Band<Scalar>* band;
   };
 
@@ -173,6 +202,7 @@ class PairsAhead {
     }
   }
   void fetch_band(Pair& pair) const {
+    if (!pair.likely) return;
     const KnownPair<Scalar>* const known = bands_.find(cells_, pair.i, pair.j);
     pair.band = known != nullptr ? known->band.get() : nullptr;
     if (pair.band != nullptr) fetch(pair.band, sizeof(Band<Scalar>));

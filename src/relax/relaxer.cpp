@@ -47,6 +47,7 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
   if (state.tiling.ranks() != nullptr) loans_.begin(state.tiling);
   cached_passes_ = full ? 0 : cached_passes_ + 1;
   try {
+    bands_.begin_pass(arena_);
     if (full) {
       full_pass(state);
     } else {
@@ -116,15 +117,17 @@ void Relaxer<Scalar>::run(Source&& source, const Tiling& tiling, bool full,
       if (!of_touched || touched(touched_, i, j)) visit(i, j);
     });
   };
+  const auto meet = [&](SiteNumber i, SiteNumber j) {
+    return PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j);
+  };
   const auto relax = [&](const Schedule::Task& task, int w) {
     Worker& worker = workers_[w];
     const auto look = [&](SiteNumber i, SiteNumber j) {
-      if (!all && !PairSwapper<Scalar>::spheres_meet(metric_, state.sites, i, j)) return;
-      examine(state, worker, i, j);
+      if (all || meet(i, j)) examine(state, worker, i, j);
     };
     if (!cells_are_large_) return for_pairs(task, look);
     PairsAhead<Scalar> ahead(bands_, patches_, state.cells);
-    for_pairs(task, [&](SiteNumber i, SiteNumber j) { ahead.push(i, j, look); });
+    for_pairs(task, [&](SiteNumber i, SiteNumber j) { ahead.push(i, j, meet(i, j), look); });
     ahead.finish(look);
   };
   const RelaxedLender lender{

@@ -266,8 +266,8 @@ Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, Patches<Scalar>& pat
   if (looks_at_bounds()) {
     sorted_ = {patches.look(cells, i, scratch_), patches.look(cells, j, scratch_)};
     if (bands != nullptr && has_band(cells, patches, i, j)) {
-      known = &bands->of(cells, i, j);
-      if (known->apart.holds({metric_, cut_, cells, patches, sites, i, j})) return 0;
+      known = bands->of(cells, i, j);
+      if (known != nullptr && known->apart.holds({metric_, cut_, cells, patches, sites, i, j})) return 0;
     }
   }
   if (known == nullptr || !search_band(cells, patches, sites, i, j, *known)) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <thread>
@@ -68,6 +69,7 @@ class InOrder {
     for (std::size_t r = next_++; r < run_end_.size(); r = next_++) {
       for (std::size_t t = r > 0 ? run_end_[r - 1] : 0; t < run_end_[r]; ++t) {
         const Turn& turn = turns_[t];
+        if (failed_.load(std::memory_order_relaxed)) return;
         if (!is_due(turn) && !wait(arena, turn)) return;
         arena.check();
         const Task& task = *turn.task;
@@ -82,13 +84,26 @@ class InOrder {
     return ended_[turn.task->a].load(std::memory_order_acquire) == turn.before_a &&
            ended_[turn.task->b].load(std::memory_order_acquire) == turn.before_b;
   }
-  /// False where another worker has failed.
+  /// So many tasks of one of its tiles have not ended yet, and are other workers'.
+  [[nodiscard]] std::uint32_t ahead(const Turn& turn) const {
+    return std::max(turn.before_a - ended_[turn.task->a].load(std::memory_order_relaxed),
+                    turn.before_b - ended_[turn.task->b].load(std::memory_order_relaxed));
+  }
+  /// False where another worker has failed. Who is among the next looks on, for to be woken takes
+  /// as long as several tasks; the others leave their processors.
   bool wait(const Arena& arena, const Turn& turn) const {
     constexpr int kLooks = 200;  // about a microsecond
+    constexpr std::uint32_t kNext = 8;
+    constexpr std::chrono::microseconds kSleep{50};
     const Arena::Waiting waiting(arena);
     for (int looks = 1; !is_due(turn); ++looks) {
       if (failed_.load(std::memory_order_relaxed)) return false;
-      if (looks % kLooks == 0) std::this_thread::yield();
+      if (looks % kLooks != 0) continue;
+      if (ahead(turn) > kNext) {
+        std::this_thread::sleep_for(kSleep);
+      } else {
+        std::this_thread::yield();
+      }
     }
     return true;
   }
