@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "ccvt/codebook.h"
 #include "ccvt/lloyd.h"
 #include "ccvt/metrics.h"
 #include "ccvt/sampling.h"
@@ -146,9 +147,24 @@ Json stippled(const Image& picture, const Run& run, const Options& options) {
   return json;
 }
 
+/// The exact method of codebooks, with its default effort.
+Json trained(const Input& input, const Run& run, std::uint64_t seed) {
+  CodebookOptions options;
+  options.threads = run.threads;
+  options.seed = seed;
+  const CodebookSummary summary = train_codebook(input.points, run.sites, options).summary;
+  const auto dimension = static_cast<int>(input.points.rows());
+  return {{"seconds", summary.seconds_total},
+          {"iterations", summary.iterations},
+          {"normalized_energy",
+           normalized_energy(summary.energy, summary.vectors, run.sites, Box::unit(dimension))},
+          {"termination", to_string(summary.termination)}};
+}
+
 Json run_once(const Group& group, const Run& run, const Input& input, std::uint64_t seed) {
   const Options options{.threads = run.threads, .seed = seed, .until = run.until};
   if (group.kind == Kind::picture) return stippled(input.picture, run, options);
+  if (std::string(group.table) == "codebook") return trained(input, run, seed);
   Problem<float> problem(input.points, run.sites);
   if (group.kind == Kind::torus) problem.set_domain(Domain::periodic(Box::unit(group.dimension)));
   if (run.largest > 0) {
@@ -217,6 +233,14 @@ void add_lloyd(std::vector<Group>& groups, bool quick) {
     std::vector<Run> runs = {{64, 1024}, {16, 4096}};
     if (!quick && dimension == 2) runs = {{65536, 16}, {16384, 64}, {1024, 1024}, {64, 16384}};
     groups.push_back({"lloyd", std::to_string(dimension) + "D box", Kind::box, dimension, runs});
+  }
+}
+
+void add_codebooks(std::vector<Group>& groups, bool quick) {
+  for (const int dimension : {2, 16}) {
+    std::vector<Run> runs = {{64, 1024}, {16, 4096}};
+    if (!quick) runs = {{64, 16384}, {16, 65536}};
+    groups.push_back({"codebook", std::to_string(dimension) + "D box", Kind::box, dimension, runs});
   }
 }
 
@@ -362,6 +386,7 @@ void growth(const Scale& scale, const std::filesystem::path& directory) {
   add_others(groups, scale.quick);
   add_threads(groups, scale.quick);
   add_lloyd(groups, scale.quick);
+  add_codebooks(groups, scale.quick);
   for (Group& group : groups) {
     if (!scale.only.empty()) keep_only(group, scale.only);
     if (group.runs.empty()) continue;

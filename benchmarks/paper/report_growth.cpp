@@ -176,7 +176,8 @@ std::string threads_table(const Runs& runs) {
          markdown_table(rows);
 }
 
-std::string lloyd_table(const Runs& runs) {
+/// Without capacities, or of the exact method of codebooks.
+std::string iterations_table(const std::string& words, const Runs& runs) {
   std::vector<std::vector<std::string>> rows = {{"problem", "sites x points a site", "seconds",
                                                  "iterations", "ns a point and iteration",
                                                  "normalized energy"}};
@@ -188,9 +189,7 @@ std::string lloyd_table(const Runs& runs) {
                     std::to_string(iterations), figure(1e9 * seconds / points / iterations),
                     figure(run->at("normalized_energy").get<double>(), 4)});
   }
-  return "Lloyd relaxation, which keeps no capacities, with one thread until stable. With more\n"
-         "points a site fewer of them are near a border, and only these are looked at.\n\n" +
-         markdown_table(rows);
+  return words + "\n\n" + markdown_table(rows);
 }
 
 /// From one whole number to another, of values of any sign.
@@ -288,7 +287,18 @@ std::string report_growth(const Json& record, const fs::path& directory) {
   }
   if (const Runs runs = runs_of(record, "others"); !runs.empty()) text += others_table(runs);
   if (const Runs runs = runs_of(record, "threads"); !runs.empty()) text += threads_table(runs);
-  if (const Runs runs = runs_of(record, "lloyd"); !runs.empty()) text += lloyd_table(runs);
+  if (const Runs runs = runs_of(record, "lloyd"); !runs.empty()) {
+    text += iterations_table(
+        "Lloyd relaxation, which keeps no capacities, with one thread until stable. With more\n"
+        "points a site fewer of them are near a border, and only these are looked at.",
+        runs);
+  }
+  if (const Runs runs = runs_of(record, "codebook"); !runs.empty()) {
+    text += iterations_table(
+        "Codebooks of equal cells by exact assignments, one thread, default effort, until stable:\n"
+        "iterations are those on samples and on all points.",
+        runs);
+  }
   if (const Runs runs = runs_of(record, "order"); !runs.empty()) {
     text += order(record, runs, directory);
   }

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "ccvt/capacity.h"
+#include "cell_sizes.h"
+#include "codebook/codeword_steps.h"
 #include "codebook/sample.h"
 #include "codebook/share.h"
 #include "codebook/trainer.h"
@@ -31,6 +33,9 @@ constexpr double kStartTolerance = 1e-3;
 constexpr std::int64_t kFewVectors = 8;
 /// They take about as long as so much of a level on the same vectors.
 constexpr double kStartWork = 0.5;
+/// With so many vectors a codeword, or more, codewords take steps beyond centroids. With fewer they
+/// take about as long as they save: most of the time goes into vectors that change places.
+constexpr Index kSmooth = 256;
 
 }  // namespace
 
@@ -61,24 +66,36 @@ void Trainer<Scalar>::exact_level(const Vectors<Scalar>& vectors, std::vector<In
   const bool finest = m == trained_on();
   progress_.begin(m / work);
   const Index n = problem_.site_count();
+  const std::vector<Index> shares = capacities.empty() ? equal_capacities(m, n) : capacities;
+  CodewordSteps steps(sites_, static_cast<std::size_t>(vectors_.dimension), shares,
+                      m / n >= kSmooth, arena_);
   ExactAssignment<Scalar> assignment(metric_, vectors.here(), n, std::move(capacities), arena_,
                                      options_.gap, vectors.part());
   using Round = typename ExactAssignment<Scalar>::Round;
   own_nearest(vectors);
   const double tolerance = finest ? options_.tolerance : kLevelTolerance * n / m;
   double before = std::numeric_limits<double>::infinity();
-  bool assigned = false;  // the owners meet the capacities, and the sites are their centroids
-  while (!ended()) {
-    const std::vector<Index> given = owners_;
-    const bool optimal = assignment.improve(sites_, weights_, owners_) == Round::optimal;
-    // What the owners given, those of the iteration before, cost at their own centroids.
-    const double energy = assignment.last().energy;
-    if (assigned && (optimal || before - energy < kTrainingRounding * before)) {
-      if (finest) summary_.termination = Termination::stable;
-      break;
+  bool assigned = false;  // the owners meet the capacities
+  const auto improve = [&] {
+    try {
+      return assignment.improve(sites_, weights_, owners_) == Round::optimal;
+    } catch (const Stopped&) {
+      sites_ = steps.centroids();
+      throw;
     }
-    if (assigned && before - energy < tolerance * before) {
-      if (finest) summary_.termination = Termination::energy_tolerance;
+  };
+  while (!ended()) {
+    std::vector<Index> given = owners_;
+    std::vector<double> weights_given = weights_;
+    const bool optimal = improve();
+    // What the owners given, those of the iteration before, cost at their own centroids.
+    const double energy = assignment.last().energy - steps.excess(sites_);
+    const bool idle = assigned && (optimal || before - energy < kTrainingRounding * before);
+    const bool slow = assigned && before - energy < tolerance * before;
+    if ((idle || slow) && steps.at_centroids()) {
+      if (finest) {
+        summary_.termination = idle ? Termination::stable : Termination::energy_tolerance;
+      }
       break;
     }
     std::vector<std::uint8_t> changed;
@@ -86,13 +103,21 @@ void Trainer<Scalar>::exact_level(const Vectors<Scalar>& vectors, std::vector<In
       before = energy;
       changed = changed_cells(given, owners_, weights_.size(), ranks);
     }
-    assigned = true;
     keep_met(m);
     std::int64_t moved = 0;
     for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
-    if (!go_on(m, energy, total(ranks, moved))) break;
-    move_to_centroids(metric_, vectors.here(), Grouping(owners_, weights_.size()), arena_, sites_,
-                      changed, ranks);
+    const bool goes_on = go_on(m, energy, total(ranks, moved));
+    if (!goes_on && steps.at_centroids()) break;
+    move_to_centroids(metric_, vectors.here(), Grouping(owners_, weights_.size()), arena_,
+                      steps.centroids(), changed, ranks);
+    const std::vector<Index> sizes = summed(ranks, cell_sizes(owners_, weights_.size()));
+    if (!steps.advance(sites_, sizes, idle || slow || !goes_on)) {
+      owners_ = std::move(given);
+      weights_ = std::move(weights_given);
+      before = std::numeric_limits<double>::infinity();
+    }
+    assigned = true;
+    if (!goes_on) break;
   }
 }
 
