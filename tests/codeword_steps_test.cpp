@@ -49,7 +49,7 @@ Descended descend(const Points<float>& points, Index sites, bool smooth) {
   const Metric metric(static_cast<int>(points.rows()), Domain());
   const auto view = ccvt::view_points(points);
   const auto n = static_cast<std::size_t>(sites);
-  std::vector<double> position(points.data(), points.data() + n * points.rows());
+  std::vector<double> position(points.data(), points.data() + sites * points.rows());
   std::vector<double> weights(n, 0.0);
   std::vector<Index> owners = ccvt::nearest_owners(metric, view, position, arena);
   const std::vector<Index> capacities = ccvt::equal_capacities(view.count, sites);
@@ -85,7 +85,7 @@ TEST_SUITE("codeword_steps") {
     int iterations = 0;
     double plain_energy = 0;
     double energy = 0;
-    for (const std::uint64_t seed : {1, 2, 3}) {
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
       for (const int dimension : {2, 3}) {
         CAPTURE(seed);
         const Points<float> points = cloud(20011, dimension, seed);  // capacities float
