@@ -164,4 +164,27 @@ TEST_SUITE("codeword_steps") {
                             ccvt::Grouping(trained.codes, 10), Arena(1), sites);
     for (std::size_t k = 0; k < sites.size(); ++k) CHECK(sites[k] == doctest::Approx(before[k]));
   }
+
+  TEST_CASE("codebooks of large cells are the same for any number of threads, and optimal") {
+    for (const int dimension : {2, 12}) {
+      CAPTURE(dimension);
+      const Points<float> points = cloud(70000, dimension, 9);
+      ccvt::CodebookOptions options;
+      options.restarts = 1;
+      options.effort = 0;
+      options.max_iterations = 60;
+      const auto train = [&](int threads) {
+        options.threads = threads;
+        return ccvt::train_codebook(points, 3, options);
+      };
+      const auto one = train(1);
+      CHECK(std::abs(one.summary.gap) < 1e-12);
+      for (const int threads : {2, 3}) {
+        const auto more = train(threads);
+        CHECK(more.codes == one.codes);
+        CHECK(more.codebook.codewords() == one.codebook.codewords());
+        CHECK(more.summary.iterations == one.summary.iterations);
+      }
+    }
+  }
 }

@@ -20,6 +20,8 @@ constexpr std::size_t kSlots = std::size_t{1} << 16;
 constexpr std::size_t kLeastSlots = 64;
 /// Searches for so many surplus points look at most sites: their edges are bounded in parallel.
 constexpr std::int64_t kSitesPerSurplus = 32;
+/// A path goes along about so many edges, and most go along the same few of a site.
+constexpr double kPathEdges = 2;
 
 }  // namespace
 
@@ -256,10 +258,13 @@ void ExchangeGraph::move(const Mover& mover) {
 }
 
 void ExchangeGraph::settle(const Arena& arena) {
+  arena_ = &arena;
   sharing_ = sharing(arena, part_);
   turns_ = RankTurns(sharing_);
   std::int64_t surpluses = 0;
   for (const SiteNumber s : sites_below(cells_.size())) surpluses += std::max(0, surplus(s));
+  moves_expected_ =
+      kPathEdges * static_cast<double>(surpluses) / static_cast<double>(cells_.size());
   if (surpluses * kSitesPerSurplus >= std::ssize(cells_)) bound_all_edges(arena);
   for (const SiteNumber s : sites_below(cells_.size())) {
     while (surplus(s) > 0) {
@@ -269,6 +274,7 @@ void ExchangeGraph::settle(const Arena& arena) {
       move_along_path(s, settled_.back());
     }
   }
+  arena_ = nullptr;
 }
 
 }  // namespace ccvt

@@ -151,6 +151,7 @@ class ExchangeGraph {
     std::vector<PointNumber> nearest;
     std::vector<SiteNumber> others;
     std::vector<double> there;
+    std::vector<double> here;   ///< what members cost where they are
     std::vector<double> least;  ///< squares of members, for one edge after the other
     std::vector<double> slack;  ///< of each of these edges
   };
@@ -162,10 +163,12 @@ class ExchangeGraph {
   static void keep_nearest(std::size_t edges, Scratch& scratch);
   void set_edges(SiteNumber site, Scratch& scratch);
   void tighten(SiteNumber site);
-  static Moves& moves_of(Cell& cell, std::size_t slot);
+  Moves& moves_of(SiteNumber site, std::size_t slot);
   Moves& weigh(SiteNumber site, std::size_t slot);
   void weigh_own(SiteNumber site);
+  void find_least(std::span<const PointNumber> members, std::span<const SiteNumber> sites);
   void keep_cheapest(SiteNumber site, std::size_t slot, std::span<double> least, double slack);
+  static double at_least(std::span<const double> values, std::size_t count, Scratch& scratch);
   Move find_nearest(const Cell& cell, std::size_t count, std::span<double> least, double slack);
   [[nodiscard]] std::size_t moves_kept(SiteNumber site) const;
   void set_weighed(SiteNumber site, std::size_t slot);
@@ -212,7 +215,9 @@ class ExchangeGraph {
   RankPart part_;
   Ranks* sharing_ = nullptr;  ///< where all have all points
   RankTurns turns_;
+  const Arena* arena_ = nullptr;  ///< while paths are looked for
   std::vector<Cell> cells_;
+  double moves_expected_ = 0;  ///< along an edge, about
   std::vector<double> own_storage_;
   std::vector<double>& own_cost_;  ///< of each point, in a cell that is bounded
   Scratch scratch_;

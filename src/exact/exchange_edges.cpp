@@ -1,5 +1,5 @@
-// The edges of an exchange graph: their bounds, what they weigh, and what becomes of both when a
-// point moves.
+// The edges of an exchange graph: their bounds, and what becomes of them, and of what they weigh,
+// when a point moves.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -9,14 +9,6 @@
 namespace ccvt {
 namespace {
 
-/// Of an edge that is weighed again so many moves are kept, or this share of the root of the
-/// members; of one that is weighed for the first time, the cheapest. Of a cell with a surplus as
-/// many as that, up to a larger share of the root: each point that goes is taken from the moves of
-/// all edges, and when an edge has no more of them, all members are looked at (20,000 vectors in
-/// 8-D, 1000 of them equal and far: 12.7 s where no more are kept, 3.6 so).
-constexpr double kMoves = 8;
-constexpr double kMovesPerRoot = 0.5;
-constexpr double kMostMovesPerRoot = 4;
 /// Where edges that cost least are looked for by a sample, so many of them are to be in it.
 constexpr std::size_t kLeastSampled = 24;
 /// With so many times as many sites as slots it takes longer to look at all sites for a point that
@@ -24,12 +16,6 @@ constexpr std::size_t kLeastSampled = 24;
 constexpr std::size_t kManySites = 8;
 
 }  // namespace
-
-std::size_t ExchangeGraph::moves_kept(SiteNumber site) const {
-  const double root = std::sqrt(double{1} * cells_[site].size);
-  const double of_many = std::min(double{1} * surplus(site), kMostMovesPerRoot * root);
-  return static_cast<std::size_t>(std::max({kMoves, kMovesPerRoot * root, of_many}));
-}
 
 /// What the points of a cell cost where they are, unless it is known.
 void ExchangeGraph::find_costs(SiteNumber site, Scratch& scratch) {
@@ -128,7 +114,7 @@ void ExchangeGraph::set_edges(SiteNumber site, Scratch& scratch) {
     const auto& [reduced, to, bound] = others[slot];
     cell.to[slot] = to;
     cell.weighed[slot] = scratch.weighed[to];
-    cell.bound[slot] = is_weighed(cell, slot) ? moves_of(cell, slot).cheapest.front().cost : bound;
+    cell.bound[slot] = is_weighed(cell, slot) ? moves_of(site, slot).cheapest.front().cost : bound;
     if (slot % kPage == 0) cell.page[slot / kPage] = reduced;
   }
 }
@@ -144,127 +130,6 @@ void ExchangeGraph::tighten(SiteNumber site) {
   cell.tight = true;
 }
 
-/// Whether cheapest moves are known.
-bool ExchangeGraph::is_weighed(const Cell& cell, std::size_t slot) {
-  const std::int32_t weighed = cell.weighed[slot];
-  return weighed != kNotWeighed && !cell.moves[static_cast<std::size_t>(weighed)].cheapest.empty();
-}
-
-ExchangeGraph::Moves& ExchangeGraph::moves_of(Cell& cell, std::size_t slot) {
-  std::int32_t& weighed = cell.weighed[slot];
-  if (weighed == kNotWeighed) {
-    weighed = static_cast<std::int32_t>(cell.moves.size());
-    cell.moves.emplace_back();
-  }
-  return cell.moves[static_cast<std::size_t>(weighed)];
-}
-
-/// The cheapest moves along an edge.
-ExchangeGraph::Moves& ExchangeGraph::weigh(SiteNumber site, std::size_t slot) {
-  Cell& cell = cells_[site];
-  if (is_weighed(cell, slot)) return moves_of(cell, slot);
-  if (part_.ranks != nullptr) {
-    weigh_together(site, slot);
-  } else {
-    choose_slots(site, slot, costs_.sites_at_once());
-    weigh_own(site);
-    for (const std::size_t chosen : slots_) set_weighed(site, chosen);
-  }
-  return moves_of(cell, slot);
-}
-
-/// The edge in that slot, and others of the site that the search at hand may take: the first in the
-/// order of slots, which is about that of their bounds. With one to a site with too few points,
-/// only others to such sites: they may end the search.
-void ExchangeGraph::choose_slots(SiteNumber site, std::size_t slot, std::size_t most) {
-  const Cell& cell = cells_[site];
-  const double base = distance_[site] + weights_[site];
-  const bool to_target = surplus(cell.to[slot]) < 0;
-  slots_.assign(1, slot);
-  for (std::size_t other = 0; other < cell.to.size() && slots_.size() < most; ++other) {
-    const SiteNumber j = cell.to[other];
-    if (other == slot || is_weighed(cell, other) || (to_target && surplus(j) >= 0)) continue;
-    const double distance = std::max(distance_[site], base + cell.bound[other] - weights_[j]);
-    if (may_matter(site, j, distance)) slots_.push_back(other);
-  }
-}
-
-/// Of the points that this rank has, the cheapest moves along the edges chosen.
-void ExchangeGraph::weigh_own(SiteNumber site) {
-  Cell& cell = cells_[site];
-  ++cell.weighings;
-  find_costs(site, scratch_);
-  std::vector<SiteNumber>& sites = scratch_.others;
-  sites.clear();
-  for (const std::size_t slot : slots_) sites.push_back(cell.to[slot]);
-  costs_.squared_at_least(cell.members, sites, scratch_.least, scratch_.slack);
-  std::span<double> least = scratch_.least;
-  for (std::size_t k = 0; k < slots_.size(); ++k, least = least.subspan(cell.members.size())) {
-    keep_cheapest(site, slots_[k], least.first(cell.members.size()), scratch_.slack[k]);
-  }
-}
-
-/// Along an edge. `least`: no more than the members' squares there, and less by `slack` at most.
-void ExchangeGraph::keep_cheapest(SiteNumber site, std::size_t slot, std::span<double> least,
-                                  double slack) {
-  Cell& cell = cells_[site];
-  Moves& moves = moves_of(cell, slot);
-  moves.beyond = find_nearest(cell, moves.kept, least, slack);
-  const std::vector<PointNumber>& nearest = scratch_.nearest;
-  std::vector<double>& squared = scratch_.own;
-  costs_.squared(nearest, cell.to[slot], squared);
-  std::vector<Move>& cheapest = moves.cheapest;
-  for (std::size_t k = 0; k < nearest.size(); ++k) {
-    const PointNumber p = nearest[k];
-    const Move move{squared[k] - own_cost_[p], number(p)};
-    if (cheapest.size() == moves.kept) {
-      moves.beyond = std::min(moves.beyond, std::max(move, cheapest.back()));
-      if (!(move < cheapest.back())) continue;
-      cheapest.pop_back();
-    }
-    cheapest.insert(std::upper_bound(cheapest.begin(), cheapest.end(), move), move);
-  }
-  if (kept_ != nullptr && !cheapest.empty()) {
-    kept_->set(site, cell.to[slot], cheapest.front().cost);
-  }
-}
-
-/// The members of which moving may be one of the `count` cheapest ways, in `nearest`; no other way
-/// is before the one that is returned.
-ExchangeGraph::Move ExchangeGraph::find_nearest(const Cell& cell, std::size_t count,
-                                                std::span<double> least, double slack) {
-  Move beyond = {kNone, 0};
-  scratch_.nearest = cell.members;
-  if (cell.members.size() <= count) return beyond;
-  for (std::size_t k = 0; k < least.size(); ++k) least[k] -= own_cost_[cell.members[k]];
-  double limit = *std::min_element(least.begin(), least.end());
-  if (count > 1) {
-    std::vector<double>& order = scratch_.there;
-    order.assign(least.begin(), least.end());
-    const auto last = order.begin() + static_cast<std::ptrdiff_t>(count - 1);
-    std::nth_element(order.begin(), last, order.end());
-    limit = *last;
-  }
-  limit += slack + 1e-15 * (std::abs(limit) + slack);
-  scratch_.nearest.clear();
-  for (std::size_t k = 0; k < least.size(); ++k) {
-    const PointNumber p = cell.members[k];
-    if (least[k] <= limit) {
-      scratch_.nearest.push_back(p);
-    } else {
-      beyond = std::min(beyond, {least[k], number(p)});
-    }
-  }
-  return beyond;
-}
-
-void ExchangeGraph::set_weighed(SiteNumber site, std::size_t slot) {
-  Cell& cell = cells_[site];
-  Moves& moves = moves_of(cell, slot);
-  moves.kept = moves_kept(site);
-  cell.bound[slot] = moves.cheapest.empty() ? kNone : moves.cheapest.front().cost;
-}
-
 void ExchangeGraph::remove(const Mover& mover) {
   Cell& cell = cells_[mover.from];
   --cell.size;
@@ -275,7 +140,7 @@ void ExchangeGraph::remove(const Mover& mover) {
   }
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
     if (cell.weighed[slot] == kNotWeighed) continue;
-    Moves& moves = moves_of(cell, slot);
+    Moves& moves = moves_of(mover.from, slot);
     std::erase_if(moves.cheapest, [&](const Move& m) { return m.point == mover.point; });
     cell.bound[slot] = (moves.cheapest.empty() ? moves.beyond : moves.cheapest.front()).cost;
   }
@@ -343,7 +208,7 @@ void ExchangeGraph::add_move(SiteNumber site, std::size_t slot, const Move& move
   double& page = cell.page[slot / kPage];
   page = std::min(page, move.cost - weights_[cell.to[slot]]);
   if (cell.weighed[slot] == kNotWeighed) return;
-  Moves& moves = moves_of(cell, slot);
+  Moves& moves = moves_of(site, slot);
   if (moves.beyond < move) return;
   const std::size_t kept = moves_kept(site);
   moves.cheapest.insert(std::upper_bound(moves.cheapest.begin(), moves.cheapest.end(), move), move);

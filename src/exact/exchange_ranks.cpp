@@ -190,11 +190,10 @@ void ExchangeGraph::weigh_together(SiteNumber site, std::size_t slot) {
     const auto cost = reader.get<double>();
     return Move{cost, reader.get<Index>()};
   };
-  Cell& cell = cells_[site];
   weigh_own(site);
   ByteWriter message;
   for (const std::size_t chosen : slots_) {
-    Moves& moves = moves_of(cell, chosen);
+    Moves& moves = moves_of(site, chosen);
     put(message, moves.beyond);
     message.put(std::uint64_t{moves.cheapest.size()});
     for (const Move& move : moves.cheapest) put(message, move);
@@ -204,7 +203,7 @@ void ExchangeGraph::weigh_together(SiteNumber site, std::size_t slot) {
   std::vector<ByteReader> readers;
   for (const Ranks::Bytes& of_rank : bytes) readers.emplace_back(of_rank);
   for (const std::size_t chosen : slots_) {
-    Moves& moves = moves_of(cell, chosen);
+    Moves& moves = moves_of(site, chosen);
     std::vector<Move>& cheapest = moves.cheapest;
     for (ByteReader& reader : readers) {
       moves.beyond = std::min(moves.beyond, get(reader));
