@@ -267,7 +267,8 @@ Index PairSwapper<Scalar>::operator()(Cells<Scalar>& cells, Patches<Scalar>& pat
     sorted_ = {patches.look(cells, i, scratch_), patches.look(cells, j, scratch_)};
     if (bands != nullptr && has_band(cells, patches, i, j)) {
       known = bands->of(cells, i, j);
-      if (known != nullptr && known->apart.holds({metric_, cut_, cells, patches, sites, i, j})) return 0;
+      if (known != nullptr && known->apart.holds({metric_, cut_, cells, patches, sites, i, j}))
+        return 0;
     }
   }
   if (known == nullptr || !search_band(cells, patches, sites, i, j, *known)) {
