@@ -49,28 +49,29 @@ Descended descend(const Points<float>& points, Index sites, bool smooth) {
   const Metric metric(static_cast<int>(points.rows()), Domain());
   const auto view = ccvt::view_points(points);
   const auto n = static_cast<std::size_t>(sites);
-  std::vector<double> position(points.data(), points.data() + sites * points.rows());
+  std::vector<double> centroids(points.data(), points.data() + sites * points.rows());
   std::vector<double> weights(n, 0.0);
-  std::vector<Index> owners = ccvt::nearest_owners(metric, view, position, arena);
+  std::vector<Index> owners = ccvt::nearest_owners(metric, view, centroids, arena);
   const std::vector<Index> capacities = ccvt::equal_capacities(view.count, sites);
-  CodewordSteps steps(position, static_cast<std::size_t>(points.rows()), capacities, smooth, arena);
+  CodewordSteps steps(centroids, static_cast<std::size_t>(points.rows()), capacities, smooth,
+                      arena);
   ExactAssignment<float> assignment(metric, view, sites, {}, arena);
   Descended result;
   bool assigned = false;
   for (; result.iterations < 5000; ++result.iterations) {
     std::vector<Index> given = owners;
     std::vector<double> weights_given = weights;
-    const bool optimal =
-        assignment.improve(position, weights, owners) == ExactAssignment<float>::Round::optimal;
-    result.energy = assignment.last().energy - steps.excess(position);
+    const bool optimal = assignment.improve(steps.sites(), weights, owners) ==
+                         ExactAssignment<float>::Round::optimal;
+    result.energy = assignment.last().energy - steps.excess();
     if (assigned) result.energies.push_back(result.energy);
     if (assigned && optimal && steps.at_centroids()) break;
-    ccvt::move_to_centroids(metric, view, ccvt::Grouping(owners, n), arena, steps.centroids());
-    if (!steps.advance(position, ccvt::cell_sizes(owners, n), assigned && optimal)) {
+    ccvt::move_to_centroids(metric, view, ccvt::Grouping(owners, n), arena, centroids);
+    if (!steps.advance(centroids, ccvt::cell_sizes(owners, n), assigned && optimal)) {
       owners = std::move(given);
       weights = std::move(weights_given);
       CHECK(steps.at_centroids());
-      CHECK(position == steps.centroids());
+      CHECK(steps.sites() == centroids);
     }
     assigned = true;
   }
@@ -111,26 +112,27 @@ TEST_SUITE("codeword_steps") {
   TEST_CASE("a step that does not lower the energy is taken back") {
     const Arena arena(1);
     const std::vector<Index> capacities = {3, 3};
-    std::vector<double> sites = {-1, 1};
-    CodewordSteps steps(sites, 1, capacities, true, arena);
+    std::vector<double> centroids = {-1, 1};
+    CodewordSteps steps(centroids, 1, capacities, true, arena);
+    const std::vector<double>& sites = steps.sites();
     const auto advance = [&](double a, double b, bool rests = false) {
-      steps.centroids() = {a, b};
-      return steps.advance(sites, capacities, rests);
+      centroids = {a, b};
+      return steps.advance(centroids, capacities, rests);
     };
     // Centroids move by half as much each time: the way is twice as long as the first step.
     REQUIRE(advance(-1.5, 1.5));
     CHECK(steps.at_centroids());
-    CHECK(steps.excess(sites) == 0);
+    CHECK(steps.excess() == 0);
     REQUIRE(advance(-1.75, 1.75));
     CHECK_FALSE(steps.at_centroids());
     CHECK(sites[0] == doctest::Approx(-2));
     CHECK(sites[1] == doctest::Approx(2));
-    CHECK(steps.excess(sites) == doctest::Approx(6 * .25 * .25));
+    CHECK(steps.excess() == doctest::Approx(6 * .25 * .25));
     // What is assigned there has its centroids nearer to each other than before.
     CHECK_FALSE(advance(-1.7, 1.7));
     CHECK(sites == std::vector<double>{-1.75, 1.75});
     CHECK(steps.at_centroids());
-    CHECK(steps.centroids() == sites);
+    CHECK(centroids == sites);
     // From there to centroids, until steps tell a direction again.
     REQUIRE(advance(-1.875, 1.875));
     CHECK(steps.at_centroids());

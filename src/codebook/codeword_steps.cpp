@@ -30,82 +30,71 @@ CodewordSteps::CodewordSteps(const std::vector<double>& sites, std::size_t dimen
       capacities_(capacities.begin(), capacities.end()),
       directions_(capacities_, dimension, arena),
       origin_(dimension, 0.0),
-      centroids_(sites),
+      sites_(sites),
       smooth_(smooth) {
   for (std::size_t k = 0; k < sites.size(); ++k) {
     origin_[k % dimension] += sites[k] / static_cast<double>(capacities.size());
   }
 }
 
-double CodewordSteps::excess(const std::vector<double>& sites) const {
+double CodewordSteps::excess() const {
   if (at_centroids_) return 0;
   double sum = 0;
-  for (std::size_t k = 0; k < sites.size(); ++k) {
-    const double apart = sites[k] - centroids_[k];
-    sum += sizes_[k / dimension_] * (apart * apart);
+  for (std::size_t k = 0; k < sites_.size(); ++k) {
+    const double apart = sites_[k] - kept_.centroids[k];
+    sum += kept_.sizes[k / dimension_] * (apart * apart);
   }
   return sum;
 }
 
-double CodewordSteps::spread() const {
+double CodewordSteps::spread(const Vector& centroids, const std::vector<Index>& sizes) const {
   double sum = 0;
-  for (std::size_t k = 0; k < centroids_.size(); ++k) {
-    const double apart = centroids_[k] - origin_[k % dimension_];
-    sum += sizes_[k / dimension_] * (apart * apart);
+  for (std::size_t k = 0; k < centroids.size(); ++k) {
+    const double apart = centroids[k] - origin_[k % dimension_];
+    sum += sizes[k / dimension_] * (apart * apart);
   }
   return sum;
 }
 
 /// To the centroids of the cells before.
-bool CodewordSteps::take_back(Vector& sites) {
-  centroids_ = sites = kept_centroids_;
-  sizes_ = kept_sizes_;
+bool CodewordSteps::take_back(Vector& centroids) {
+  sites_ = centroids = kept_.centroids;
   at_centroids_ = true;
   directions_.forget();
-  sites_.clear();
+  kept_.sites.clear();
   successes_ = 0;
   smooth_ = ++failures_ < kMostFailures;
   return false;
 }
 
-bool CodewordSteps::advance(Vector& sites, std::vector<Index> sizes, bool rests) {
-  sizes_ = std::move(sizes);
+bool CodewordSteps::advance(Vector& centroids, std::vector<Index> sizes, bool rests) {
   if (smooth_) {
-    const double now = spread();
+    const double now = spread(centroids, sizes);
     if (!at_centroids_) {
-      if (!(now > spread_ * (1 + kRounding))) return take_back(sites);
+      if (!(now > kept_.spread * (1 + kRounding))) return take_back(centroids);
       if (++successes_ == kSuccesses) failures_ = successes_ = 0;
     }
-    spread_ = now;
-    kept_centroids_ = centroids_;
-    kept_sizes_ = sizes_;
-    Vector gradient = differences(sites, centroids_);
-    if (!sites_.empty()) {
-      directions_.add(differences(sites, sites_), differences(gradient, gradient_));
+    Vector gradient = differences(sites_, centroids);
+    if (!kept_.sites.empty()) {
+      directions_.add(differences(sites_, kept_.sites), differences(gradient, kept_.gradient));
     }
-    sites_ = sites;
-    gradient_ = std::move(gradient);
+    kept_ = {centroids, std::move(sizes), now, sites_, std::move(gradient)};
   }
   at_centroids_ = true;
-  if (smooth_ && !rests && !directions_.empty()) {
-    step_beyond(sites);
-  } else {
-    sites = centroids_;
-  }
+  if (smooth_ && !rests && !directions_.empty()) step_beyond();
+  if (at_centroids_) sites_ = centroids;
   return true;
 }
 
-void CodewordSteps::step_beyond(Vector& sites) {
-  const Vector direction = directions_.direction(gradient_);
-  if (!(directions_.dot(direction, gradient_) < 0)) {
-    directions_.forget();
-    sites = centroids_;
-    return;
-  }
-  const double to_centroids = directions_.dot(gradient_, gradient_);
+/// Where that leads down.
+void CodewordSteps::step_beyond() {
+  const Vector& gradient = kept_.gradient;
+  const Vector direction = directions_.direction(gradient);
+  if (!(directions_.dot(direction, gradient) < 0)) return directions_.forget();
+  const double to_centroids = directions_.dot(gradient, gradient);
   const double length = directions_.dot(direction, direction);
   const double share = std::min(1.0, kLongest * std::sqrt(to_centroids / length));
-  for (std::size_t k = 0; k < sites.size(); ++k) sites[k] += share * direction[k];
+  for (std::size_t k = 0; k < sites_.size(); ++k) sites_[k] += share * direction[k];
   at_centroids_ = false;
 }
 

@@ -18,45 +18,50 @@ namespace ccvt {
 /// it falls as sum of size * |centroid|^2 rises, of whatever origin.
 class CodewordSteps {
  public:
-  /// `capacities`: of each site, or about, more than 0. `smooth`: whether to go farther than to the
-  /// centroids.
+  /// `sites`: of the first assignment. `capacities`: of each, or about, more than 0. `smooth`:
+  /// whether to go farther than to the centroids.
   CodewordSteps(const std::vector<double>& sites, std::size_t dimension,
                 std::span<const Index> capacities, bool smooth, const Arena& arena);
 
-  /// Of the cells that were kept last; to be brought up to date before advance().
-  [[nodiscard]] std::vector<double>& centroids() { return centroids_; }
-  /// Whether the sites are the centroids of these cells.
+  /// For which the next assignment is to be made.
+  [[nodiscard]] const std::vector<double>& sites() const { return sites_; }
+  /// Whether these are the centroids of the cells that were kept last.
   [[nodiscard]] bool at_centroids() const { return at_centroids_; }
   /// How much more these cells cost at the sites than at their centroids.
-  [[nodiscard]] double excess(const std::vector<double>& sites) const;
+  [[nodiscard]] double excess() const;
+  /// Whether the sites may go beyond centroids, so that advance() needs sizes.
+  [[nodiscard]] bool smooth() const { return smooth_; }
 
-  /// Moves the sites on from where these cells, of so many points each, were assigned. False where
-  /// the energy has not fallen, by a step beyond the centroids: then the sites are at the centroids
-  /// of the cells before, which are the ones to keep. `rests`: the next step is to the centroids.
-  bool advance(std::vector<double>& sites, std::vector<Index> sizes, bool rests);
+  /// Moves the sites on, which are where the cells with these centroids, of so many points each,
+  /// were assigned. False where the energy has not fallen, by a step beyond centroids: then the
+  /// centroids are made those of the cells before, which are the ones to keep, and the sites are
+  /// there. `rests`: the next step is to the centroids.
+  bool advance(std::vector<double>& centroids, std::vector<Index> sizes, bool rests);
 
  private:
   using Vector = std::vector<double>;
-  [[nodiscard]] double spread() const;
-  void step_beyond(Vector& sites);
-  bool take_back(Vector& sites);
+  /// Of cells, those that were kept last, and the sites for which they were assigned.
+  struct Kept {
+    Vector centroids;
+    std::vector<Index> sizes;
+    double spread = 0;
+    Vector sites;
+    Vector gradient;  ///< halved, in the inner product of `directions_`
+  };
+  [[nodiscard]] double spread(const Vector& centroids, const std::vector<Index>& sizes) const;
+  bool take_back(Vector& centroids);
+  void step_beyond();
 
   std::size_t dimension_;
   Vector capacities_;
   Lbfgs directions_;
   Vector origin_;  ///< of spreads: the mean of the sites
-  Vector centroids_;
-  std::vector<Index> sizes_;
+  Vector sites_;
   bool at_centroids_ = true;
   bool smooth_;
   int failures_ = 0;   ///< steps that were taken back
   int successes_ = 0;  ///< in a row
-  // Of the cells that were kept last, and the sites for which they were assigned.
-  double spread_ = 0;
-  Vector kept_centroids_;
-  std::vector<Index> kept_sizes_;
-  Vector sites_;
-  Vector gradient_;  ///< halved, in the inner product of `directions_`
+  Kept kept_;          ///< nothing at first, and no sites after a step was taken back
 };
 
 }  // namespace ccvt

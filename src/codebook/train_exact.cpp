@@ -56,8 +56,9 @@ void Trainer<Scalar>::start_exact(const Vectors<Scalar>& vectors, std::vector<In
   }
 }
 
-/// Exact assignments and centroids in turn. On the finest level until the assignment is optimal, or
-/// within the gap of that, for the centroids of its own cells.
+/// Exact assignments and centroids in turn; sites_ are those of the cells that were kept last, and
+/// assignments are made for these or for sites beyond them. On the finest level until the
+/// assignment is optimal, or within the gap of that, for the centroids of its own cells.
 template <class Scalar>
 void Trainer<Scalar>::exact_level(const Vectors<Scalar>& vectors, std::vector<Index> capacities,
                                   double work) {
@@ -76,20 +77,12 @@ void Trainer<Scalar>::exact_level(const Vectors<Scalar>& vectors, std::vector<In
   const double tolerance = finest ? options_.tolerance : kLevelTolerance * n / m;
   double before = std::numeric_limits<double>::infinity();
   bool assigned = false;  // the owners meet the capacities
-  const auto improve = [&] {
-    try {
-      return assignment.improve(sites_, weights_, owners_) == Round::optimal;
-    } catch (const Stopped&) {
-      sites_ = steps.centroids();
-      throw;
-    }
-  };
   while (!ended()) {
     std::vector<Index> given = owners_;
     std::vector<double> weights_given = weights_;
-    const bool optimal = improve();
+    const bool optimal = assignment.improve(steps.sites(), weights_, owners_) == Round::optimal;
     // What the owners given, those of the iteration before, cost at their own centroids.
-    const double energy = assignment.last().energy - steps.excess(sites_);
+    const double energy = assignment.last().energy - steps.excess();
     const bool idle = assigned && (optimal || before - energy < kTrainingRounding * before);
     const bool slow = assigned && before - energy < tolerance * before;
     if ((idle || slow) && steps.at_centroids()) {
@@ -108,10 +101,11 @@ void Trainer<Scalar>::exact_level(const Vectors<Scalar>& vectors, std::vector<In
     for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
     const bool goes_on = go_on(m, energy, total(ranks, moved));
     if (!goes_on && steps.at_centroids()) break;
-    move_to_centroids(metric_, vectors.here(), Grouping(owners_, weights_.size()), arena_,
-                      steps.centroids(), changed, ranks);
-    const std::vector<Index> sizes = summed(ranks, cell_sizes(owners_, weights_.size()));
-    if (!steps.advance(sites_, sizes, idle || slow || !goes_on)) {
+    move_to_centroids(metric_, vectors.here(), Grouping(owners_, weights_.size()), arena_, sites_,
+                      changed, ranks);
+    std::vector<Index> sizes;
+    if (steps.smooth()) sizes = summed(ranks, cell_sizes(owners_, weights_.size()));
+    if (!steps.advance(sites_, std::move(sizes), idle || slow || !goes_on)) {
       owners_ = std::move(given);
       weights_ = std::move(weights_given);
       before = std::numeric_limits<double>::infinity();

@@ -160,6 +160,8 @@ class ExchangeGraph {
   void find_edges(SiteNumber site, std::size_t edges, Scratch& scratch);
   void find_costs(SiteNumber site, Scratch& scratch);
   [[nodiscard]] static double about(std::size_t edges, Scratch& scratch);
+  [[nodiscard]] static double ranked(std::span<const double> values, std::size_t step,
+                                     std::size_t rank, std::vector<double>& sample);
   static void keep_nearest(std::size_t edges, Scratch& scratch);
   void set_edges(SiteNumber site, Scratch& scratch);
   void tighten(SiteNumber site);

@@ -60,13 +60,16 @@ void ExchangeGraph::find_edges(SiteNumber site, std::size_t edges, Scratch& scra
 double ExchangeGraph::about(std::size_t edges, Scratch& scratch) {
   if (edges >= scratch.reduced.size()) return kNone;
   const std::size_t step = std::max<std::size_t>(1, edges / kLeastSampled);
-  std::vector<double>& sample = scratch.own;
+  return ranked(scratch.reduced, step, edges / step, scratch.own);
+}
+
+/// Of every `step`-th value, the one that `rank` others precede; infinity where there is none.
+double ExchangeGraph::ranked(std::span<const double> values, std::size_t step, std::size_t rank,
+                             std::vector<double>& sample) {
   sample.clear();
-  for (std::size_t j = 0; j < scratch.reduced.size(); j += step) {
-    sample.push_back(scratch.reduced[j]);
-  }
-  if (edges / step >= sample.size()) return kNone;
-  const auto at = sample.begin() + static_cast<std::ptrdiff_t>(edges / step);
+  for (std::size_t k = 0; k < values.size(); k += step) sample.push_back(values[k]);
+  if (rank >= sample.size()) return kNone;
+  const auto at = sample.begin() + static_cast<std::ptrdiff_t>(rank);
   std::nth_element(sample.begin(), at, sample.end());
   return *at;
 }

@@ -162,26 +162,15 @@ void ExchangeGraph::keep_cheapest(SiteNumber site, std::size_t slot, std::span<d
 /// sample.
 double ExchangeGraph::at_least(std::span<const double> values, std::size_t count,
                                Scratch& scratch) {
-  std::vector<double>& sample = scratch.there;
-  const std::size_t step = std::max<std::size_t>(1, values.size() / kSampled);
-  if (step > 1) {
-    sample.clear();
-    for (std::size_t k = 0; k < values.size(); k += step) sample.push_back(values[k]);
+  if (const std::size_t step = values.size() / kSampled; step > 1) {
     const double about = static_cast<double>(count) / static_cast<double>(step);
     const auto rank = static_cast<std::size_t>(about + 2 * std::sqrt(about) + 1);
-    if (rank < sample.size()) {
-      const auto at = sample.begin() + static_cast<std::ptrdiff_t>(rank);
-      std::nth_element(sample.begin(), at, sample.end());
-      const double limit = *at;
-      std::size_t found = 0;
-      for (const double value : values) found += value <= limit ? 1 : 0;
-      if (found >= count) return limit;
-    }
+    const double limit = ranked(values, step, rank, scratch.there);
+    std::size_t found = 0;
+    for (const double value : values) found += value <= limit ? 1 : 0;
+    if (limit < kNone && found >= count) return limit;
   }
-  sample.assign(values.begin(), values.end());
-  const auto last = sample.begin() + static_cast<std::ptrdiff_t>(count - 1);
-  std::nth_element(sample.begin(), last, sample.end());
-  return *last;
+  return ranked(values, 1, count - 1, scratch.there);
 }
 
 /// The members of which moving may be one of the `count` cheapest ways, in `nearest`; no other way
