@@ -67,6 +67,7 @@ struct Run {
     return {problem.points(), problem.first_own_point()};
   }
   [[nodiscard]] double energy_of_sites() {
+    const auto timed = record.relaxing();
     const Stop::Pause pause(stop);
     return total_energy(state.sites, arena);
   }

@@ -12,6 +12,7 @@
 namespace ccvt {
 
 RunRecord::RunRecord(const Options& options) {
+  clock_.rest();
   if (!options.on_loop) return;
   clock_.listen([this, tell = options.on_loop](const Recorder::Loop& loop) {
     if (failure_) return;

@@ -28,7 +28,8 @@ class RunRecord {
   [[nodiscard]] int iterations() const { return summary_.iterations; }
   [[nodiscard]] double energy() const { return summary_.energy; }
 
-  /// What is done until the result is destroyed counts as that; once, where these are nested.
+  /// What is done until the result is destroyed counts as that, and in phases; once, where these
+  /// are nested.
   class Timed {
    public:
     Timed(RunRecord& record, double& seconds) : record_(record) {
@@ -36,9 +37,12 @@ class RunRecord {
       record.timed_ = true;
       total_.emplace(record.summary_.seconds_total);
       part_.emplace(seconds);
+      record.clock_.go_on();
     }
     ~Timed() {
-      if (total_) record_.timed_ = false;
+      if (!total_) return;
+      record_.clock_.rest();
+      record_.timed_ = false;
     }
     Timed(const Timed&) = delete;
     Timed& operator=(const Timed&) = delete;

@@ -246,6 +246,7 @@ TEST_CASE("buffers are copied, moved and made smaller without loss of memory") {
 }
 
 TEST_CASE("the recorder charges phases, and counts the tasks of outer loops") {
+  const auto begin = Recorder::Clock::now();
   Recorder recorder;
   std::vector<Recorder::Loop> loops;
   recorder.listen([&](const Recorder::Loop& loop) { loops.push_back(loop); });
@@ -265,9 +266,13 @@ TEST_CASE("the recorder charges phases, and counts the tasks of outer loops") {
       const auto other = arena.phase(Phase::update);
       spin(0.01);
     }
+    recorder.rest();
+    spin(0.1);
+    recorder.go_on();
     arena.for_each(2, 1, [&](std::size_t) { spin(0.001); });
   }
-  recorder.charge();
+  recorder.rest();
+  const double elapsed = std::chrono::duration<double>(Recorder::Clock::now() - begin).count();
   const auto& swap = recorder.shares()[static_cast<std::size_t>(Phase::swap)];
   const auto& update = recorder.shares()[static_cast<std::size_t>(Phase::update)];
   CHECK(swap.loops == 2);
@@ -276,6 +281,9 @@ TEST_CASE("the recorder charges phases, and counts the tasks of outer loops") {
   CHECK(swap.work_seconds <= 2 * swap.seconds);
   CHECK(update.seconds >= 0.01);
   CHECK(update.loops == 0);
+  double charged = 0;
+  for (const Recorder::Share& share : recorder.shares()) charged += share.seconds;
+  CHECK(charged <= elapsed - 0.1);
   REQUIRE(loops.size() == 2);
   CHECK(loops[0].tasks.size() == 4);
   CHECK(loops[1].begin >= loops[0].end + 0.01);

@@ -13,7 +13,7 @@ const char* name_of(Phase phase) {
 
 Phase Recorder::enter(Phase phase) {
   const double time = now();
-  shares_[static_cast<std::size_t>(phase_)].seconds += time - since_;
+  if (!rests_) shares_[static_cast<std::size_t>(phase_)].seconds += time - since_;
   since_ = time;
   const Phase before = phase_;
   phase_ = phase;

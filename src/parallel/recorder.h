@@ -58,6 +58,15 @@ class Recorder {
   void add(const std::array<Share, kPhases>& earlier);
   /// Charges the current phase with the time up to now.
   void charge() { enter(phase_); }
+  /// Between these two no phase is charged with time.
+  void rest() {
+    charge();
+    rests_ = true;
+  }
+  void go_on() {
+    charge();
+    rests_ = false;
+  }
 
   /// Tells of each loop when it has ended. The listener must not throw, nor start loops.
   void listen(std::function<void(const Loop&)> listener) { listener_ = std::move(listener); }
@@ -95,6 +104,7 @@ class Recorder {
   Clock::time_point start_ = Clock::now();
   double since_ = 0;  ///< the current phase
   Phase phase_ = Phase::other;
+  bool rests_ = false;
   std::array<Share, kPhases> shares_{};
   Loop loop_;
   std::function<void(const Loop&)> listener_;
