@@ -409,6 +409,8 @@ TEST_CASE("bad input is refused by name") {
   CHECK(refused(2, {.restarts = -1}).find("restarts is -1") != std::string::npos);
   CHECK(refused(2, {.tolerance = 1}).find("tolerance is 1") != std::string::npos);
   CHECK(refused(2, {.gap = -0.1}).find("gap is -0.1") != std::string::npos);
+  CHECK(refused(2, {.time_limit = -1}).find("time_limit is -1: it must be 0 (none)") !=
+        std::string::npos);
   CHECK(refused(2, {.method = CodebookMethod::pairwise, .gap = 0.1}).find("gap is 0.1") !=
         std::string::npos);
   CHECK(refused(2, {.method = CodebookMethod::lloyd, .capacities = {10, 10}}).find("capacities") !=

@@ -40,6 +40,22 @@ TEST_CASE("quantize ends within the gap that is allowed") {
   CHECK(gap <= 0.01);
 }
 
+TEST_CASE("quantize ends when its time is over") {
+  const TemporaryDirectory directory;
+  REQUIRE(run(directory, "sample --dim 3 --sites 1500 --seed 4 --points-per-site 1 -q -o v.npy")
+              .status == 0);
+  for (const std::string method : {"exact", "pairwise", "lloyd"}) {
+    CAPTURE(method);
+    const Ran ran = run(directory, "quantize v.npy --codewords 20 --time-limit 1e-9 --method " +
+                                       method + " -o c.npy --codes-out o.npy --summary s.json");
+    CHECK(ran.status == 0);
+    CHECK(ran.output.find("time_limit") != std::string::npos);
+    const auto summary = json_of(directory / "s.json");
+    CHECK(summary["termination"] == "time_limit");
+    if (method != "lloyd") CHECK(summary["smallest_cell"] == 75);
+  }
+}
+
 TEST_CASE("quantize --effort breeds codebooks") {
   const TemporaryDirectory directory;
   REQUIRE(run(directory, "sample --dim 2 --sites 900 --seed 4 --points-per-site 1 -q -o v.npy")

@@ -63,6 +63,9 @@ struct CCVT_EXPORT CodebookOptions {
   /// Stops when an iteration lowers the distortion by less than this share of it. In [0, 1); 0: run
   /// until no vector changes its codeword.
   double tolerance = 0;
+  /// Seconds after which training ends as if it were cancelled, see `cancelled`. Not negative; 0:
+  /// no limit. What a training that ends so has reached is not the same each time.
+  double time_limit = 0;
   /// Threads to use; 0: one per processor. Any number gives identical bits.
   int threads = 0;
   std::uint64_t seed = 0;
@@ -86,7 +89,8 @@ struct CCVT_EXPORT CodebookOptions {
   /// Asked several times a second, from the thread that trains; true ends training with the
   /// codewords there are, during seeding the best seeds so far. `exact` still assigns the vectors
   /// if that takes no longer than a third of a second; else they keep the last codes that met the
-  /// capacities, or are dealt out in their order, weights are 0, and the gap is 1.
+  /// capacities, with the weights of that assignment, or, before the first, are dealt out, and
+  /// weights are 0. The gap is then 1 unless it is found within two seconds.
   std::function<bool()> cancelled = {};
 
   /// Throws InvalidInput naming the first field outside its bounds.
@@ -125,7 +129,8 @@ struct CCVT_EXPORT CodebookSummary {
   double energy = 0;
   double distortion = 0;
   /// Energy less the dual objective under the codebook's weights, over the energy: no assignment
-  /// that keeps the capacities has an energy below (1 - gap) times that. Exact only, else 0.
+  /// that keeps the capacities has an energy below (1 - gap) times that. Exact only, else 0; 1 at
+  /// most, which tells nothing.
   double gap = 0;
   CodeUsage usage;
   double seconds_seeding = 0;

@@ -132,6 +132,9 @@ void add_run(CLI::App& app, CommonArguments& common) {
   add_number<double>(app, "--energy-tolerance", common.energy_tolerance,
                      "Stop when an iteration lowers the energy by less than this share [0]", "E",
                      {.least = 0, .most = 1, .open_above = true});
+  add_number<double>(app, "--time-limit", common.time_limit,
+                     "End after so many seconds with what has been reached [none]", "SECONDS",
+                     {.least = 0, .most = std::numeric_limits<double>::max(), .open_below = true});
   add_output(app, "--summary", common.summary, "Write a summary of the run as JSON");
   add_flag(app, "-q,--quiet", common.quiet, "Print nothing but errors");
 }
@@ -155,9 +158,6 @@ void add_common(CLI::App& app, CommonArguments& common, io::Extensions extension
             }
           },
           ""));
-  add_number<double>(app, "--time-limit", common.time_limit,
-                     "End after so many seconds with what has been reached [none]", "SECONDS",
-                     {.least = 0, .most = std::numeric_limits<double>::max(), .open_below = true});
   static const std::map<std::string, Until> ends = {{"stable", Until::stable},
                                                     {"blue-noise", Until::blue_noise}};
   app.add_option_function<std::string>(

@@ -48,6 +48,7 @@ CodebookOptions make_codebook_options(const QuantizeArguments& arguments, Progre
   options.threads = arguments.threads;
   if (arguments.max_iterations) options.max_iterations = *arguments.max_iterations;
   options.tolerance = arguments.energy_tolerance;
+  options.time_limit = arguments.time_limit;
   options.gap = arguments.gap;
   options.train_sample = arguments.train_sample;
   options.on_iteration = [&progress, sites = arguments.codewords](const IterationRecord& record) {

@@ -167,6 +167,7 @@ void CodebookOptions::validate() const {
   require(max_iterations >= 0, "max_iterations", std::to_string(max_iterations),
           "it must be 0 or more");
   require(tolerance >= 0 && tolerance < 1, "tolerance", text(tolerance), "it must be in [0, 1)");
+  require(time_limit >= 0, "time_limit", text(time_limit), "it must be 0 (none) or more seconds");
   require(gap >= 0 && gap < 1, "gap", text(gap), "it must be in [0, 1)");
   require(gap == 0 || method == CodebookMethod::exact, "gap", text(gap),
           "it must be 0 but for exact, which alone proves one");

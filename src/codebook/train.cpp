@@ -9,7 +9,6 @@
 #include "ccvt/codebook.h"
 #include "checkpoint/digest.h"
 #include "codebook/breeding.h"
-#include "codebook/dealing.h"
 #include "codebook/pairwise.h"
 #include "codebook/seeding.h"
 #include "codebook/share.h"
@@ -28,9 +27,6 @@
 
 namespace ccvt {
 namespace {
-
-/// To give vectors codewords when training was cancelled before that.
-constexpr std::chrono::milliseconds kTimeToDeal{2000};
 
 using Clock = std::chrono::steady_clock;
 
@@ -125,7 +121,9 @@ template <class Scalar>
 bool Trainer<Scalar>::cancelled(const IterationRecord& record) {
   const bool wished = options_.on_iteration && !options_.on_iteration(record);
   if (problem_.ranks() == nullptr) return wished || stop_.requested();
-  return any(problem_.ranks(), wished || (options_.cancelled && options_.cancelled()));
+  const bool own = stop_of_ranks_.requested() || wished;
+  late_ = any(problem_.ranks(), stop_of_ranks_.late());
+  return any(problem_.ranks(), own);
 }
 
 template <class Scalar>
@@ -210,7 +208,9 @@ void Trainer<Scalar>::exchange_pairs(const Vectors<Scalar>& vectors, PointsView<
     record.progress = progress_.reach(record.progress);
     return go_on(record);
   };
-  if (problem_.ranks() == nullptr) options.cancelled = options_.cancelled;  // ranks end together
+  if (problem_.ranks() == nullptr) {  // ranks end together
+    options.cancelled = [this] { return stop_.requested(); };
+  }
   options.multilevel = false;  // the seeds are better than what a coarse level would make of them
   PairwiseCells cells =
       pairwise_cells(vectors, all, sites_, std::move(capacities), options, arena_);
@@ -241,56 +241,6 @@ void Trainer<Scalar>::train() {
   }
 }
 
-/// Ends a cancelled run without exact assignments: with the last owners that met the capacities, or
-/// with vectors dealt to the nearest codewords that have room; Lloyd's with what they had last, or
-/// with the nearest. Where that would take too long vectors are dealt out in their order. Not of
-/// several ranks, whose last assignment takes the time that it takes.
-template <class Scalar>
-void Trainer<Scalar>::settle_for_less() {
-  summary_.termination = Termination::cancelled;
-  std::string warning;
-  if (options_.method == CodebookMethod::exact) {
-    summary_.gap = 1;
-    std::fill(weights_.begin(), weights_.end(), 0.0);
-    warning =
-        "training ended before an exact assignment: codes keep the capacities, but may cost far "
-        "more than they need to, and weights are 0";
-  }
-  stop_.allow(kTimeToDeal);
-  try {
-    if (options_.method == CodebookMethod::lloyd) {
-      own_nearest(source_);
-    } else if (met_.empty()) {
-      owners_ = deal_to_nearest(vectors_, sites_, problem_.capacities(), arena_);
-    } else {
-      owners_ = std::move(met_);
-    }
-  } catch (const Stopped&) {
-    owners_.clear();
-    for (const SiteNumber s : sites_below(problem_.site_count())) {
-      owners_.insert(owners_.end(), static_cast<std::size_t>(problem_.capacities()[s]), s.index());
-    }
-    warning = "training ended before vectors had codewords: they were dealt out in their order";
-  }
-  if (!warning.empty()) summary_.warnings.push_back(warning);
-  stop_.off();
-}
-
-/// Ends with an exact assignment if there is time for it.
-template <class Scalar>
-void Trainer<Scalar>::end_cancelled() {
-  if (options_.method != CodebookMethod::exact) return settle_for_less();
-  if (problem_.ranks() == nullptr) stop_.allow(kTimeToFinish);  // ranks would not end alike
-  try {
-    own_nearest(source_);
-    prove();
-  } catch (const Stopped&) {
-    return settle_for_less();
-  }
-  stop_.off();
-  summary_.termination = Termination::cancelled;
-}
-
 template <class Scalar>
 Training Trainer<Scalar>::run(const Columns<double>* codewords) {
   const Index n = problem_.site_count();
@@ -307,6 +257,9 @@ Training Trainer<Scalar>::run(const Columns<double>* codewords) {
     train();
   } catch (const Stopped&) {
     end_cancelled();
+  }
+  if (summary_.termination == Termination::cancelled && (stop_.late() || late_)) {
+    summary_.termination = Termination::time_limit;
   }
   if (problem_.ranks() != nullptr && source_.part().ranks == nullptr) {  // all are here
     const auto own = owners_.begin() + static_cast<std::ptrdiff_t>(problem_.first_own_point());

@@ -164,15 +164,21 @@ void Trainer<Scalar>::exact() {
 /// The exact assignment for the codewords as they are, and its certificate.
 template <class Scalar>
 void Trainer<Scalar>::prove() {
-  ExactAssignment<Scalar> assignment(metric_, vectors_, problem_.site_count(), options_.capacities,
-                                     arena_, options_.gap, source_.part());
-  const Certificate certificate = assignment.solve(sites_, weights_, owners_);
-  summary_.gap = certificate.energy > 0 ? std::min(1.0, certificate.gap / certificate.energy) : 0;
+  summary_.gap = exact_assignment().solve(sites_, weights_, owners_).share();
+}
+
+/// Of all vectors.
+template <class Scalar>
+ExactAssignment<Scalar> Trainer<Scalar>::exact_assignment() const {
+  return {metric_, vectors_,     problem_.site_count(), options_.capacities,
+          arena_,  options_.gap, source_.part()};
 }
 
 template void Trainer<float>::exact();
 template void Trainer<double>::exact();
 template void Trainer<float>::prove();
 template void Trainer<double>::prove();
+template ExactAssignment<float> Trainer<float>::exact_assignment() const;
+template ExactAssignment<double> Trainer<double>::exact_assignment() const;
 
 }  // namespace ccvt

@@ -11,6 +11,7 @@
 #include "ccvt/codebook.h"
 #include "ccvt/problem.h"
 #include "codebook/vectors.h"
+#include "exact/assignment.h"
 #include "geometry/metric.h"
 #include "parallel/arena.h"
 #include "parallel/stop.h"
@@ -25,16 +26,20 @@ constexpr double kTrainingRounding = 1e-13;
 template <class Scalar>
 class Trainer {
  public:
-  /// Of all vectors, or those of a rank: the problem's. `few_bytes`: see Vectors.
+  /// Of all vectors, or those of a rank: the problem's. `few_bytes`: see Vectors. `time_to_finish`:
+  /// for a last exact assignment when training is cancelled.
   Trainer(Problem<Scalar> problem, const CodebookOptions& options,
-          std::size_t few_bytes = kFewBytes)
+          std::size_t few_bytes = kFewBytes,
+          std::chrono::milliseconds time_to_finish = kTimeToFinish)
       : problem_(std::move(problem)),
         source_(problem_, few_bytes),
         vectors_(source_.here()),
         options_(options),
         // Ranks end together: see cancelled().
-        stop_(problem_.ranks() != nullptr ? Stop() : Stop(options.cancelled)),
+        stop_(problem_.ranks() != nullptr ? Stop() : Stop(options.cancelled, options.time_limit)),
+        stop_of_ranks_(options.cancelled, options.time_limit),
         arena_(options.threads, &stop_),
+        time_to_finish_(time_to_finish),
         metric_(vectors_.dimension, Domain()) {
     arena_.divide_among(problem_.ranks());
     if (!options.capacities.empty()) problem_.set_capacities(options.capacities);
@@ -54,14 +59,23 @@ class Trainer {
   Training run(const Columns<double>* codewords);
 
  private:
+  /// The last owners of all vectors that met the capacities.
+  struct Met {
+    std::vector<Index> owners;
+    std::vector<double> weights;
+  };
+
   void seed();
   void train();
   void prove();
   void end_cancelled();
   void settle_for_less();
+  [[nodiscard]] ExactAssignment<Scalar> exact_assignment() const;
+  std::string settle_for_met();
+  std::string settle_for_near();
   /// Of all vectors, where so many are; several ranks never fall back on them.
   void keep_met(Index vectors) {
-    if (vectors == source_.count() && problem_.ranks() == nullptr) met_ = owners_;
+    if (vectors == source_.count() && problem_.ranks() == nullptr) met_ = {owners_, weights_};
   }
   void own_nearest(const Vectors<Scalar>& vectors);
   void lloyd();
@@ -92,16 +106,19 @@ class Trainer {
   PointsView<Scalar> vectors_;  ///< all, or those of this rank
   const CodebookOptions& options_;
   Stop stop_;
+  Stop stop_of_ranks_;  ///< between iterations
+  bool late_ = false;   ///< it was the time that ended ranks
   Arena arena_;
+  std::chrono::milliseconds time_to_finish_;
   Metric metric_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::vector<double> sites_;
   std::vector<double> weights_;
   std::vector<Index> owners_;
-  Index owned_ = 0;         ///< of so many vectors owners_ are those that are here
-  std::vector<Index> met_;  ///< the last owners of all vectors that met the capacities
-  bool bred_ = false;       ///< the sites are those of balanced cells
-  bool placed_ = false;     ///< the sites are where capacities want them
+  Index owned_ = 0;  ///< of so many vectors owners_ are those that are here
+  Met met_;
+  bool bred_ = false;    ///< the sites are those of balanced cells
+  bool placed_ = false;  ///< the sites are where capacities want them
   SettlingProgress progress_;
   CodebookSummary summary_;
 };

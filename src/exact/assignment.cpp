@@ -88,6 +88,28 @@ double ExactAssignment<Scalar>::rounding(double energy, const std::vector<double
   return 1e-15 * (points_.dimension * energy + m * (*high - *low)) + underflow;
 }
 
+/// Of the owners that were priced.
+template <class Scalar>
+void ExactAssignment<Scalar>::set_certificate(const Prices& prices,
+                                              const std::vector<double>& weights,
+                                              const std::vector<Index>& owners) {
+  ++certificate_.rounds;
+  certificate_.energy = prices.energy;
+  certificate_.worst = prices.worst;
+  float_capacities(weights);
+  certificate_.gap = prices.gap + capacity_gap(weights, owners);
+}
+
+template <class Scalar>
+Certificate ExactAssignment<Scalar>::certify(std::span<const double> sites,
+                                             std::vector<double>& weights,
+                                             const std::vector<Index>& owners) {
+  bring_near_zero(weights);
+  std::vector<Index> cheapest = owners;
+  set_certificate(pricer_.price({sites, weights}, cheapest), weights, owners);
+  return certificate_;
+}
+
 template <class Scalar>
 auto ExactAssignment<Scalar>::improve(std::span<const double> sites, std::vector<double>& weights,
                                       std::vector<Index>& owners) -> Round {
@@ -96,12 +118,7 @@ auto ExactAssignment<Scalar>::improve(std::span<const double> sites, std::vector
   CellBounds* const kept = kept_ ? &*kept_ : nullptr;
   const bool followed = kept_ && kept_->cover(owners);
   const Prices prices = pricer_.price({sites, weights}, owners, kept);
-  ++certificate_.rounds;
-  certificate_.energy = prices.energy;
-  certificate_.gap = prices.gap;
-  certificate_.worst = prices.worst;
-  float_capacities(weights);
-  certificate_.gap += capacity_gap(weights, given);
+  set_certificate(prices, weights, given);
   if (certificate_.gap <= std::max(gap_ * prices.energy, rounding(prices.energy, weights))) {
     owners = std::move(given);
     return Round::optimal;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -25,6 +26,9 @@ struct Certificate {
   double worst = 0;
   int rounds = 0;                  ///< pricings of all points
   std::int64_t augmentations = 0;  ///< shortest paths along which points moved
+
+  /// The gap over the energy; 1, which tells nothing, at most.
+  [[nodiscard]] double share() const { return energy > 0 ? std::min(1.0, gap / energy) : 0; }
 };
 
 /// The assignment of points to fixed sites that keeps the capacities at the least sum of squared
@@ -62,10 +66,16 @@ class ExactAssignment {
   Certificate solve(std::span<const double> sites, std::vector<double>& weights,
                     std::vector<Index>& owners);
 
+  /// How good owners that meet the capacities are, by what they cost and by these weights.
+  Certificate certify(std::span<const double> sites, std::vector<double>& weights,
+                      const std::vector<Index>& owners);
+
   /// Of the last round: what the owners given to it cost.
   [[nodiscard]] const Certificate& last() const { return certificate_; }
 
  private:
+  void set_certificate(const Prices& prices, const std::vector<double>& weights,
+                       const std::vector<Index>& owners);
   void float_capacities(const std::vector<double>& weights);
   [[nodiscard]] double capacity_gap(const std::vector<double>& weights,
                                     const std::vector<Index>& owners) const;

@@ -72,6 +72,7 @@ CodebookOptions codebook_options_from(const py::dict& given) {
   if (given.contains("effort")) options.effort = given["effort"].cast<int>();
   take(given, "max_iter", options.max_iterations);
   take(given, "tol", options.tolerance);
+  take(given, "time_limit", options.time_limit);
   take(given, "threads", options.threads);
   take(given, "seed", options.seed);
   take(given, "gap", options.gap);

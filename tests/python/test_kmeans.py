@@ -317,3 +317,15 @@ def test_a_fit_that_fails_leaves_the_last_one(X, weights):
     with pytest.raises(ValueError):
         unfitted.fit(X[:2])
     assert not hasattr(unfitted, "n_features_in_")
+
+
+def test_time_limit():
+    points = np.random.default_rng(3).normal(size=(4000, 3))
+    for weights in (None, np.linspace(1, 2, 4000)):
+        model = BalancedKMeans(40, random_state=1, time_limit=1e-9).fit(points, sample_weight=weights)
+        assert model.termination_ == "time_limit"
+        if weights is None:
+            assert (np.bincount(model.labels_) == 100).all()
+    assert BalancedKMeans(40, random_state=1, time_limit=1e6).fit(points).termination_ == "stable"
+    with pytest.raises(ValueError, match="time_limit"):
+        BalancedKMeans(40, time_limit=-1).fit(points)

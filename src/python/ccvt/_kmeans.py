@@ -81,6 +81,8 @@ class BalancedKMeans(Estimator):
     max_iter : int, default 10000
     tol : float, default 0
         Stops when an iteration lowers the inertia by less than this share of it.
+    time_limit : float, default 0
+        Seconds after which training ends with what it has reached; 0: no limit.
     gap : float, default 0
         ``"exact"``, which alone may have one, ends when the assignment is proved to cost at most this
         share too much.
@@ -145,6 +147,7 @@ class BalancedKMeans(Estimator):
         effort: Optional[SupportsIndex] = None,
         max_iter: SupportsIndex = 10_000,
         tol: float = 0.0,
+        time_limit: float = 0.0,
         gap: float = 0.0,
         train_sample: Optional[SupportsIndex] = None,
         predict_by: str = "weight",
@@ -160,6 +163,7 @@ class BalancedKMeans(Estimator):
         self.effort = effort
         self.max_iter = max_iter
         self.tol = tol
+        self.time_limit = time_limit
         self.gap = gap
         self.train_sample = train_sample
         self.predict_by = predict_by
@@ -269,6 +273,7 @@ class BalancedKMeans(Estimator):
             "method": self.method,
             "max_iter": _checks.whole("max_iter", self.max_iter, 0),
             "tol": _checks.share("tol", self.tol),
+            "time_limit": _checks.real("time_limit", self.time_limit),
             "gap": _checks.share("gap", self.gap),
             "seed": self._seed(),
             "threads": self._threads(),
@@ -317,6 +322,7 @@ class BalancedKMeans(Estimator):
                 threads=self._threads(),
                 max_iterations=_checks.whole("max_iter", self.max_iter, 0),
                 energy_tolerance=self.tol,
+                time_limit=self.time_limit,
                 progress=progress,
             )
         self.cluster_centers_ = found.sites.astype(np.float64)

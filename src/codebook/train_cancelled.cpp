@@ -1,0 +1,92 @@
+// How a training that was cancelled ends.
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <utility>
+
+#include "codebook/dealing.h"
+#include "codebook/trainer.h"
+#include "exact/assignment.h"
+#include "numbers.h"
+
+namespace ccvt {
+namespace {
+
+/// To give vectors codewords when training was cancelled before that.
+constexpr std::chrono::milliseconds kTimeToDeal{2000};
+
+}  // namespace
+
+/// With the last owners that met the capacities, and how good they are if there is time for that;
+/// what to warn of.
+template <class Scalar>
+std::string Trainer<Scalar>::settle_for_met() {
+  owners_ = std::move(met_.owners);
+  if (options_.method != CodebookMethod::exact) return "";
+  weights_ = std::move(met_.weights);
+  summary_.gap = 1;
+  try {
+    summary_.gap = exact_assignment().certify(sites_, weights_, owners_).share();
+  } catch (const Stopped&) {
+  }
+  return "training ended before a last exact assignment: codes keep the capacities, but may cost "
+         "more than they need to, by the gap at most";
+}
+
+/// With vectors dealt to the nearest codewords that have room; Lloyd's with the nearest. Where that
+/// would take too long they are dealt out in their order. What to warn of.
+template <class Scalar>
+std::string Trainer<Scalar>::settle_for_near() {
+  const bool exact = options_.method == CodebookMethod::exact;
+  if (exact) {
+    summary_.gap = 1;
+    std::fill(weights_.begin(), weights_.end(), 0.0);
+  }
+  try {
+    if (options_.method == CodebookMethod::lloyd) {
+      own_nearest(source_);
+    } else {
+      owners_ = deal_to_nearest(vectors_, sites_, problem_.capacities(), arena_);
+    }
+  } catch (const Stopped&) {
+    owners_.clear();
+    for (const SiteNumber s : sites_below(problem_.site_count())) {
+      owners_.insert(owners_.end(), static_cast<std::size_t>(problem_.capacities()[s]), s.index());
+    }
+    return "training ended before vectors had codewords: they were dealt out in their order";
+  }
+  if (!exact) return "";
+  return "training ended before an exact assignment: codes keep the capacities, but may cost far "
+         "more than they need to, and weights are 0";
+}
+
+/// Ends a cancelled run without a last exact assignment. Not of several ranks, whose last one takes
+/// the time that it takes.
+template <class Scalar>
+void Trainer<Scalar>::settle_for_less() {
+  summary_.termination = Termination::cancelled;
+  stop_.allow(kTimeToDeal);
+  const std::string warning = met_.owners.empty() ? settle_for_near() : settle_for_met();
+  if (!warning.empty()) summary_.warnings.push_back(warning);
+  stop_.off();
+}
+
+/// Ends with an exact assignment if there is time for it.
+template <class Scalar>
+void Trainer<Scalar>::end_cancelled() {
+  if (options_.method != CodebookMethod::exact) return settle_for_less();
+  if (problem_.ranks() == nullptr) stop_.allow(time_to_finish_);  // ranks would not end alike
+  try {
+    own_nearest(source_);
+    prove();
+  } catch (const Stopped&) {
+    return settle_for_less();
+  }
+  stop_.off();
+  summary_.termination = Termination::cancelled;
+}
+
+template void Trainer<float>::end_cancelled();
+template void Trainer<double>::end_cancelled();
+
+}  // namespace ccvt
