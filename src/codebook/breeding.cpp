@@ -50,12 +50,14 @@ std::int64_t regions_per_site(int dimension) {
 constexpr std::size_t kBrood = 8;
 constexpr std::size_t kPopulation = 8;
 /// Balancing ends when an iteration gains less than this share, or after so many.
-constexpr double kRough = 1e-3;
-constexpr int kRoughIterations = 20;
-/// An assignment need not be nearer than this to the cheapest.
-constexpr double kRoughGap = 2e-3;
+constexpr double kRough = 3e-4;
+constexpr int kRoughIterations = 60;
+/// An assignment need not be nearer than this to the cheapest. With 2e-3, and 1e-3 above, balancing
+/// ends before it is clear which codebook is the better one: of 22 seeds of seven mixtures, 12 to 22
+/// come within .5 % of the best instead of 21 or 22, in .8 to 1.1 times the time.
+constexpr double kRoughGap = 1e-4;
 /// An iteration's gain times this is what all those after it may gain together.
-constexpr double kHope = 3;
+constexpr double kHope = 8;
 /// Two codebooks whose energies differ by less than this share are the same.
 constexpr double kSame = 1e-7;
 /// Where all that live are as near each other as this, there is but one place to go.

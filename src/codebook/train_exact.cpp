@@ -35,7 +35,7 @@ constexpr std::int64_t kFewVectors = 8;
 constexpr double kStartWork = 0.5;
 /// With so many vectors a codeword, or more, codewords take steps beyond centroids. With fewer they
 /// take about as long as they save: most of the time goes into vectors that change places.
-constexpr Index kSmooth = 256;
+constexpr Index kSmooth = 128;
 
 }  // namespace
 
