@@ -68,6 +68,16 @@ Run<Scalar>::Run(Problem<Scalar> given_problem, Options given_options)
       domain(measured_domain(problem)),
       metric(problem.dimension(), domain) {
   arena.divide_among(ranks());
+  const bool begins = begin_or_continue();
+  if (begins && is_kept() && dealt.empty()) begin_keeping();
+  if (!dealt.empty()) end(Termination::cancelled);
+  if (is_kept()) stop.be_patient(kTimeForIteration);
+}
+
+/// Up to where all points of the coarsest level have owners, or to where an earlier run had come;
+/// whether it begins.
+template <class Scalar>
+bool Run<Scalar>::begin_or_continue() {
   const auto timed = record.initializing();
   Summary& summary = record.summary();
   summary.dimension = problem.dimension();
@@ -88,20 +98,16 @@ Run<Scalar>::Run(Problem<Scalar> given_problem, Options given_options)
     divide_points();
   } catch (const Stopped&) {
     deal({}, {});
-    end(Termination::cancelled);
-    return;
+    return false;
   }
   summary.levels = static_cast<int>(levels.size());
-  if (!continues()) {
-    if (warm) {
-      take_owners();
-    } else {
-      enter_level(0);
-    }
-    if (is_kept() && dealt.empty()) begin_keeping();
+  if (continues()) return false;
+  if (warm) {
+    take_owners();
+  } else {
+    enter_level(0);
   }
-  if (!dealt.empty()) end(Termination::cancelled);
-  if (is_kept()) stop.be_patient(kTimeForIteration);
+  return true;
 }
 
 /// Fast CCVT [Program 2]: one turn of its loop. With several levels [5.2] the tessellation of one

@@ -62,6 +62,7 @@ struct Run {
   /// Ends a run that may be continued from Options::checkpoint, if there is one. False.
   bool end_for_now(Termination termination);
 
+  bool begin_or_continue();
   void place_sites();
   [[nodiscard]] OwnPoints<Scalar> own_points() const {
     return {problem.points(), problem.first_own_point()};

@@ -156,6 +156,7 @@ void Run<Scalar>::enter_level(std::size_t next) {
 /// Ends a cancelled run: all points get owners without more ado, and the sites stay as they are.
 template <class Scalar>
 void Run<Scalar>::deal(const Cells<Scalar>& owned, std::span<const Index> filled) {
+  const auto timed = record.relaxing();
   stop.off();
   const std::int64_t points = problem.point_count();
   const std::int64_t joined = std::accumulate(filled.begin(), filled.end(), std::int64_t{0});

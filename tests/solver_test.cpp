@@ -320,37 +320,6 @@ TEST_CASE_TEMPLATE("points on both faces of a periodic box", Scalar, float, doub
   CHECK(result.sites.isZero());
 }
 
-TEST_CASE("phases add up to the run, and on_loop tells of their loops") {
-  const auto points = make_points<float>(Layout::random, Box::unit(2), 30000);
-  // Another program may take the processor between two phases: the best of three runs counts.
-  double largest_share = 0;
-  for (int run = 0; run < 3; ++run) {
-    std::int64_t loops = 0;
-    std::int64_t tasks = 0;
-    Options options{.threads = 2};
-    options.on_loop = [&](const ccvt::LoopRecord& loop) {
-      ++loops;
-      tasks += std::ssize(loop.tasks);
-      REQUIRE(loop.end >= loop.begin);
-    };
-    const auto result = ccvt::tessellate(points, 300, options);
-    double seconds = 0;
-    for (const auto& phase : result.summary.phases) {
-      CAPTURE(phase.name);
-      CHECK(phase.work_seconds <= 2 * phase.seconds + 1e-3);
-      seconds += phase.seconds;
-      loops -= phase.loops;
-      tasks -= phase.tasks;
-    }
-    CHECK(loops == 0);
-    CHECK(tasks == 0);
-    CHECK(seconds <= result.summary.seconds_total);
-    CHECK(result.summary.full().find("    swap") != std::string::npos);
-    largest_share = std::max(largest_share, seconds / result.summary.seconds_total);
-  }
-  CHECK(largest_share >= 0.95);
-}
-
 static_assert(!std::is_constructible_v<Problem<float>, ccvt::Points<float>, Index>);
 static_assert(!std::is_constructible_v<Problem<float>, const ccvt::Points<float>, Index>);
 static_assert(!std::is_constructible_v<Problem<float>, ccvt::Columns<float>, Index>);

@@ -77,6 +77,64 @@ TEST_CASE("without time for a last assignment, codes and weights are those of th
   CHECK(largest < 0.01);
 }
 
+TEST_CASE(
+    "a step beyond centroids that was taken back is not what a cancelled training ends with") {
+  const auto points = sample_uniform(Box::unit(2), 8000, 5, Distribution::white);
+  const Columns<double> start(points.leftCols(40));
+  for (int last = 3; last < 30; ++last) {
+    CAPTURE(last);
+    double energy = 0;
+    int iteration = 0;
+    int asked = 0;
+    CodebookOptions options{.effort = 0, .threads = 1};
+    options.on_iteration = [&](const IterationRecord& record) {
+      iteration = record.iteration;
+      energy = record.energy;
+      return true;
+    };
+    options.cancelled = [&] {  // in the assignment that comes next
+      if (iteration < last) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(21));
+      return ++asked > 3;
+    };
+    Trainer<double> trainer(Problem<double>(points, 40), options, kFewBytes,
+                            std::chrono::milliseconds(0));
+    const CodebookSummary summary = trainer.run(&start).summary;
+    CHECK(summary.energy <= energy * (1 + 1e-12));
+    CHECK(summary.usage.smallest == 200);
+    CHECK(summary.usage.largest == 200);
+  }
+}
+
+TEST_CASE("lloyd that is cancelled in an iteration ends with the nearest codewords") {
+  const auto points = sample_uniform<float>(Box::unit(8), 20'000, 5, Distribution::white);
+  for (const int last_ask : {1, 2, 3, 5}) {
+    int iteration = 0;
+    int asked = 0;
+    CodebookOptions options{.method = CodebookMethod::lloyd, .threads = 1};
+    options.on_iteration = [&](const IterationRecord& record) {
+      iteration = record.iteration;
+      return true;
+    };
+    options.cancelled = [&] {
+      if (iteration < 3) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(21));
+      return ++asked > last_ask;
+    };
+    const Training training = train_codebook(points, 200, options);
+    CHECK(training.summary.termination == Termination::cancelled);
+    CHECK(training.codes == training.codebook.encode(points, Coding::nearest));
+  }
+}
+
+TEST_CASE("breeding leaves most of the time that there is") {
+  const auto points = sample_uniform<float>(Box::unit(4), 20'000, 5, Distribution::white);
+  const CodebookOptions options{.effort = 1'000'000, .time_limit = 3, .threads = 1};
+  const CodebookSummary summary = train_codebook(points, 20, options).summary;
+  CHECK(summary.seconds_seeding < 2.5);
+  CHECK(summary.iterations > 0);
+}
+
 TEST_CASE("training ends when its time is over, with capacities met") {
   const auto points = sample_uniform<float>(Box::unit(2), 20'000, 5, Distribution::white);
   for (const auto method :

@@ -63,8 +63,10 @@ struct CCVT_EXPORT CodebookOptions {
   /// Stops when an iteration lowers the distortion by less than this share of it. In [0, 1); 0: run
   /// until no vector changes its codeword.
   double tolerance = 0;
-  /// Seconds after which training ends as if it were cancelled, see `cancelled`. Not negative; 0:
-  /// no limit. What a training that ends so has reached is not the same each time.
+  /// Seconds after which training ends as if it were cancelled, see `cancelled`; breeding ends
+  /// after a third of them. Not negative; 0: no limit. What a training that ends so has reached is
+  /// not the same each time. Of ranks, whose limits may differ, the first that is over ends it,
+  /// after an iteration.
   double time_limit = 0;
   /// Threads to use; 0: one per processor. Any number gives identical bits.
   int threads = 0;
@@ -88,9 +90,10 @@ struct CCVT_EXPORT CodebookOptions {
   std::function<bool(const IterationRecord&)> on_iteration = {};
   /// Asked several times a second, from the thread that trains; true ends training with the
   /// codewords there are, during seeding the best seeds so far. `exact` still assigns the vectors
-  /// if that takes no longer than a third of a second; else they keep the last codes that met the
-  /// capacities, with the weights of that assignment, or, before the first, are dealt out, and
-  /// weights are 0. The gap is then 1 unless it is found within two seconds.
+  /// if that takes no longer than a third of a second. Else, where all vectors had an exact
+  /// assignment before, codes and weights are those of the last one, and the gap is found if that
+  /// takes no longer than two seconds. Else vectors go to near codewords that have room, weights
+  /// are 0, and the gap is 1.
   std::function<bool()> cancelled = {};
 
   /// Throws InvalidInput naming the first field outside its bounds.

@@ -23,7 +23,7 @@ enum class Termination {
   energy_tolerance,
   /// Options::max_iterations passes were made.
   iteration_limit,
-  /// Options::time_limit seconds had passed.
+  /// The seconds of a `time_limit` had passed.
   time_limit,
   /// Options::on_iteration returned false, Options::cancelled true, or Solver::cancel() was called.
   cancelled,

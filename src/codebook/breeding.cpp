@@ -1,6 +1,7 @@
 #include "codebook/breeding.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -8,13 +9,14 @@
 #include <utility>
 
 #include "cell_sizes.h"
-#include "codebook/sample.h"
+#include "codebook/sample_source.h"
 #include "codebook/seeding.h"
 #include "codebook/share.h"
 #include "exact/assignment.h"
 #include "exact/centroids.h"
 #include "geometry/squares.h"
 #include "parallel/rank_turns.h"
+#include "parallel/together.h"
 #include "random.h"
 #include "streams.h"
 
@@ -25,10 +27,6 @@ namespace {
 constexpr std::int64_t kFirstSample = 64;
 /// Points a site of the sample that the rest are judged on.
 constexpr std::int64_t kLastSample = 256;
-/// Points a site of those that samples are taken from.
-constexpr std::int64_t kSource = 1024;
-/// Samples have no fewer points than this.
-constexpr std::int64_t kLeastSample = 1024;
 /// By default so many children by the number of sites, within a limit, up to so many dimensions.
 /// Beyond, they take longer than what comes after.
 constexpr Index kUsualEffort = 4096;
@@ -36,16 +34,6 @@ constexpr Index kMostEffort = 64;
 constexpr int kEffortDimensions = 128;
 /// One child of so many comes last.
 constexpr int kLastChildren = 3;
-/// Regions a site that have their share of the samples: the smaller they are, the less does what is
-/// best on a sample differ from what is best; in many dimensions they cost more than they save.
-constexpr int kMostRegions = 16;
-constexpr int kLeastRegions = 4;
-constexpr int kRegionDimensions = 512;
-
-std::int64_t regions_per_site(int dimension) {
-  return std::clamp(kRegionDimensions / dimension, kLeastRegions, kMostRegions);
-}
-
 /// Children that are bred of the same parents' generation.
 constexpr std::size_t kBrood = 8;
 constexpr std::size_t kPopulation = 8;
@@ -53,8 +41,8 @@ constexpr std::size_t kPopulation = 8;
 constexpr double kRough = 3e-4;
 constexpr int kRoughIterations = 60;
 /// An assignment need not be nearer than this to the cheapest. With 2e-3, and 1e-3 above, balancing
-/// ends before it is clear which codebook is the better one: of 22 seeds of seven mixtures, 12 to 22
-/// come within .5 % of the best instead of 21 or 22, in .8 to 1.1 times the time.
+/// ends before it is clear which codebook is the better one: of 22 seeds of seven mixtures, 12 to
+/// 22 come within .5 % of the best instead of 21 or 22, in .8 to 1.1 times the time.
 constexpr double kRoughGap = 1e-4;
 /// An iteration's gain times this is what all those after it may gain together.
 constexpr double kHope = 8;
@@ -62,54 +50,6 @@ constexpr double kHope = 8;
 constexpr double kSame = 1e-7;
 /// Where all that live are as near each other as this, there is but one place to go.
 constexpr double kAlike = 1e-4;
-
-/// The points that samples are taken from, and their regions.
-template <class Scalar>
-class Source {
- public:
-  Source(const Vectors<Scalar>& vectors, Index sites, std::uint64_t seed, const Arena& arena)
-      : count_(vectors.count()),
-        sites_(sites),
-        arena_(arena),
-        seed_(seed),
-        points_(vectors.here()),
-        chosen_(draw_distinct(size(kSource), count_, seed, streams::codebook_sample)) {
-    if (vectors.part().ranks != nullptr) {
-      gathered_ = vectors.chosen(chosen_);
-      points_ = view_points(gathered_);
-      std::iota(chosen_.begin(), chosen_.end(), 0);
-    }
-    all_ = sample_of(points_, std::span<const Index>(chosen_));
-    const std::int64_t regions = regions_per_site(points_.dimension) * sites;
-    middles_ =
-        plus_plus_in_rounds(view_points(all_.points),
-                            static_cast<Index>(std::min<std::int64_t>(size(kFirstSample), regions)),
-                            seed, streams::codebook_breeding, arena);
-  }
-
-  /// So many points a site, the same share of each region.
-  [[nodiscard]] Sample sample(std::int64_t per_site) const {
-    std::vector<Index> numbers =
-        draw_evenly<float>(view_points(all_.points), middles_, size(per_site), seed_, arena_);
-    for (Index& number : numbers) number = chosen_[static_cast<std::size_t>(number)];
-    return sample_of(points_, std::span<const Index>(numbers));
-  }
-  [[nodiscard]] Index size(std::int64_t per_site) const {
-    return static_cast<Index>(
-        std::min<std::int64_t>(count_, std::max(kLeastSample, per_site * sites_)));
-  }
-
- private:
-  Index count_;  ///< of all ranks
-  Index sites_;
-  const Arena& arena_;
-  std::uint64_t seed_;
-  Points<Scalar> gathered_;    ///< of several ranks, what samples are taken from
-  PointsView<Scalar> points_;  ///< that, or all
-  std::vector<Index> chosen_;  ///< among `points_`
-  Sample all_;
-  std::vector<double> middles_;
-};
 
 struct Candidate : BredSites {
   double energy = std::numeric_limits<double>::infinity();
@@ -133,6 +73,10 @@ class Breeder {
   void add_children(int children, std::uint64_t stream);
   /// Adds what was found on another sample.
   void add(std::vector<BredSites> found);
+  /// Whether there is no more time.
+  [[nodiscard]] bool over() const {
+    return any(breeding_.ranks, std::chrono::steady_clock::now() >= breeding_.until);
+  }
   /// The best first, in the units of all points.
   [[nodiscard]] std::vector<BredSites> found() const;
 
@@ -361,7 +305,7 @@ void Breeder::add_seedings() {
 
 void Breeder::add_children(int children, std::uint64_t stream) {
   const auto count = static_cast<std::size_t>(children);
-  for (std::size_t begin = 0; begin < count && !alike(); begin += kBrood) {
+  for (std::size_t begin = 0; begin < count && !alike() && !over(); begin += kBrood) {
     add_each(std::min(kBrood, count - begin),
              [&](std::size_t k) { return child(stream + begin + k); });
   }
@@ -406,15 +350,15 @@ BredSites breed_sites(const Vectors<Scalar>& points, std::span<const Index> capa
   std::optional<Breeder> first;
   std::optional<Breeder> last;
   try {
-    const Source<Scalar> source(points, static_cast<Index>(capacities.size()), breeding.seed,
-                                arena);
+    const SampleSource<Scalar> source(points, static_cast<Index>(capacities.size()), kFirstSample,
+                                      breeding.seed, arena);
     const bool larger = source.size(kFirstSample) < source.size(kLastSample);
     const int children = larger ? breeding.children / kLastChildren : 0;
     constexpr std::uint64_t stream = streams::codebook_breeding + 1;
     breeder(source.sample(kFirstSample), first);
     first->add_seedings();
     first->add_children(breeding.children - children, stream);
-    if (larger) {
+    if (larger && !first->over()) {
       breeder(source.sample(kLastSample), last);
       last->add(first->found());
       last->add_children(children, stream + static_cast<std::uint64_t>(breeding.children));

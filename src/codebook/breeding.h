@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,6 +23,8 @@ struct Breeding {
   std::uint64_t seed = 0;
   bool random = false;     ///< parents are drawn at random, and not by k-means++
   Ranks* ranks = nullptr;  ///< that share the work, each breeding some of a generation
+  /// Then it ends with what there is, whichever of the ranks looks at its clock.
+  std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max();
 };
 
 /// How many children pay: none where chance hardly tells one seeding from another.

@@ -28,11 +28,14 @@
 namespace ccvt {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+/// Of a time limit, the share after which breeding ends.
+constexpr double kBreedingTime = 1.0 / 3;
+constexpr double kLongest = 1e9;  // seconds; beyond, the clock has no such time
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+
+double seconds_since(Clock::time_point start) { return Seconds(Clock::now() - start).count(); }
 
 /// Throws InvalidInput on all ranks where they were given different things. `codewords`: given to
 /// start from.
@@ -86,6 +89,10 @@ void Trainer<Scalar>::seed() {
   breeding.seed = options_.seed;
   breeding.ranks = problem_.ranks();
   breeding.random = options_.seeding == Seeding::random;
+  if (options_.time_limit > 0 && options_.time_limit < kLongest) {
+    breeding.until = start_ + std::chrono::duration_cast<Clock::duration>(
+                                  kBreedingTime * Seconds(options_.time_limit));
+  }
   const bool usual = breeding.seedings > 1 && !breeding.random;
   breeding.children = options_.effort.value_or(usual ? usual_effort(n, vectors_.dimension) : 0);
   if (breeding.children > 0 && n > 1 && options_.method != CodebookMethod::lloyd) {

@@ -22,19 +22,45 @@ constexpr std::chrono::milliseconds kTimeToDeal{2000};
 template <class Scalar>
 std::string Trainer<Scalar>::settle_for_met() {
   owners_ = std::move(met_.owners);
-  if (options_.method != CodebookMethod::exact) return "";
   weights_ = std::move(met_.weights);
   summary_.gap = 1;
+  std::string warning =
+      "training ended before a last exact assignment: codes keep the capacities, but may cost more "
+      "than they need to";
   try {
     summary_.gap = exact_assignment().certify(sites_, weights_, owners_).share();
+    warning += ", by the gap at most";
   } catch (const Stopped&) {
   }
-  return "training ended before a last exact assignment: codes keep the capacities, but may cost "
-         "more than they need to, by the gap at most";
+  return warning;
 }
 
-/// With vectors dealt to the nearest codewords that have room; Lloyd's with the nearest. Where that
-/// would take too long they are dealt out in their order. What to warn of.
+/// Lloyd's, with the nearest codewords. What to warn of.
+template <class Scalar>
+std::string Trainer<Scalar>::settle_for_nearest() {
+  const bool owned = owned_ == source_.count();
+  owned_ = 0;
+  try {
+    own_nearest(source_);
+  } catch (const Stopped&) {
+    if (!owned) return deal_in_order();
+    return "training ended before vectors had the codes of their nearest codewords: some have "
+           "those of codewords that were nearest before";
+  }
+  return "";
+}
+
+template <class Scalar>
+std::string Trainer<Scalar>::deal_in_order() {
+  owners_.clear();
+  for (const SiteNumber s : sites_below(problem_.site_count())) {
+    owners_.insert(owners_.end(), static_cast<std::size_t>(problem_.capacities()[s]), s.index());
+  }
+  return "training ended before vectors had codewords: they were dealt out in their order";
+}
+
+/// With vectors dealt to the nearest codewords that have room. Where that would take too long they
+/// are dealt out in their order. What to warn of.
 template <class Scalar>
 std::string Trainer<Scalar>::settle_for_near() {
   const bool exact = options_.method == CodebookMethod::exact;
@@ -43,17 +69,9 @@ std::string Trainer<Scalar>::settle_for_near() {
     std::fill(weights_.begin(), weights_.end(), 0.0);
   }
   try {
-    if (options_.method == CodebookMethod::lloyd) {
-      own_nearest(source_);
-    } else {
-      owners_ = deal_to_nearest(vectors_, sites_, problem_.capacities(), arena_);
-    }
+    owners_ = deal_to_nearest(vectors_, sites_, problem_.capacities(), arena_);
   } catch (const Stopped&) {
-    owners_.clear();
-    for (const SiteNumber s : sites_below(problem_.site_count())) {
-      owners_.insert(owners_.end(), static_cast<std::size_t>(problem_.capacities()[s]), s.index());
-    }
-    return "training ended before vectors had codewords: they were dealt out in their order";
+    return deal_in_order();
   }
   if (!exact) return "";
   return "training ended before an exact assignment: codes keep the capacities, but may cost far "
@@ -66,7 +84,12 @@ template <class Scalar>
 void Trainer<Scalar>::settle_for_less() {
   summary_.termination = Termination::cancelled;
   stop_.allow(kTimeToDeal);
-  const std::string warning = met_.owners.empty() ? settle_for_near() : settle_for_met();
+  std::string warning;
+  if (options_.method == CodebookMethod::lloyd) {
+    warning = settle_for_nearest();
+  } else {
+    warning = met_.owners.empty() ? settle_for_near() : settle_for_met();
+  }
   if (!warning.empty()) summary_.warnings.push_back(warning);
   stop_.off();
 }

@@ -96,13 +96,15 @@ void Trainer<Scalar>::exact_level(const Vectors<Scalar>& vectors, std::vector<In
       before = energy;
       changed = changed_cells(given, owners_, weights_.size(), ranks);
     }
-    keep_met(m);
+    // What a step beyond centroids led to may not be kept.
+    if (steps.at_centroids()) keep_met(m);
     std::int64_t moved = 0;
     for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
     const bool goes_on = go_on(m, energy, total(ranks, moved));
     if (!goes_on && steps.at_centroids()) break;
     move_to_centroids(metric_, vectors.here(), Grouping(owners_, weights_.size()), arena_, sites_,
                       changed, ranks);
+    const Stop::Pause pause(stop_);  // until owners and sites are of the same cells again
     std::vector<Index> sizes;
     if (steps.smooth()) sizes = summed(ranks, cell_sizes(owners_, weights_.size()));
     if (!steps.advance(sites_, std::move(sizes), idle || slow || !goes_on)) {
@@ -110,6 +112,7 @@ void Trainer<Scalar>::exact_level(const Vectors<Scalar>& vectors, std::vector<In
       weights_ = std::move(weights_given);
       before = std::numeric_limits<double>::infinity();
     }
+    keep_met(m);
     assigned = true;
     if (!goes_on) break;
   }

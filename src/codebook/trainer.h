@@ -73,6 +73,8 @@ class Trainer {
   [[nodiscard]] ExactAssignment<Scalar> exact_assignment() const;
   std::string settle_for_met();
   std::string settle_for_near();
+  std::string settle_for_nearest();
+  std::string deal_in_order();
   /// Of all vectors, where so many are; several ranks never fall back on them.
   void keep_met(Index vectors) {
     if (vectors == source_.count() && problem_.ranks() == nullptr) met_ = {owners_, weights_};
