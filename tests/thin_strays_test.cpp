@@ -1,7 +1,6 @@
 // Clouds with strays, with many points in one place, and at the end of what numbers bear.
 #include <doctest/doctest.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -12,6 +11,7 @@
 #include "parallel/arena.h"
 #include "random.h"
 #include "support/message.h"
+#include "support/processor_time.h"
 #include "thin/owners.h"
 
 namespace ccvt::test {
@@ -60,9 +60,9 @@ TEST_CASE("owners are found soon where many chosen points are in one place") {
   points.rightCols(1000).setRandom();
   std::vector<Index> chosen(40000);
   std::iota(chosen.begin(), chosen.end(), 0);
-  const auto start = std::chrono::steady_clock::now();
+  const double start = processor_seconds();
   const auto owners = nearest_chosen(view_points(points), chosen, Arena(1));
-  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(1));
+  CHECK(processor_seconds() - start < 1);
   for (std::size_t p = 0; p < owners.size(); ++p) {
     CHECK(owners[p] < 40000);
     if (p < 40000) CHECK(owners[p] == static_cast<Index>(p));
