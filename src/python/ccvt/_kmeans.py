@@ -82,7 +82,8 @@ class BalancedKMeans(Estimator):
     tol : float, default 0
         Stops when an iteration lowers the inertia by less than this share of it.
     time_limit : float, default 0
-        Seconds after which training ends with what it has reached; 0: no limit.
+        Seconds after which training ends with what it has reached; 0: no limit. RuntimeError where
+        samples weigh differently and nothing is reached in them.
     gap : float, default 0
         ``"exact"``, which alone may have one, ends when the assignment is proved to cost at most this
         share too much.
