@@ -173,6 +173,12 @@ CANNOT_BE_PROVOKED = {
     ("src/cli/standard_streams.cpp", " reads and writes files only"): _MPI,
     ("src/cli/volume_mask.cpp", " (of two .npy, one is in C order, the other in Fortran order), or from "
                                 "the other end: several processes need both alike"): _MPI,
+    ("src/mpi/main.cpp", " was started with other arguments than rank 0, or is of another version; all need the "
+                         "same, but for --threads"): _MPI,
+    ("src/mpi/results.cpp", ": several processes read files in .npy, .fvecs and .bvecs, each its part"): _MPI,
+    ("src/mpi/results.cpp", " dimensions; several processes know up to "): _MPI,
+    ("src/mpi/results.cpp", "' does not start balanced, as several processes do"): _MPI,
+    ("src/mpi/session.cpp", ": with --points-per-site "): _MPI,
     ("src/mpi/session.h", "out of memory"): "needs a machine without any left",
     ("src/exact/exchange_ranks.cpp", "ranks have come to search apart: processors differ too much"):
         "needs processors of different kinds",
