@@ -12,7 +12,7 @@
 namespace ccvt {
 namespace {
 
-/// To give vectors codewords when training was cancelled before that.
+/// To give vectors codewords when training was cancelled before that, or to tell how good they are.
 constexpr std::chrono::milliseconds kTimeToDeal{2000};
 
 }  // namespace
