@@ -142,20 +142,27 @@ double ExchangeGraph::lowered(double base, double reduced) const {
   return base + reduced - 1e-14 * (std::abs(base) + std::abs(reduced) + largest_weight_);
 }
 
-/// Along all edges of a site, or of the hub, that are known.
-void ExchangeGraph::relax_edges(SiteNumber from) {
-  const double least = distance_[from];
-  if (from == hub()) {
-    const double base = least + hub_weight_;
-    for (const SiteNumber a : sites_below(cells_.size())) {
-      if (has_more(a)) relax({from, kNoPoint}, a, std::max(least, base - weights_[a]));
-    }
-    return;
+/// From the hub, along all its edges.
+void ExchangeGraph::relax_hub() {
+  const double least = distance_[hub()];
+  const double base = least + hub_weight_;
+  for (const SiteNumber a : sites_below(cells_.size())) {
+    if (has_more(a)) relax({hub(), kNoPoint}, a, std::max(least, base - weights_[a]));
   }
+}
+
+/// Along the edges of a site from the slots of a page on; those that lead no farther than
+/// `looked_at` at once, others when the search has come as far.
+void ExchangeGraph::relax_edges(SiteNumber from, std::size_t page, double looked_at) {
   const Cell& cell = cells_[from];
+  const double least = distance_[from];
   const double base = least + weights_[from];
-  for (std::size_t page = 0; page < cell.page.size(); ++page) {
-    if (lowered(base, cell.page[page]) > nearest_) continue;
+  for (; page < cell.page.size(); ++page) {
+    const auto left = cell.page.begin() + static_cast<std::ptrdiff_t>(page);
+    const double next = std::min(cell.rest, *std::min_element(left, cell.page.end()));
+    const double nearest = lowered(base, next);
+    if (nearest > nearest_) return;
+    if (nearest > looked_at) return push({nearest, from, step_of_page(page)});
     const std::size_t end = std::min((page + 1) * kPage, cell.to.size());
     for (std::size_t slot = page * kPage; slot < end; ++slot) {
       const SiteNumber j = cell.to[slot];
@@ -168,9 +175,9 @@ void ExchangeGraph::relax_edges(SiteNumber from) {
       }
     }
   }
-  if (floating_ && !has_more(from)) {
-    relax({from, kNoPoint}, hub(), std::max(least, base - hub_weight_));
-  }
+  if (cell.size == 0 || cell.rest == kNone) return;
+  const double rest = lowered(base, cell.rest);
+  if (rest <= nearest_) push({std::max(least, rest), from, kRest});
 }
 
 /// Shortest paths from `source` up to the first site with too few points, settled_.back(); how far
@@ -193,14 +200,23 @@ double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
       if (settled(i)) continue;
       limit_[i] = -kNone;
       settled_.push_back(i);
-      if (i != hub()) {
-        if (surplus(i) < 0) return step.distance;
-        if (!cells_[i].bounded) {
-          arena.check();
-          bound_edges(i, slots_of_each(), scratch_);
-        }
-        if (i == source) reach_directly(i);
+      if (i == hub()) {
+        relax_hub();
+        continue;
       }
+      if (surplus(i) < 0) return step.distance;
+      if (!cells_[i].bounded) {
+        arena.check();
+        bound_edges(i, slots_of_each(), scratch_);
+      }
+      if (i == source) reach_directly(i);
+      if (floating_ && !has_more(i)) {
+        const double distance = distance_[i] + weights_[i] - hub_weight_;
+        relax({i, kNoPoint}, hub(), std::max(distance_[i], distance));
+      }
+    } else if (step.what < kRest) {
+      relax_edges(i, page_of_step(step.what), step.distance);
+      continue;
     } else if (step.what == kRest) {
       arena.check();
       bound_edges(i, 2 * cells_[i].to.size(), scratch_);
@@ -217,10 +233,7 @@ double ExchangeGraph::find_path(SiteNumber source, const Arena& arena) {
       arena.check();
       tighten(i);
     }
-    relax_edges(i);
-    if (i == hub() || cells_[i].size == 0 || cells_[i].rest == kNone) continue;
-    const double rest = lowered(distance_[i] + weights_[i], cells_[i].rest);
-    if (rest <= nearest_) push({std::max(distance_[i], rest), i, kRest});
+    relax_edges(i, 0, step.distance);
   }
 }
 

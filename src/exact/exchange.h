@@ -63,7 +63,7 @@ class ExchangeGraph {
   static constexpr double kNone = std::numeric_limits<double>::infinity();
   static constexpr std::int32_t kNotWeighed = -1;
   /// Slots that are looked at or passed over together.
-  static constexpr std::size_t kPage = 32;
+  static constexpr std::size_t kPage = 8;
   /// What moving a point along an edge costs.
   struct Move {
     double cost;
@@ -93,8 +93,8 @@ class ExchangeGraph {
     /// What moving a point to any other site costs at least, less that site's weight.
     double rest = kNone;
   };
-  /// What a search looks at next: a site, the edges of a site that are in no slot, or an edge that
-  /// is not weighed yet, in its slot.
+  /// What a search looks at next: a site, the edges of a site in pages of slots, or those in no
+  /// slot, or an edge that is not weighed yet, in its slot.
   struct Step {
     double distance;
     SiteNumber site;
@@ -108,6 +108,12 @@ class ExchangeGraph {
   static constexpr std::int32_t kSite = std::numeric_limits<std::int32_t>::max();
   static constexpr std::int32_t kTarget = kSite - 1;
   static constexpr std::int32_t kRest = -1;
+  [[nodiscard]] static std::int32_t step_of_page(std::size_t page) {
+    return kRest - 1 - static_cast<std::int32_t>(page);
+  }
+  [[nodiscard]] static std::size_t page_of_step(std::int32_t what) {
+    return static_cast<std::size_t>(kRest - 1 - what);
+  }
 
   /// How a search came to a site: from another, by moving a point. None moves to or from the hub.
   struct Way {
@@ -181,7 +187,8 @@ class ExchangeGraph {
   [[nodiscard]] bool may_matter(SiteNumber from, SiteNumber to, double distance) const;
   void relax_edge(SiteNumber from, std::size_t slot);
   void reach_directly(SiteNumber source);
-  void relax_edges(SiteNumber from);
+  void relax_hub();
+  void relax_edges(SiteNumber from, std::size_t page, double looked_at);
   [[nodiscard]] double lowered(double base, double reduced) const;
   void relax(const Way& way, SiteNumber to, double distance);
   void push(const Step& step);
@@ -190,6 +197,8 @@ class ExchangeGraph {
   void move(const Mover& mover);
   void remove(const Mover& mover);
   void insert(const Mover& mover);
+  void add_to_slots(const Mover& mover);
+  void add_to_all(const Mover& mover);
   void add_move(SiteNumber site, std::size_t slot, const Move& move);
   void lower_rest(Cell& cell, double own, std::span<const double> squared);
   void lower_rest(Cell& cell, const Mover& mover, double before, double own);

@@ -150,56 +150,79 @@ void ExchangeGraph::remove(const Mover& mover) {
 }
 
 void ExchangeGraph::insert(const Mover& mover) {
-  const auto& [point, place, from, site] = mover;
-  Cell& cell = cells_[site];
+  Cell& cell = cells_[mover.to];
   ++cell.size;
-  if (is_own(place)) cell.members.push_back(place);
+  if (is_own(mover.place)) cell.members.push_back(mover.place);
   if (!cell.bounded) return;
+  const bool all = cell.rest == kNone;  // edges have slots
+  if (!all) {
+    for (const SiteNumber j : cell.to) in_slot_[j] = 1;
+    in_slot_[mover.to] = 1;
+  }
   // Where most are in no slot, they are bounded by those of `from`; not by several ranks, whose
   // bounds that are kept would not be alike.
   const bool most =
       kept_ == nullptr || (part_.ranks == nullptr && cells_.size() >= kManySites * cell.to.size());
-  const bool some = most && cell.rest < kNone && cells_[from].rest < kNone;
-  // What is weighed is known to the last bit; for the others bounds will do.
-  std::vector<SiteNumber>& sites = scratch_.others;
-  sites.assign({site, from});
-  for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
-    if (some || cell.weighed[slot] != kNotWeighed) sites.push_back(cell.to[slot]);
+  if (most && !all && cells_[mover.from].rest < kNone) {
+    add_to_slots(mover);
+  } else {
+    add_to_all(mover);
   }
+  if (all) return;
+  for (const SiteNumber j : cell.to) in_slot_[j] = 0;
+  in_slot_[mover.to] = 0;
+}
+
+/// The ways of a point that has come along all edges in slots; the others are bounded by those of
+/// the site it came from.
+void ExchangeGraph::add_to_slots(const Mover& mover) {
+  Cell& cell = cells_[mover.to];
+  std::vector<SiteNumber>& sites = scratch_.others;
+  sites.assign({mover.to, mover.from});
+  sites.insert(sites.end(), cell.to.begin(), cell.to.end());
+  std::vector<double>& squared = scratch_.there;
+  costs_.squared_to(mover.place, sites, squared, scratch_.costs);
+  const double own = squared[0];
+  if (is_own(mover.place)) {
+    own_cost_[mover.place] = own;
+    if (kept_ != nullptr) kept_->widen(mover.to, own);
+  }
+  for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
+    add_move(mover.to, slot, {squared[slot + 2] - own, mover.point});
+  }
+  lower_rest(cell, mover, squared[1], own);
+}
+
+/// The ways of a point that has come along all edges: to the last bit where it may be one of the
+/// cheapest moves known, for the others bounds will do.
+void ExchangeGraph::add_to_all(const Mover& mover) {
+  Cell& cell = cells_[mover.to];
+  const auto& [point, place, from, site] = mover;
   std::vector<double>& exact = scratch_.there;
-  costs_.squared_to(place, sites, exact, scratch_.costs);
-  const double own = exact[0];
-  const double before = exact[1];
-  std::span<const double> squared;
-  if (!some) squared = costs_.squared_at_least_to_all(place, scratch_.costs);
+  costs_.squared_to(place, {&site, 1}, exact, scratch_.costs);
+  const double own = exact.front();
+  const std::span<const double> squared = costs_.squared_at_least_to_all(place, scratch_.costs);
   if (is_own(place)) {
     own_cost_[place] = own;
-    if (kept_ != nullptr) {
-      if (some) {
-        kept_->widen(site, own);
-      } else {
-        kept_->include(site, place, squared, own);
-      }
-    }
+    if (kept_ != nullptr) kept_->include(site, place, squared, own);
   }
-  const double* next = exact.data() + 2;
+  std::vector<SiteNumber>& sites = scratch_.others;
+  sites.clear();
+  slots_.clear();
   for (std::size_t slot = 0; slot < cell.to.size(); ++slot) {
-    if (some || cell.weighed[slot] != kNotWeighed) {
-      add_move(site, slot, {*next++ - own, point});
-    } else {
-      add_move(site, slot, {squared[cell.to[slot]] - own, point});
+    const SiteNumber j = cell.to[slot];
+    if (cell.weighed[slot] == kNotWeighed) {
+      add_move(site, slot, {squared[j] - own, point});
+    } else if (!(squared[j] - own > moves_of(site, slot).beyond.cost)) {
+      sites.push_back(j);
+      slots_.push_back(slot);
     }
   }
-  if (cell.rest == kNone) return;
-  for (const SiteNumber j : cell.to) in_slot_[j] = 1;
-  in_slot_[site] = 1;
-  if (some) {
-    lower_rest(cell, mover, before, own);
-  } else {
-    lower_rest(cell, own, squared);
+  costs_.squared_to(place, sites, exact, scratch_.costs);
+  for (std::size_t k = 0; k < slots_.size(); ++k) {
+    add_move(site, slots_[k], {exact[k] - own, point});
   }
-  for (const SiteNumber j : cell.to) in_slot_[j] = 0;
-  in_slot_[site] = 0;
+  if (cell.rest < kNone) lower_rest(cell, own, squared);
 }
 
 /// A way for a point that has come.
