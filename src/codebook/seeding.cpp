@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "codebook/reseat.h"
+#include "codebook/rough_lloyd.h"
 #include "codebook/sample.h"
 #include "exact/centroids.h"
 #include "exact/pricing.h"
@@ -27,33 +28,11 @@ constexpr std::int64_t kLeastSample = 8192;
 constexpr int kGreedyDimensions = 8;
 constexpr Index kGreedySites = 2048;
 constexpr std::size_t kPointsPerGrain = 1024;
-/// Lloyd iterations on the sample end when one gains less than this share.
-constexpr double kRough = 1e-3;
-constexpr int kRoughIterations = 12;
 constexpr int kReseatings = 24;
 
 /// As many points as wanted, or all.
 Index sample_size(std::int64_t wanted, Index points) {
   return static_cast<Index>(std::min<std::int64_t>(points, wanted));
-}
-
-struct Seeds {
-  std::vector<double> sites;
-  std::vector<Index> owners;
-  double energy = 0;
-};
-
-/// Lloyd iterations, to a rough end.
-void relax(const Metric& metric, PointsView<float> points, const Arena& arena, Seeds& seeds) {
-  const std::vector<double> weights = no_weights(seeds.sites, points.dimension);
-  const Pricer<float> pricer(metric, points, arena);
-  for (int i = 0; i < kRoughIterations; ++i) {
-    const double before = seeds.energy;
-    const Prices prices = pricer.price({seeds.sites, weights}, seeds.owners);
-    seeds.energy = prices.cheapest_energy;
-    if (prices.moved == 0 || (i > 0 && before - seeds.energy < kRough * before)) break;
-    move_to_centroids(metric, points, Grouping(seeds.owners, weights.size()), arena, seeds.sites);
-  }
 }
 
 }  // namespace
@@ -173,15 +152,16 @@ std::vector<double> seed_sites(const Vectors<Scalar>& points, Index sites, int r
     std::uint64_t stream = streams::codebook_restarts;
     for (int r = 0; r < restarts; ++r, ++stream) {
       seeds = {};
+      RoughLloyd lloyd(metric, view, sites, arena);
       seeds.sites = in_rounds ? plus_plus_in_rounds(view, sites, seed, stream, arena)
                               : plus_plus(view, sites, seed, stream, arena);
       seeds.owners = nearest_owners(metric, view, seeds.sites, arena);
-      relax(metric, view, arena, seeds);
+      lloyd.relax(seeds);
       for (int k = 0; k < kReseatings; ++k) {
         Seeds changed = seeds;
         if (!reseat_sites(view, changed.owners, changed.sites, arena)) break;
-        relax(metric, view, arena, changed);
-        if (changed.energy >= seeds.energy * (1 - kRough)) break;
+        lloyd.relax(changed);
+        if (changed.energy >= seeds.energy * (1 - RoughLloyd::kRough)) break;
         seeds = std::move(changed);
       }
       if (seeds.energy < best.energy) best = std::move(seeds);

@@ -1,11 +1,13 @@
 #include "exact/cell_bounds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "exact/distances.h"
-#include "exact/packs.h"
+#include "exact/site_steps.h"
+#include "kernels/bounds.h"
 #include "parallel/loops.h"
 
 namespace ccvt {
@@ -15,6 +17,10 @@ namespace {
 constexpr std::size_t kMostPairs = std::size_t{1} << 25;
 /// With no more points that come to a cell than this, one at a time costs less than a product.
 constexpr std::size_t kFewPoints = 4;
+/// Cells whose bounds follow steps together.
+constexpr std::size_t kCellsAtOnce = 24;
+/// Sites that are looked at together.
+constexpr std::size_t kNearAtOnce = 256;
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -54,12 +60,35 @@ void CellBounds::raise(SiteNumber site, std::span<const double> least) {
 void CellBounds::select(SiteNumber site, std::span<const double> weights,
                         std::vector<SiteNumber>& near) const {
   near.clear();
-  const double own = weights[site];
+  for_near(site, weights, [&](SiteNumber j) {
+    near.push_back(j);
+    return true;
+  });
+}
+
+bool CellBounds::any_near(SiteNumber site, std::span<const double> weights) const {
+  bool any = false;
+  for_near(site, weights, [&](SiteNumber) {
+    any = true;
+    return false;
+  });
+  return any;
+}
+
+/// Calls visit(j) for each site that select() gives, until it returns false.
+template <class Visit>
+void CellBounds::for_near(SiteNumber site, std::span<const double> weights,
+                          const Visit& visit) const {
   const std::span<const double> bounds = of(site);
-  for (const SiteNumber j : sites_below(count())) {
-    const double constant = own - weights[j];
-    const double rounding = 1e-14 * (std::abs(own) + std::abs(weights[j]) + std::abs(bounds[j]));
-    if (j != site && !(bounds[j] + constant > rounding)) near.push_back(j);
+  std::array<Index, kNearAtOnce> found{};
+  for (std::size_t first = 0; first < count(); first += kNearAtOnce) {
+    const auto some = static_cast<Index>(std::min(kNearAtOnce, count() - first));
+    const Index number = kernels::bounds_within(bounds.data() + first, weights.data() + first,
+                                                weights[site], some, found.data());
+    for (const Index k : std::span(found).first(static_cast<std::size_t>(number))) {
+      const SiteNumber j(static_cast<std::ptrdiff_t>(first) + k);
+      if (j != site && !visit(j)) return;
+    }
   }
 }
 
@@ -82,56 +111,13 @@ double CellBounds::step(SiteNumber site, const double* to, std::span<const Point
   return growth + underflow;
 }
 
-/// Of a site whose points' own costs grew by no more than that. `apart`: its squared distances to
-/// where the sites that moved were, then to where they are.
-void CellBounds::follow_steps(SiteNumber site, double growth, std::span<const double> apart) {
-  const std::span<double> bounds = of(site);
-  if (growth != 0) {
-    for (double& bound : bounds) bound -= growth + 1e-15 * (std::abs(bound) + std::abs(growth));
-  }
-  const auto before = apart.first(apart.size() / 2);
-  const auto after = apart.last(before.size());
-  const double radius = radius_[site];
-  const double share = rounding_share(dimension_);
-  const double underflow = underflow_of(dimension_);
-  for (std::size_t k = 0; k < moved_.size(); ++k) {
-    const double reach = 2 * radius * length_[k];
-    const double across = 2 * radius * std::sqrt(after[k]);
-    double& bound = bounds[moved_[k]];
-    const double rounding = share * (before[k] + after[k] + reach + across) + underflow;
-    bound = std::max(bound + (after[k] - before[k]) - reach - 1e-15 * std::abs(bound),
-                     after[k] - across) -
-            rounding;
-  }
-}
-
 template <class Scalar>
 void CellBounds::follow(std::span<const double> sites, const Grouping& groups,
                         PointsView<Scalar> points, const Arena& arena) {
   valid_ = false;
   const auto dimension = static_cast<std::size_t>(dimension_);
-  moved_.clear();
-  length_.clear();
-  std::vector<double> from;
-  std::vector<double> to;
-  std::vector<std::uint8_t> moves(count(), 0);
-  for (const SiteNumber s : sites_below(count())) {
-    const double* const x = sites_.data() + s * dimension;
-    const double* const y = sites.data() + s * dimension;
-    if (std::equal(x, x + dimension, y)) continue;
-    double squared = 0;
-    for (std::size_t d = 0; d < dimension; ++d) squared += (y[d] - x[d]) * (y[d] - x[d]);
-    moves[s] = 1;
-    moved_.push_back(s);
-    length_.push_back(std::sqrt(squared + underflow_of(dimension_)) *
-                      (1 + rounding_share(dimension_)));
-    from.insert(from.end(), x, x + dimension);
-    to.insert(to.end(), y, y + dimension);
-  }
-  if (moved_.empty()) return;
-  std::vector<double> steps = packs_of(from, dimension);
-  const std::vector<double> after = packs_of(to, dimension);
-  steps.insert(steps.end(), after.begin(), after.end());
+  const SiteSteps steps(sites_, sites, dimension);
+  if (steps.none()) return;
   std::vector<SiteNumber> cells;
   for (const SiteNumber s : sites_below(count())) {
     if (!has(s)) continue;
@@ -142,23 +128,33 @@ void CellBounds::follow(std::span<const double> sites, const Grouping& groups,
       cells.push_back(s);
     }
   }
-  const auto position = [&](SiteNumber s) { return sites.data() + s * dimension; };
-  PerWorker<PackedDistances> distances(arena);
-  PerWorker<std::vector<double>> squared(arena);
-  arena.for_ranges(cells.size(), 4, [&](std::size_t begin, std::size_t end, int worker) {
-    const auto some = std::span(cells).subspan(begin, end - begin);
-    distances[worker].for_each(some, position, steps, dimension_, nullptr,
-                               [&](SiteNumber s, std::span<const double> apart) {
-                                 arena.check();
-                                 double growth = 0;
-                                 if (moves[s] != 0) {
-                                   growth =
-                                       step(s, position(s), groups.of(s), points, squared[worker]);
-                                 }
-                                 follow_steps(s, growth, apart);
-                               });
+  struct Scratch {
+    std::vector<double> squared;
+    std::vector<SiteSteps::Cell> cells;
+    SiteSteps::Scratch steps;
+  };
+  PerWorker<Scratch> scratch(arena);
+  arena.for_ranges(cells.size(), kCellsAtOnce, [&](std::size_t begin, std::size_t end, int worker) {
+    auto& [squared, some, products] = scratch[worker];
+    some.clear();
+    for (const SiteNumber s : std::span(cells).subspan(begin, end - begin)) {
+      arena.check();
+      const double* const at = sites.data() + s * dimension;
+      const double growth = steps.moved(s) ? step(s, at, groups.of(s), points, squared) : 0;
+      if (!steps.all()) lower(s, growth);
+      some.push_back({at, radius_[s], growth, of(s).data()});
+    }
+    steps.follow(some, products);
   });
   sites_.assign(sites.begin(), sites.end());
+}
+
+/// All bounds of a cell.
+void CellBounds::lower(SiteNumber site, double growth) {
+  if (growth == 0) return;
+  for (double& bound : of(site)) {
+    bound -= growth + 1e-15 * (std::abs(bound) + std::abs(growth));
+  }
 }
 
 void CellBounds::widen(SiteNumber site, double own) {

@@ -64,6 +64,8 @@ class CellBounds {
   /// cell's own.
   void select(SiteNumber site, std::span<const double> weights,
               std::vector<SiteNumber>& near) const;
+  /// Whether there are any.
+  [[nodiscard]] bool any_near(SiteNumber site, std::span<const double> weights) const;
   /// What moving a point of a cell to another costs at least, but for rounding.
   void set(SiteNumber site, SiteNumber other, double cost);
 
@@ -98,7 +100,9 @@ class CellBounds {
   template <class Scalar>
   double step(SiteNumber site, const double* to, std::span<const PointNumber> members,
               PointsView<Scalar> points, std::vector<double>& squared);
-  void follow_steps(SiteNumber site, double growth, std::span<const double> apart);
+  void lower(SiteNumber site, double growth);
+  template <class Visit>
+  void for_near(SiteNumber site, std::span<const double> weights, const Visit& visit) const;
 
   RankTurns turns_;
   bool valid_ = false;
@@ -107,9 +111,6 @@ class CellBounds {
   std::vector<double> own_costs_;
   std::vector<Index> covered_;  ///< of each point, the cell whose bounds count it
   std::vector<double> sites_;
-  // The sites that moved last, and how far.
-  std::vector<SiteNumber> moved_;
-  std::vector<double> length_;
   int dimension_ = 0;
 };
 

@@ -47,13 +47,9 @@ auto Pricer<Scalar>::parts_of(Task& task, const Grouping& groups) const -> std::
   const RankTurns turns(sharing());
   std::vector<std::uint8_t> settled(n, 0);
   if (task.covered) {
-    PerWorker<std::vector<SiteNumber>> near(arena_);
-    arena_.for_ranges(n, 16, [&](std::size_t begin, std::size_t end, int worker) {
-      for (const SiteNumber s : sites_between(begin, end)) {
-        if (!turns.own(s)) continue;
-        task.kept->select(s, task.sites.weight, near[worker]);
-        settled[s] = near[worker].empty() ? 1 : 0;
-      }
+    arena_.for_each(n, 16, [&](std::size_t k) {
+      const SiteNumber s(k);
+      if (turns.own(s)) settled[s] = task.kept->any_near(s, task.sites.weight) ? 0 : 1;
     });
   }
   std::vector<Part> parts;

@@ -63,16 +63,26 @@ void Pricer<Scalar>::select_sites(const Task& task, const Part& part, std::span<
   }
 }
 
-/// The same from the bounds kept.
+/// The same from the bounds kept; what they leave is looked at by the radius.
 template <class Scalar>
 void Pricer<Scalar>::select_known(const Task& task, const Part& part, Scratch& scratch) const {
   task.kept->select(part.site, task.sites.weight, scratch.near);
   scratch.near.push_back(part.site);
   scratch.product.clear();
+  const double relative = rounding_share(points_.dimension);
+  const double own = task.weight(part.site);
   for (const SiteNumber j : scratch.near) {
     const double squared =
         squared_difference(task.sites.at(part.site), task.sites.at(j), points_.dimension);
-    scratch.product.add(j, squared, squared + task.weight(part.site) - task.weight(j));
+    const double constant = squared + own - task.weight(j);
+    const double reach = 2 * part.radius * std::sqrt(squared);
+    const double terms = squared + reach + std::abs(own) + std::abs(task.weight(j));
+    const double rounding = relative * terms + underflow_of(points_.dimension);
+    if (constant - reach > rounding && j != part.site) {
+      part.bounds[j] = std::max(part.bounds[j], squared - reach - rounding);
+    } else {
+      scratch.product.add(j, squared, constant);
+    }
   }
 }
 

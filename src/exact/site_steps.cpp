@@ -1,0 +1,131 @@
+#include "exact/site_steps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "exact/distances.h"
+#include "kernels/bounds.h"
+#include "kernels/products.h"
+
+namespace ccvt {
+namespace {
+
+/// Steps that sites are multiplied with at a time.
+constexpr std::size_t kSteps = 64;
+/// An exponent of two; half of double's.
+constexpr double kMostScale = 500;
+
+/// A power of two that brings values up to `largest` to about 1 at most.
+double scale_for(double largest) {
+  if (!(largest > 0)) return 1;
+  return std::exp2(std::clamp(-std::ceil(std::log2(largest)), -kMostScale, kMostScale));
+}
+
+}  // namespace
+
+SiteSteps::SiteSteps(std::span<const double> from, std::span<const double> to,
+                     std::size_t dimension)
+    : dimension_(dimension), moves_(from.size() / dimension, 0), centre_(dimension, 0.0) {
+  const std::size_t n = moves_.size();
+  std::size_t moved = 0;
+  for (std::size_t s = 0; s < n; ++s) {
+    const auto x = from.subspan(s * dimension, dimension);
+    const auto y = to.subspan(s * dimension, dimension);
+    if (!std::equal(x.begin(), x.end(), y.begin())) moves_[s] = 1;
+    moved += moves_[s];
+    for (std::size_t d = 0; d < dimension; ++d) centre_[d] += x[d] / static_cast<double>(n);
+  }
+  if (moved == 0) return;
+  all_ = 2 * moved >= n;
+  for (const SiteNumber s : sites_below(n)) {
+    if (all_ || moves_[s] != 0) moved_.push_back(s);
+  }
+  double largest = 0;
+  double longest = 0;
+  for (std::size_t k = 0; k < to.size(); ++k) {
+    largest = std::max(largest, std::abs(to[k] - centre_[k % dimension]));
+    longest = std::max(longest, std::abs(to[k] - from[k]));
+  }
+  scale_ = scale_for(largest);
+  const double scale = scale_for(longest);
+  unscale_ = 1 / (scale_ * scale);
+  const auto terms = static_cast<double>(dimension);
+  // What underflow does to a product.
+  const double beside = 4 * terms * double{std::numeric_limits<float>::min()} * unscale_;
+  const double share = rounding_share(static_cast<int>(dimension));
+  const double underflow = underflow_of(static_cast<int>(dimension));
+  const std::size_t padded = (moved_.size() + kSteps - 1) / kSteps * kSteps;
+  block_.assign(padded * dimension, 0.0F);
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    const double* const x = from.data() + moved_[k] * dimension;
+    const double* const y = to.data() + moved_[k] * dimension;
+    float* const stream = block_.data() + k / kSteps * kSteps * dimension + k % kSteps;
+    double squared = 0;
+    double shift = 0;
+    double sizes = 0;
+    for (std::size_t d = 0; d < dimension; ++d) {
+      const double step = y[d] - x[d];
+      const double a = x[d] - centre_[d];
+      const double b = y[d] - centre_[d];
+      squared += step * step;
+      shift += step * (a + b);
+      sizes += std::abs(step) * (std::abs(a) + std::abs(b));
+      stream[d * kSteps] = static_cast<float>(step * scale);
+    }
+    const bool moves = moves_[moved_[k]] != 0;
+    length_.push_back(moves ? std::sqrt(squared + underflow) * (1 + share) : 0);
+    shift_.push_back(moves ? shift - share * sizes - underflow - beside : 0);
+  }
+}
+
+void SiteSteps::follow(std::span<const Cell> cells, Scratch& scratch) const {
+  const auto dimension = static_cast<int>(dimension_);
+  const std::size_t tile = kernels::kCostSites;
+  const std::size_t padded = (cells.size() + tile - 1) / tile * tile;
+  scratch.site.assign(padded * dimension_, 0.0F);
+  scratch.dot.resize(padded * kSteps);
+  scratch.lowest.assign(kSteps + padded, 0.0F);
+  const float* const none = scratch.lowest.data() + kSteps;
+  // Of the rounding of a site, of a step, and of a sum of so many products.
+  const double margin = (dimension + 6) * double{std::numeric_limits<float>::epsilon()};
+  std::vector<double> reach;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    double squared = 0;
+    for (std::size_t d = 0; d < dimension_; ++d) {
+      const double x = cells[k].site[d] - centre_[d];
+      squared += x * x;
+      scratch.site[k * dimension_ + d] = static_cast<float>(2 * scale_ * x);
+    }
+    reach.push_back(2 * (cells[k].radius + margin * std::sqrt(squared)));
+  }
+  for (std::size_t first = 0; first < moved_.size(); first += kSteps) {
+    const std::size_t count = std::min(kSteps, moved_.size() - first);
+    kernels::site_costs(block_.data() + first * dimension_, static_cast<Index>(kSteps), dimension,
+                        scratch.site.data(), none, static_cast<Index>(padded), scratch.dot.data(),
+                        scratch.lowest.data());
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      follow_some(cells[k], first, count, reach[k], scratch.dot.data() + k * kSteps);
+    }
+  }
+}
+
+/// Of the steps from the `first`.
+void SiteSteps::follow_some(const Cell& cell, std::size_t first, std::size_t count, double reach,
+                            const float* dot) const {
+  const double* const shift = shift_.data() + first;
+  const double* const length = length_.data() + first;
+  kernels::BoundChange change{unscale_, reach, cell.growth};
+  if (all_) {
+    kernels::change_bounds(dot, shift, length, static_cast<Index>(count), change,
+                           cell.bound + first);
+    return;
+  }
+  change.growth = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    kernels::change_bounds(dot + k, shift + k, length + k, 1, change,
+                           cell.bound + moved_[first + k]);
+  }
+}
+
+}  // namespace ccvt
