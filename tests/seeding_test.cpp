@@ -13,6 +13,7 @@
 #include "ccvt/capacity.h"
 #include "ccvt/codebook.h"
 #include "codebook/linkage.h"
+#include "codebook/plus_plus.h"
 #include "codebook/reseat.h"
 #include "codebook/sample.h"
 #include "codebook/share.h"

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <span>
 
+#include "codebook/plus_plus.h"
 #include "codebook/seeding.h"
 #include "codebook/share.h"
 #include "streams.h"

@@ -1,20 +1,16 @@
 #include "codebook/seeding.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 
+#include "codebook/plus_plus.h"
 #include "codebook/reseat.h"
 #include "codebook/rough_lloyd.h"
 #include "codebook/sample.h"
 #include "exact/centroids.h"
 #include "exact/pricing.h"
-#include "geometry/as_matrix.h"
-#include "geometry/squares.h"
-#include "kernels/products.h"
-#include "random.h"
 #include "streams.h"
 
 namespace ccvt {
@@ -24,99 +20,33 @@ namespace {
 constexpr std::int64_t kSamplePerSite = 64;
 constexpr std::int64_t kSmallSamplePerSite = 16;  ///< where sites are drawn in rounds
 constexpr std::int64_t kLeastSample = 8192;
-/// Greed pays, and is affordable, up to so many.
-constexpr int kGreedyDimensions = 8;
+/// Greed is affordable for so many at most.
 constexpr Index kGreedySites = 2048;
-constexpr std::size_t kPointsPerGrain = 1024;
 constexpr int kReseatings = 24;
+/// Restarts whose sites are drawn together: the first end soon, where many are wanted.
+constexpr std::size_t kTogether = 8;
 
 /// As many points as wanted, or all.
 Index sample_size(std::int64_t wanted, Index points) {
   return static_cast<Index>(std::min<std::int64_t>(points, wanted));
 }
 
+/// Lloyd iterations, and cells merged and split between them as long as that pays.
+void improve(PointsView<float> points, const Metric& metric, const Arena& arena, Seeds& seeds) {
+  RoughLloyd lloyd(metric, points, static_cast<Index>(std::ssize(seeds.sites)) / points.dimension,
+                   arena);
+  seeds.owners = nearest_owners(metric, points, seeds.sites, arena);
+  lloyd.relax(seeds);
+  for (int k = 0; k < kReseatings; ++k) {
+    Seeds changed = seeds;
+    if (!reseat_sites(points, changed.owners, changed.sites, arena)) break;
+    lloyd.relax(changed);
+    if (changed.energy >= seeds.energy * (1 - RoughLloyd::kRough)) break;
+    seeds = std::move(changed);
+  }
+}
+
 }  // namespace
-
-std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64_t seed,
-                              std::uint64_t stream, const Arena& arena) {
-  const int dimension = points.dimension;
-  const Index count = points.count;
-  const Index step = std::max<Index>(kernels::product_points(), 64);
-  const Index stride = (count + step - 1) / step * step;
-  Eigen::MatrixXf block = Eigen::MatrixXf::Zero(stride, dimension);
-  block.topRows(count) = as_matrix(points).transpose();
-  Eigen::VectorXf squared = Eigen::VectorXf::Zero(stride);
-  squared.head(count).setConstant(std::numeric_limits<float>::max());
-  Eigen::VectorXd sum(count);
-  std::vector<double> result;
-  double* const last = sum.data() + count - 1;
-  Random random(seed, stream);
-  // Several draws pay where distances are cheap.
-  const int draws = dimension <= kGreedyDimensions ? 2 + static_cast<int>(std::log(sites)) : 1;
-  for (Index s = 0; s < sites; ++s) {
-    arena.check();
-    Index chosen = random.index_below(count);
-    if (s > 0) {
-      std::transform_inclusive_scan(squared.data(), squared.data() + count, sum.data(),
-                                    std::plus<>(), [](float x) -> double { return x; });
-      if (*last > 0) {
-        double least = std::numeric_limits<double>::infinity();
-        for (int draw = 0; draw < draws; ++draw) {
-          const double at = random.uniform() * *last;
-          const auto p = static_cast<Index>(std::upper_bound(sum.data(), last, at) - sum.data());
-          const double left = draws == 1
-                                  ? 0
-                                  : kernels::lowered_sum(block.data(), stride, count, dimension,
-                                                         points[p], squared.data());
-          if (left < least) {
-            least = left;
-            chosen = p;
-          }
-        }
-      }
-    }
-    kernels::lower_squares(block.data(), stride, dimension, points[chosen], squared.data());
-    result.insert(result.end(), points[chosen], points[chosen] + dimension);
-  }
-  return result;
-}
-
-std::vector<double> plus_plus_in_rounds(PointsView<float> points, Index sites, std::uint64_t seed,
-                                        std::uint64_t stream, const Arena& arena) {
-  const Metric metric(points.dimension, Domain());
-  const auto width = static_cast<std::size_t>(points.dimension);
-  std::vector<double> squared(static_cast<std::size_t>(points.count),
-                              std::numeric_limits<double>::infinity());
-  Random random(seed, stream);
-  std::vector<double> result;
-  std::vector<Index> drawn = {random.index_below(points.count)};
-  for (Index left = sites;;) {
-    std::vector<double> added;
-    for (const Index p : drawn) added.insert(added.end(), points[p], points[p] + width);
-    result.insert(result.end(), added.begin(), added.end());
-    left -= static_cast<Index>(drawn.size());
-    if (left == 0) return result;
-    const std::vector<Index> nearest = nearest_owners(metric, points, added, arena);
-    arena.for_each(squared.size(), kPointsPerGrain, [&](std::size_t p) {
-      const double* const site = added.data() + static_cast<std::size_t>(nearest[p]) * width;
-      const float* const x = points[static_cast<Index>(p)];
-      squared[p] = std::min(squared[p], squared_difference(x, site, points.dimension));
-    });
-    std::vector<double> sum(squared.size());
-    std::inclusive_scan(squared.begin(), squared.end(), sum.begin());
-    const auto batch = std::min<std::size_t>(result.size() / width, static_cast<std::size_t>(left));
-    drawn.clear();
-    for (std::size_t k = 0; k < batch; ++k) {
-      const double at = random.uniform() * sum.back();
-      const auto found = std::upper_bound(sum.begin(), sum.end() - 1, at) - sum.begin();
-      // Where all points are at sites, any will do.
-      drawn.push_back(sum.back() > 0 ? static_cast<Index>(found)
-                                     : random.index_below(points.count));
-    }
-    std::sort(drawn.begin(), drawn.end());
-    drawn.erase(std::unique(drawn.begin(), drawn.end()), drawn.end());
-  }
-}
 
 template <class Scalar>
 double sampled_energy(const Vectors<Scalar>& points, const std::vector<double>& sites,
@@ -149,21 +79,20 @@ std::vector<double> seed_sites(const Vectors<Scalar>& points, Index sites, int r
   best.energy = std::numeric_limits<double>::infinity();
   Seeds seeds;
   try {
-    std::uint64_t stream = streams::codebook_restarts;
-    for (int r = 0; r < restarts; ++r, ++stream) {
-      seeds = {};
-      RoughLloyd lloyd(metric, view, sites, arena);
-      seeds.sites = in_rounds ? plus_plus_in_rounds(view, sites, seed, stream, arena)
-                              : plus_plus(view, sites, seed, stream, arena);
-      seeds.owners = nearest_owners(metric, view, seeds.sites, arena);
-      lloyd.relax(seeds);
-      for (int k = 0; k < kReseatings; ++k) {
-        Seeds changed = seeds;
-        if (!reseat_sites(view, changed.owners, changed.sites, arena)) break;
-        lloyd.relax(changed);
-        if (changed.energy >= seeds.energy * (1 - RoughLloyd::kRough)) break;
-        seeds = std::move(changed);
+    std::vector<std::vector<double>> drawn;
+    const auto seedings = static_cast<std::size_t>(restarts);
+    for (std::size_t r = 0; r < seedings; ++r) {
+      if (r % kTogether == 0) {
+        std::vector<std::uint64_t> numbers(std::min(kTogether, seedings - r));
+        std::iota(numbers.begin(), numbers.end(), streams::codebook_restarts + r);
+        drawn.clear();
+        if (!in_rounds) drawn = plus_plus(view, sites, seed, numbers, arena);
+        for (const std::uint64_t k : numbers) {
+          if (in_rounds) drawn.push_back(plus_plus_in_rounds(view, sites, seed, k, arena));
+        }
       }
+      seeds = {std::move(drawn[r % kTogether]), {}, 0};
+      improve(view, metric, arena, seeds);
       if (seeds.energy < best.energy) best = std::move(seeds);
     }
   } catch (const Stopped&) {

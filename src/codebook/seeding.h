@@ -36,16 +36,4 @@ template <class Scalar>
 double sampled_energy(const Vectors<Scalar>& points, const std::vector<double>& sites,
                       std::uint64_t seed, const Arena& arena);
 
-/// Greedy k-means++ [Arthur, Vassilvitskii 2007]: sites are drawn from the points with
-/// probability proportional to the squared distance to those drawn before; of several draws the one
-/// that leaves the least energy is taken.
-std::vector<double> plus_plus(PointsView<float> points, Index sites, std::uint64_t seed,
-                              std::uint64_t stream, const Arena& arena = Arena(1));
-
-/// The same without the greed, in rounds: each draws as many sites as there are already, and then
-/// looks at the distances to all of them at once [as k-means||: Bahmani et al. 2012].
-/// O(m n D), in blocked products, divided among the arena's ranks.
-std::vector<double> plus_plus_in_rounds(PointsView<float> points, Index sites, std::uint64_t seed,
-                                        std::uint64_t stream, const Arena& arena = Arena(1));
-
 }  // namespace ccvt

@@ -141,17 +141,14 @@ void squares_lowered(const float* block, Index stride, int dimension, const floa
   }
 }
 
-/// Sums of 64 values in eight interleaved parts whatever the vector width, so that bits do not
-/// depend on it.
-double sum_lowered(const float* block, Index stride, Index count, int dimension, const float* q,
-                   const float* squared) {
-  constexpr Index kPart = 64;
+/// In eight interleaved parts whatever the vector width, so that bits do not depend on it.
+void sums_lowered(const float* block, Index stride, Index count, int dimension, const float* q,
+                  const float* squared, double* sums) {
   const hn::ScalableTag<float> wide;
   const auto lanes = static_cast<Index>(hn::Lanes(wide));
-  double total = 0;
-  std::array<float, kPart> value{};
-  for (Index begin = 0; begin < count; begin += kPart) {
-    const Index size = std::min(kPart, count - begin);
+  std::array<float, kSumPoints> value{};
+  for (Index begin = 0; begin < count; begin += kSumPoints) {
+    const Index size = std::min(kSumPoints, count - begin);
     for (Index k = 0; k < size; k += lanes) {
       const auto square = square_to(wide, block, stride, dimension, q, begin + k);
       hn::StoreU(hn::Min(square, hn::LoadU(wide, squared + begin + k)), wide, value.data() + k);
@@ -160,9 +157,8 @@ double sum_lowered(const float* block, Index stride, Index count, int dimension,
     for (Index k = 0; k < size; ++k) sum.data()[k % 8] += value.data()[k];
     const double first = (sum[0] + sum[4]) + (sum[1] + sum[5]);
     const double second = (sum[2] + sum[6]) + (sum[3] + sum[7]);
-    total += first + second;
+    *sums++ = first + second;
   }
-  return total;
 }
 
 /// Two vectors of points by six sites stay in registers.
@@ -239,7 +235,7 @@ HWY_EXPORT(costs_of_sites);
 HWY_EXPORT(places_within);
 HWY_EXPORT(rows_least);
 HWY_EXPORT(squares_lowered);
-HWY_EXPORT(sum_lowered);
+HWY_EXPORT(sums_lowered);
 
 Index product_points() { return HWY_DYNAMIC_DISPATCH(points_of_products)(); }
 
@@ -262,9 +258,9 @@ void lower_squares(const float* block, Index stride, int dimension, const float*
   HWY_DYNAMIC_DISPATCH(squares_lowered)(block, stride, dimension, q, squared);
 }
 
-double lowered_sum(const float* block, Index stride, Index count, int dimension, const float* q,
-                   const float* squared) {
-  return HWY_DYNAMIC_DISPATCH(sum_lowered)(block, stride, count, dimension, q, squared);
+void lowered_sums(const float* block, Index stride, Index count, int dimension, const float* q,
+                  const float* squared, double* sums) {
+  HWY_DYNAMIC_DISPATCH(sums_lowered)(block, stride, count, dimension, q, squared, sums);
 }
 
 HWY_EXPORT(float32_dots);

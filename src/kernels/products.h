@@ -27,9 +27,11 @@ void least_costs(const float* cost, Index stride, Index rows, float* least);
 /// squared[k] = |x_k - q|^2 where that is less than squared[k].
 void lower_squares(const float* block, Index stride, int dimension, const float* q, float* squared);
 
-/// The sum over k < count of min(squared[k], |x_k - q|^2): what lower_squares() would leave.
-double lowered_sum(const float* block, Index stride, Index count, int dimension, const float* q,
-                   const float* squared);
+/// Of kSumPoints points at a time, the sum of min(squared[k], |x_k - q|^2): what lower_squares()
+/// would leave; the last of fewer, where `count` is no multiple.
+constexpr Index kSumPoints = 64;
+void lowered_sums(const float* block, Index stride, Index count, int dimension, const float* q,
+                  const float* squared, double* sums);
 
 /// For each of `sites` sites (a multiple of kDotSites, `dimension` values each, one after the
 /// other) the largest over the points of (point . site) - offset[point]. `block` has `stride`
