@@ -272,6 +272,33 @@ TEST_CASE("squared distances in float, to scattered points and to packs") {
   }
 }
 
+TEST_CASE_TEMPLATE("rows are added one after the other, to the bit", Scalar, float, double) {
+  Random random(3, 1);
+  for (const int dimension : {1, 2, 7, 8, 9, 40}) {
+    for (const Index count : {0, 1, 3, 4, 5, 12}) {
+      CAPTURE(dimension);
+      CAPTURE(count);
+      const auto width = static_cast<std::size_t>(dimension);
+      std::vector<Scalar> x(static_cast<std::size_t>(count) * width);
+      for (Scalar& value : x) value = static_cast<Scalar>(random.uniform() - .3);
+      std::vector<const Scalar*> rows;
+      for (Index k = 0; k < count; ++k) rows.push_back(x.data() + k * dimension);
+      std::vector<double> centre(width);
+      std::vector<double> sum(width);
+      for (std::size_t d = 0; d < width; ++d) {
+        centre[d] = random.uniform();
+        sum[d] = random.uniform();
+      }
+      std::vector<double> expected = sum;
+      for (const Scalar* const row : rows) {
+        for (std::size_t d = 0; d < width; ++d) expected[d] += double{row[d]} - centre[d];
+      }
+      ccvt::kernels::add_rows(rows.data(), count, dimension, centre.data(), sum.data());
+      CHECK(sum == expected);
+    }
+  }
+}
+
 TEST_CASE("the least cost of each row") {
   const Index stride = 2 * ccvt::kernels::product_points();
   std::vector<float> cost;

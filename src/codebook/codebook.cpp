@@ -13,8 +13,8 @@
 #include "checkpoint/digest.h"
 #include "checks.h"
 #include "codebook/encode.h"
+#include "exact/distances.h"
 #include "exact_sum.h"
-#include "geometry/squares.h"
 #include "number_text.h"
 #include "numbers.h"
 #include "parallel/alike.h"
@@ -136,7 +136,7 @@ ExactSum sum_of_squares(PointsView<Scalar> vectors, std::span<const Index> codes
   ExactSum sum;
   for (const PointNumber p : points_below(vectors.count)) {
     sum.add(
-        squared_difference(vectors[p.index()], codewords.col(codes[p]).data(), vectors.dimension));
+        squared_distance(vectors[p.index()], codewords.col(codes[p]).data(), vectors.dimension));
   }
   return sum;
 }

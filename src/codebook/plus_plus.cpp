@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "exact/centroids.h"
+#include "exact/distances.h"
 #include "geometry/metric.h"
-#include "geometry/squares.h"
 #include "kernels/products.h"
 #include "random.h"
 
@@ -180,7 +180,7 @@ std::vector<double> plus_plus_in_rounds(PointsView<float> points, Index sites, s
     arena.for_each(squared.size(), kPointsPerGrain, [&](std::size_t p) {
       const double* const site = added.data() + static_cast<std::size_t>(nearest[p]) * width;
       const float* const x = points[static_cast<Index>(p)];
-      squared[p] = std::min(squared[p], squared_difference(x, site, points.dimension));
+      squared[p] = std::min(squared[p], squared_distance(x, site, points.dimension));
     });
     std::vector<double> sum(squared.size());
     std::inclusive_scan(squared.begin(), squared.end(), sum.begin());

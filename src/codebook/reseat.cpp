@@ -6,8 +6,8 @@
 
 #include "cell_sizes.h"
 #include "codebook/mergers.h"
-#include "exact/pricing.h"
-#include "geometry/squares.h"
+#include "exact/distances.h"
+#include "exact/grouping.h"
 #include "numbers.h"
 #include "parallel/loops.h"
 #include "parallel/together.h"
@@ -25,22 +25,24 @@ struct Split {
 
 Eigen::VectorXd centroid(PointsView<float> points, std::span<const PointNumber> members) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(points.dimension);
-  for (const PointNumber p : members) {
-    const float* x = points[p.index()];
-    for (int d = 0; d < points.dimension; ++d) sum[d] += x[d];
-  }
+  const Eigen::VectorXd origin = sum;
+  add_points(points, members, origin.data(), sum.data());
   const auto size = static_cast<double>(members.size());
   for (double& x : sum) x /= size;
   return sum;
 }
 
+std::vector<double> distances(PointsView<float> points, std::span<const PointNumber> members,
+                              const Eigen::VectorXd& from) {
+  std::vector<double> squared;
+  squared_distances(points, members, from.data(), squared);
+  return squared;
+}
+
 double energy(PointsView<float> points, std::span<const PointNumber> members,
               const Eigen::VectorXd& site) {
-  double sum = 0;
-  for (const PointNumber p : members) {
-    sum += squared_difference(points[p.index()], site.data(), points.dimension);
-  }
-  return sum;
+  const std::vector<double> squared = distances(points, members, site);
+  return std::accumulate(squared.begin(), squared.end(), 0.0);
 }
 
 /// 2-means in a cell, from the point farthest from the centroid and the one farthest from that.
@@ -48,26 +50,22 @@ Split split(PointsView<float> points, std::span<const PointNumber> members) {
   Split result;
   if (members.size() < 2) return result;
   const Eigen::VectorXd middle = centroid(points, members);
-  const auto distance = [&](PointNumber p, const auto* from) {
-    return squared_difference(points[p.index()], from, points.dimension);
+  const auto farthest = [&](const Eigen::VectorXd& from) -> Eigen::VectorXd {
+    const std::vector<double> squared = distances(points, members, from);
+    const auto far = std::max_element(squared.begin(), squared.end()) - squared.begin();
+    const float* const x = points[members[static_cast<std::size_t>(far)].index()];
+    return Eigen::Map<const Eigen::VectorXf>(x, points.dimension).cast<double>();
   };
-  const auto farthest = [&](const auto* from) {
-    const auto nearer = [&](PointNumber p, PointNumber q) {
-      return distance(p, from) < distance(q, from);
-    };
-    return points[std::max_element(members.begin(), members.end(), nearer)->index()];
-  };
-  const float* first = farthest(middle.data());
-  const float* second = farthest(first);
-  result.a = Eigen::Map<const Eigen::VectorXf>(first, points.dimension).cast<double>();
-  result.b = Eigen::Map<const Eigen::VectorXf>(second, points.dimension).cast<double>();
+  result.a = farthest(middle);
+  result.b = farthest(result.a);
   std::vector<PointNumber> left, right;
   for (int i = 0; i < kSplitIterations; ++i) {
     left.clear();
     right.clear();
-    for (const PointNumber p : members) {
-      const bool nearer = distance(p, result.a.data()) <= distance(p, result.b.data());
-      (nearer ? left : right).push_back(p);
+    const std::vector<double> to_a = distances(points, members, result.a);
+    const std::vector<double> to_b = distances(points, members, result.b);
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      (to_a[k] <= to_b[k] ? left : right).push_back(members[k]);
     }
     if (left.empty() || right.empty()) return {};
     result.a = centroid(points, left);
@@ -147,8 +145,8 @@ bool reseat_sites(PointsView<float> points, std::vector<Index>& owners, std::vec
     for (const PointNumber p : groups.of(i)) owners[p] = j.index();
     for (const PointNumber p : groups.of(from)) {
       const float* const x = points[p.index()];
-      const double first = squared_difference(x, halves.a.data(), points.dimension);
-      const double second = squared_difference(x, halves.b.data(), points.dimension);
+      const double first = squared_distance(x, halves.a.data(), points.dimension);
+      const double second = squared_distance(x, halves.b.data(), points.dimension);
       if (second < first) owners[p] = i.index();
     }
     taken[i] = taken[j] = taken[from] = 1;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "exact/distances.h"
 #include "geometry/coordinate_range.h"
 #include "geometry/range_of_ranks.h"
 #include "parallel/rank_turns.h"
@@ -48,10 +49,7 @@ class CellSums {
         for (std::size_t d = 0; d < dimension; ++d) sum[d] += metric_.wrap(x[d] - site[d], d);
       }
     } else {
-      for (const PointNumber p : members) {
-        const Scalar* x = points_[p.index()];
-        for (std::size_t d = 0; d < dimension; ++d) sum[d] += x[d] - site[d];
-      }
+      add_points(points_, members, site, sum);
     }
     sum[dimension] += static_cast<double>(members.size());
   }

@@ -9,7 +9,9 @@
 
 #include "ccvt/types.h"
 #include "geometry/metric.h"
+#include "geometry/squares.h"
 #include "kernels/nearest.h"
+#include "kernels/rows.h"
 #include "numbers.h"
 
 namespace ccvt {
@@ -60,6 +62,26 @@ void squared_distances(const Metric& metric, PointsView<Scalar> points,
   out.resize(which.size());
   std::transform(which.begin(), which.end(), out.begin(), [&](PointNumber p) {
     return metric.squared_distance(points[p.index()], position);
+  });
+}
+
+/// |x - position|^2, without a torus: squared_difference() by kernels where that takes less time.
+template <class Scalar>
+double squared_distance(const Scalar* x, const double* position, int dimension) {
+  constexpr int kManyDimensions = 96;
+  if (dimension < kManyDimensions) return squared_difference(x, position, dimension);
+  double squared = 0;
+  kernels::squared_distances_of(&x, 1, dimension, position, &squared);
+  return squared;
+}
+
+/// Adds what some points are relative to a position, in their order, to `sum`.
+template <class Scalar>
+void add_points(PointsView<Scalar> points, std::span<const PointNumber> which,
+                const double* position, double* sum) {
+  const auto at = [&](PointNumber p) { return points[p.index()]; };
+  for_rows(which, at, [&](const Scalar* const* rows, Index count, std::size_t) {
+    kernels::add_rows(rows, count, points.dimension, position, sum);
   });
 }
 

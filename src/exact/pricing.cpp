@@ -7,7 +7,6 @@
 #include "exact/distances.h"
 #include "exact/packs.h"
 #include "exact/pricing_parts.h"
-#include "geometry/squares.h"
 #include "parallel/loops.h"
 #include "parallel/together.h"
 
@@ -331,7 +330,7 @@ double Pricer<Scalar>::cost_of(PointNumber point, const Task& task, SiteNumber s
   const Scalar* const x = points_[point.index()];
   const double* const s = task.sites.at(site);
   return metric_.periodic() ? metric_.squared_distance(x, s)
-                            : squared_difference(x, s, points_.dimension);
+                            : squared_distance(x, s, points_.dimension);
 }
 
 /// Evaluates the sites found for a point in double.

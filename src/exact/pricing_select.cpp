@@ -5,7 +5,6 @@
 
 #include "exact/distances.h"
 #include "exact/pricing_parts.h"
-#include "geometry/squares.h"
 
 namespace ccvt {
 
@@ -21,7 +20,7 @@ void Pricer<Scalar>::select_by_groups(const Task& task, const Part& part, Scratc
   };
   if (task.first) {
     for (const SiteNumber j : task.groups->of(part.group)) {
-      add(j, squared_difference(part.centre, sites.at(j), dimension));
+      add(j, squared_distance(part.centre, sites.at(j), dimension));
     }
   } else {
     for (const auto& [j, squared] :
@@ -73,7 +72,7 @@ void Pricer<Scalar>::select_known(const Task& task, const Part& part, Scratch& s
   const double own = task.weight(part.site);
   for (const SiteNumber j : scratch.near) {
     const double squared =
-        squared_difference(task.sites.at(part.site), task.sites.at(j), points_.dimension);
+        squared_distance(task.sites.at(part.site), task.sites.at(j), points_.dimension);
     const double constant = squared + own - task.weight(j);
     const double reach = 2 * part.radius * std::sqrt(squared);
     const double terms = squared + reach + std::abs(own) + std::abs(task.weight(j));

@@ -128,6 +128,58 @@ void points_of_double(const double* const* rows, Index count, int dimension,
   }
 }
 
+/// A vector of a row, in double.
+template <class Tag, class Scalar>
+HWY_INLINE hn::Vec<Tag> load(Tag wide, const Scalar* x) {
+  if constexpr (std::is_same_v<Scalar, float>) {
+    const hn::Rebind<float, Tag> narrow;
+    return hn::PromoteTo(wide, hn::LoadU(narrow, x));
+  } else {
+    return hn::LoadU(wide, x);
+  }
+}
+
+/// Four rows at a time, so that sums are loaded and stored once for them.
+template <class Scalar>
+HWY_INLINE void add_all(const Scalar* const* rows, Index count, int dimension,
+                        const double* centre_of, double* sum) {
+  const hn::ScalableTag<double> wide;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(wide));
+  const auto whole = dimension / lanes * lanes;
+  std::ptrdiff_t k = 0;
+  for (; k + 4 <= count; k += 4) {
+    for (std::ptrdiff_t d = 0; d < whole; d += lanes) {
+      const auto from = hn::LoadU(wide, centre_of + d);
+      auto to = hn::LoadU(wide, sum + d);
+      for (std::ptrdiff_t r = k; r < k + 4; ++r) {
+        to = hn::Add(to, hn::Sub(load(wide, rows[r] + d), from));
+      }
+      hn::StoreU(to, wide, sum + d);
+    }
+  }
+  for (std::ptrdiff_t r = k; r < count; ++r) {
+    for (std::ptrdiff_t d = 0; d < whole; d += lanes) {
+      const auto here = hn::Sub(load(wide, rows[r] + d), hn::LoadU(wide, centre_of + d));
+      hn::StoreU(hn::Add(hn::LoadU(wide, sum + d), here), wide, sum + d);
+    }
+  }
+  for (std::ptrdiff_t r = 0; r < count; ++r) {
+    for (std::ptrdiff_t d = whole; d < dimension; ++d) {
+      sum[d] += double{rows[r][d]} - centre_of[d];
+    }
+  }
+}
+
+void add_floats(const float* const* rows, Index count, int dimension, const double* centre_of,
+                double* sum) {
+  add_all(rows, count, dimension, centre_of, sum);
+}
+
+void add_doubles(const double* const* rows, Index count, int dimension, const double* centre_of,
+                 double* sum) {
+  add_all(rows, count, dimension, centre_of, sum);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace ccvt::kernels
 HWY_AFTER_NAMESPACE();
@@ -154,6 +206,21 @@ HWY_EXPORT(points_of_double);
 void centred_points(const double* const* rows, Index count, int dimension, const double* centre,
                     double scale, float* block) {
   HWY_DYNAMIC_DISPATCH(points_of_double)(rows, count, dimension, centre, scale, block);
+}
+
+HWY_EXPORT(add_floats);
+HWY_EXPORT(add_doubles);
+
+template <>
+void add_rows(const float* const* rows, Index count, int dimension, const double* centre,
+              double* sum) {
+  HWY_DYNAMIC_DISPATCH(add_floats)(rows, count, dimension, centre, sum);
+}
+
+template <>
+void add_rows(const double* const* rows, Index count, int dimension, const double* centre,
+              double* sum) {
+  HWY_DYNAMIC_DISPATCH(add_doubles)(rows, count, dimension, centre, sum);
 }
 
 }  // namespace ccvt::kernels

@@ -18,4 +18,10 @@ void centred_rows(const Scalar* const* rows, Index count, Index width, int dimen
 void centred_points(const double* const* rows, Index count, int dimension, const double* centre,
                     double scale, float* block);
 
+/// sum[d] += rows[k][d] - centre[d], in double, for one row after the other: the same bits for any
+/// instruction set.
+template <class Scalar>
+void add_rows(const Scalar* const* rows, Index count, int dimension, const double* centre,
+              double* sum);
+
 }  // namespace ccvt::kernels
