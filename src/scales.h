@@ -21,12 +21,12 @@ namespace ccvt {
 ///
 /// Small. A product that underflows is off by at most half the least denormal, whatever its size.
 /// Each bound on rounding has a term for that (PairCut, Screen, Pricer, SquaredDistances,
-/// ExactAssignment, Lloyd), so that what is decided is right at any scale, and runs end; what is
-/// lost is the sight of gains of about D * 2^-1074. Of points that extend over E that is nothing
-/// beside E^2 when E = 1e-140, and no quotient by an extent or its square overflows. Keys in float
-/// lose their sight below 1e-19 and then prune nothing, so that the keys in double decide; the
-/// quotient 1 / E is finite for E = 1e-30. Clusters of any size inside E, and points that are all
-/// equal, are fine.
+/// SiteSteps, ExactAssignment, Lloyd), so that what is decided is right at any scale, and runs end;
+/// what is lost is the sight of gains of about D * 2^-1074. Of points that extend over E that is
+/// nothing beside E^2 when E = 1e-140, and no quotient by an extent or its square overflows. Keys
+/// in float lose their sight below 1e-19 and then prune nothing, so that the keys in double decide;
+/// the quotient 1 / E is finite for E = 1e-30. Clusters of any size inside E, and points that are
+/// all equal, are fine.
 template <class Scalar>
 constexpr double kSmallestExtent = sizeof(Scalar) == sizeof(float) ? 1e-30 : 1e-140;
 

@@ -436,6 +436,7 @@ TEST_CASE_TEMPLATE("bounds that are kept hold while sites move and points come a
           }
           std::vector<SiteNumber> near;
           kept.select(i, weights, near);
+          CHECK(kept.any_near(i, weights) == !near.empty());
           looked_at += near.size();
         }
         // Some sites move, some weights change, and some points are moved to cells of others.

@@ -82,8 +82,8 @@ struct Scene {
   std::vector<double> sites;
 };
 
-Scene make_scene(int dimension, Index points, Index sites, bool grid) {
-  Random random(3, 17);
+Scene make_scene(int dimension, Index points, Index sites, bool grid, std::uint64_t seed = 3) {
+  Random random(seed, 17);
   Scene made{Points<float>(dimension, points), {}};
   const auto coordinate = [&] {
     const double x = random.uniform() * random.uniform();
@@ -127,12 +127,13 @@ Exchanged exchange(const Scene& scene, bool floating, MoveCosts& costs, CellBoun
   return result;
 }
 
-void check_all_bounds_alike(int dimension, Index points, Index sites, bool floating, bool grid) {
+void check_all_bounds_alike(int dimension, Index points, Index sites, bool floating, bool grid,
+                            std::uint64_t seed = 3) {
   CAPTURE(dimension);
   CAPTURE(sites);
   CAPTURE(floating);
   CAPTURE(grid);
-  const Scene made = make_scene(dimension, points, sites, grid);
+  const Scene made = make_scene(dimension, points, sites, grid, seed);
   const Metric metric(dimension, Domain());
   const auto costs = [&] {
     return SquaredDistances<float>(metric, view_points(made.points), made.sites);
@@ -183,6 +184,14 @@ TEST_CASE("exchange: the same whatever bounds say, and whatever is as short") {
     check_all_bounds_alike(17, 2003, 60, floating, false);  // distances in float
     check_all_bounds_alike(8, 6003, 600, floating, false);  // edges whose known moves are all gone
   }
+}
+
+TEST_CASE("exchange: a point may come to an edge whose known moves are all gone") {
+  check_all_bounds_alike(3, 4624, 289, false, false, 3);
+  check_all_bounds_alike(3, 4624, 289, true, false, 3);
+  check_all_bounds_alike(19, 7896, 376, true, false, 5);
+  check_all_bounds_alike(11, 4056, 338, false, true, 110);
+  check_all_bounds_alike(11, 4056, 338, true, true, 110);
 }
 
 TEST_SUITE_END();

@@ -15,6 +15,7 @@
 #include "codebook/linkage.h"
 #include "codebook/plus_plus.h"
 #include "codebook/reseat.h"
+#include "codebook/rough_lloyd.h"
 #include "codebook/sample.h"
 #include "codebook/share.h"
 #include "exact/centroids.h"
@@ -29,10 +30,16 @@ using ccvt::Box;
 using ccvt::CodebookMethod;
 using ccvt::CodebookOptions;
 using ccvt::Domain;
+using ccvt::Grouping;
 using ccvt::Index;
 using ccvt::Metric;
 using ccvt::plus_plus_in_rounds;
 using ccvt::Points;
+using ccvt::PointsView;
+using ccvt::Pricer;
+using ccvt::Prices;
+using ccvt::RoughLloyd;
+using ccvt::Seeds;
 using ccvt::view_points;
 using namespace ccvt::test;
 
@@ -112,6 +119,45 @@ TEST_CASE("sites drawn by distance find clouds that random ones miss") {
     by_chance += energy(points, sites);
   }
   CHECK(by_distance < 0.5 * by_chance);
+}
+
+TEST_CASE("rough Lloyd iterations are those without bounds, wherever they go on from") {
+  // Bounds are kept in 12 dimensions, not in 5.
+  for (const int dimension : {5, 12}) {
+    CAPTURE(dimension);
+    const auto points = make_points<float>(Layout::clusters, uneven_box(dimension), 3000);
+    const Metric metric(dimension, Domain());
+    const Arena arena(2);
+    const PointsView<float> view = view_points(points);
+    Seeds kept{plus_plus_in_rounds(view, 40, 3, 1), {}, 0};
+    kept.owners = nearest_owners(metric, view, kept.sites, arena);
+    Seeds plain = kept;
+    RoughLloyd lloyd(metric, view, 40, arena);
+    const Pricer<float> pricer(metric, view, arena);
+    const std::vector<double> weights(40, 0.0);
+    for (int round = 0; round < 4; ++round) {
+      CAPTURE(round);
+      lloyd.relax(kept);
+      for (int i = 0; i < 12; ++i) {
+        const double before = plain.energy;
+        const Prices prices = pricer.price({plain.sites, weights}, plain.owners);
+        plain.energy = prices.cheapest_energy;
+        if (prices.moved == 0 || (i > 0 && before - plain.energy < 1e-3 * before)) break;
+        move_to_centroids(metric, view, Grouping(plain.owners, 40), arena, plain.sites);
+      }
+      CHECK(kept.owners == plain.owners);
+      CHECK(kept.sites == plain.sites);
+      CHECK(kept.energy == plain.energy);
+      if (round == 2) break;
+      // Elsewhere: some sites change places with others, or far away.
+      for (Seeds* const seeds : {&kept, &plain}) {
+        for (std::size_t d = 0; d < static_cast<std::size_t>(dimension); ++d) {
+          seeds->sites[d] += 3.0 * round;
+        }
+        for (Index& owner : seeds->owners) owner = owner == 7 ? 8 : owner;
+      }
+    }
+  }
 }
 
 TEST_CASE("shared sites are as many in each cloud as its points fill, to within one") {

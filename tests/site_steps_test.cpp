@@ -50,9 +50,11 @@ class Moved {
     std::vector<SiteSteps::Cell> cells;
     std::vector<std::vector<double>> bounds;
     std::vector<double> radius;
+    std::vector<double> growth;  // of what points cost at their own site
     for (const SiteNumber i : sites_below(kSites)) {
       CHECK(steps.moved(i) == (from_at(i) != to_at(i)));
       radius.push_back(made_.scale * random_.uniform());
+      growth.push_back(made_.scale * made_.scale * (random_.uniform() - .5));
       bounds.emplace_back();
       const Position x = from_at(i);
       for (const SiteNumber j : sites_below(kSites)) {
@@ -60,7 +62,8 @@ class Moved {
         const long double apart = std::sqrt(squared(x, from_at(j)));
         bounds.back().push_back(static_cast<double>(apart * apart - 2 * radius.back() * apart));
       }
-      cells.push_back({to_.data() + i * dimension(), radius.back(), 0, bounds.back().data()});
+      cells.push_back(
+          {to_.data() + i * dimension(), radius.back(), growth.back(), bounds.back().data()});
     }
     const auto before = bounds;
     steps.follow(cells, scratch);
@@ -69,8 +72,9 @@ class Moved {
         const Position d = difference(to_at(j), from_at(j));
         const long double length = std::sqrt(squared(d, Position(d.size(), 0)));
         // Of points in a ball around where the site is now.
-        const long double change =
-            squared(to_at(i), to_at(j)) - squared(to_at(i), from_at(j)) - 2 * radius[i] * length;
+        const long double change = squared(to_at(i), to_at(j)) - squared(to_at(i), from_at(j)) -
+                                   2 * radius[i] * length -
+                                   (steps.all() ? growth[i] : 0);  // else the caller's
         const long double off = static_cast<long double>(bounds[i][j]) - before[i][j] - change;
         const long double about =
             std::abs(before[i][j]) + squared(to_at(i), to_at(j)) + made_.scale * made_.scale;

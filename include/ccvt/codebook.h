@@ -47,8 +47,8 @@ struct CCVT_EXPORT CodebookOptions {
   CodebookMethod method = CodebookMethod::exact;
   Seeding seeding = Seeding::kmeans_plus_plus;
   /// Seedings tried on a sample of the vectors; the best one is used. 0: as many as pay, which is
-  /// 4, or 1 for many codewords in many dimensions, where chance hardly tells them apart, unless
-  /// codebooks are bred.
+  /// 4, or 1 for more than 128 codewords, where chance hardly tells them apart, unless codebooks
+  /// are bred.
   int restarts = 0;
   /// Codebooks bred from the seedings on a sample, toward the best one that keeps capacities,
   /// whatever the seed [a genetic search: Gribel, Vidal 2019]. At least 0; 0 for `lloyd`, and where

@@ -110,7 +110,7 @@ class PlusPlus {
       const auto found = std::upper_bound(sum.begin(), sum.end() - 1, place);
       seeding.drawn.push_back(static_cast<Index>(found - sum.begin()));
     }
-    seeding.chosen = seeding.drawn.front();
+    if (draws_ == 1) seeding.chosen = seeding.drawn.front();
   }
 
   /// Of the points drawn, those that leave the least energy.

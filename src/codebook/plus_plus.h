@@ -17,7 +17,7 @@ constexpr int kGreedyDimensions = 8;
 /// that leaves the least energy is taken. In more than kGreedyDimensions there is one draw.
 ///
 /// A result for each stream of random numbers, the same whichever others are asked for. All go
-/// through the points together: in many dimensions it takes about as long as for one. O(m n D).
+/// through the points together, which are read once for all of them. O(m n D) a stream and draw.
 std::vector<std::vector<double>> plus_plus(PointsView<float> points, Index sites,
                                            std::uint64_t seed,
                                            std::span<const std::uint64_t> streams,

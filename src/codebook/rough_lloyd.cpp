@@ -6,7 +6,6 @@
 #include "exact/grouping.h"
 #include "exact/move_costs.h"
 #include "parallel/rank_turns.h"
-#include "parallel/together.h"
 
 namespace ccvt {
 namespace {

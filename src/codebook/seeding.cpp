@@ -23,7 +23,7 @@ constexpr std::int64_t kLeastSample = 8192;
 /// Greed is affordable for so many at most.
 constexpr Index kGreedySites = 2048;
 constexpr int kReseatings = 24;
-/// Restarts whose sites are drawn together: the first end soon, where many are wanted.
+/// Restarts whose sites are drawn together: but for the first, so that a stop soon finds it done.
 constexpr std::size_t kTogether = 8;
 
 /// As many points as wanted, or all.
@@ -69,7 +69,7 @@ std::vector<double> seed_sites(const Vectors<Scalar>& points, Index sites, int r
       sites > kFewSites && (points.dimension() > kGreedyDimensions || sites > kGreedySites);
   const std::int64_t each = in_rounds ? kSmallSamplePerSite : kSamplePerSite;
   const std::int64_t wanted = std::max(kLeastSample, each * sites);
-  if (restarts == 0) restarts = in_rounds ? 1 : kRestarts;
+  if (restarts == 0) restarts = sites > kFewSites ? 1 : kRestarts;
   const Index count = sample_size(wanted, points.count());
   const Sample sample =
       points.sample(draw_distinct(count, points.count(), seed, streams::codebook_sample));
@@ -79,19 +79,19 @@ std::vector<double> seed_sites(const Vectors<Scalar>& points, Index sites, int r
   best.energy = std::numeric_limits<double>::infinity();
   Seeds seeds;
   try {
-    std::vector<std::vector<double>> drawn;
-    const auto seedings = static_cast<std::size_t>(restarts);
-    for (std::size_t r = 0; r < seedings; ++r) {
-      if (r % kTogether == 0) {
-        std::vector<std::uint64_t> numbers(std::min(kTogether, seedings - r));
-        std::iota(numbers.begin(), numbers.end(), streams::codebook_restarts + r);
-        drawn.clear();
-        if (!in_rounds) drawn = plus_plus(view, sites, seed, numbers, arena);
-        for (const std::uint64_t k : numbers) {
-          if (in_rounds) drawn.push_back(plus_plus_in_rounds(view, sites, seed, k, arena));
-        }
+    std::vector<std::vector<double>> drawn;  // for the next restarts, the last of them first
+    const auto seedings = static_cast<std::uint64_t>(restarts);
+    for (std::uint64_t r = 0; r < seedings; ++r) {
+      if (in_rounds) {
+        drawn = {plus_plus_in_rounds(view, sites, seed, streams::codebook_restarts + r, arena)};
+      } else if (drawn.empty()) {
+        std::vector<std::uint64_t> next(r == 0 ? 1 : std::min(kTogether, seedings - r));
+        std::iota(next.begin(), next.end(), streams::codebook_restarts + r);
+        drawn = plus_plus(view, sites, seed, next, arena);
+        std::reverse(drawn.begin(), drawn.end());
       }
-      seeds = {std::move(drawn[r % kTogether]), {}, 0};
+      seeds = {std::move(drawn.back()), {}, 0};
+      drawn.pop_back();
       improve(view, metric, arena, seeds);
       if (seeds.energy < best.energy) best = std::move(seeds);
     }

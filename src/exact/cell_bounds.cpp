@@ -128,23 +128,21 @@ void CellBounds::follow(std::span<const double> sites, const Grouping& groups,
       cells.push_back(s);
     }
   }
-  struct Scratch {
-    std::vector<double> squared;
-    std::vector<SiteSteps::Cell> cells;
-    SiteSteps::Scratch steps;
-  };
-  PerWorker<Scratch> scratch(arena);
-  arena.for_ranges(cells.size(), kCellsAtOnce, [&](std::size_t begin, std::size_t end, int worker) {
-    auto& [squared, some, products] = scratch[worker];
-    some.clear();
-    for (const SiteNumber s : std::span(cells).subspan(begin, end - begin)) {
+  std::vector<SiteSteps::Cell> followed(cells.size());
+  PerWorker<std::vector<double>> squared(arena);
+  arena.for_ranges(cells.size(), 4, [&](std::size_t begin, std::size_t end, int worker) {
+    for (std::size_t k = begin; k < end; ++k) {
       arena.check();
+      const SiteNumber s = cells[k];
       const double* const at = sites.data() + s * dimension;
-      const double growth = steps.moved(s) ? step(s, at, groups.of(s), points, squared) : 0;
+      const double growth = steps.moved(s) ? step(s, at, groups.of(s), points, squared[worker]) : 0;
       if (!steps.all()) lower(s, growth);
-      some.push_back({at, radius_[s], growth, of(s).data()});
+      followed[k] = {at, radius_[s], growth, of(s).data()};
     }
-    steps.follow(some, products);
+  });
+  PerWorker<SiteSteps::Scratch> scratch(arena);
+  arena.for_ranges(cells.size(), kCellsAtOnce, [&](std::size_t begin, std::size_t end, int worker) {
+    steps.follow(std::span(followed).subspan(begin, end - begin), scratch[worker]);
   });
   sites_.assign(sites.begin(), sites.end());
 }

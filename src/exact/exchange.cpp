@@ -158,9 +158,7 @@ void ExchangeGraph::relax_edges(SiteNumber from, std::size_t page, double looked
   const double least = distance_[from];
   const double base = least + weights_[from];
   for (; page < cell.page.size(); ++page) {
-    const auto left = cell.page.begin() + static_cast<std::ptrdiff_t>(page);
-    const double next = std::min(cell.rest, *std::min_element(left, cell.page.end()));
-    const double nearest = lowered(base, next);
+    const double nearest = lowered(base, std::min(cell.rest, cell.page[page]));
     if (nearest > nearest_) return;
     if (nearest > looked_at) return push({nearest, from, step_of_page(page)});
     const std::size_t end = std::min((page + 1) * kPage, cell.to.size());

@@ -88,13 +88,14 @@ class ExchangeGraph {
     std::vector<double> bound;          ///< what moving a point there costs at least
     std::vector<std::int32_t> weighed;  ///< of `moves`, or kNotWeighed
     std::vector<Moves> moves;
-    /// Of so many slots at a time, the least bound less the site's weight, or less than that.
+    /// Of the slots of a page and all after it, the least bound less the site's weight, or less.
     std::vector<double> page;
     /// What moving a point to any other site costs at least, less that site's weight.
     double rest = kNone;
   };
-  /// What a search looks at next: a site, the edges of a site in pages of slots, or those in no
-  /// slot, or an edge that is not weighed yet, in its slot.
+  /// What a search looks at next. `what`: kSite or kTarget for the site itself; the slot of an edge
+  /// that is not weighed yet; kRest for its edges that are in no slot; less than that for those in
+  /// slots from a page on, see step_of_page().
   struct Step {
     double distance;
     SiteNumber site;

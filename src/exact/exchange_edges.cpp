@@ -213,7 +213,7 @@ void ExchangeGraph::add_to_all(const Mover& mover) {
     const SiteNumber j = cell.to[slot];
     if (cell.weighed[slot] == kNotWeighed) {
       add_move(site, slot, {squared[j] - own, point});
-    } else if (!(squared[j] - own > moves_of(site, slot).beyond.cost)) {
+    } else if (!is_weighed(cell, slot) || !(squared[j] - own > moves_of(site, slot).beyond.cost)) {
       sites.push_back(j);
       slots_.push_back(slot);
     }
@@ -231,8 +231,10 @@ void ExchangeGraph::add_move(SiteNumber site, std::size_t slot, const Move& move
   cell.bound[slot] = std::min(cell.bound[slot], move.cost);
   // Not only where the bound falls: one of an edge whose known moves are all gone may be below its
   // page's.
-  double& page = cell.page[slot / kPage];
-  page = std::min(page, move.cost - weights_[cell.to[slot]]);
+  const double reduced = move.cost - weights_[cell.to[slot]];
+  for (std::size_t page = slot / kPage + 1; page > 0 && cell.page[page - 1] > reduced; --page) {
+    cell.page[page - 1] = reduced;
+  }
   if (cell.weighed[slot] == kNotWeighed) return;
   Moves& moves = moves_of(site, slot);
   if (moves.beyond < move) return;

@@ -62,7 +62,7 @@ void Pricer<Scalar>::select_sites(const Task& task, const Part& part, std::span<
   }
 }
 
-/// The same from the bounds kept; what they leave is looked at by the radius.
+/// The same from the bounds kept, of which those that the radius shows to be higher are raised.
 template <class Scalar>
 void Pricer<Scalar>::select_known(const Task& task, const Part& part, Scratch& scratch) const {
   task.kept->select(part.site, task.sites.weight, scratch.near);

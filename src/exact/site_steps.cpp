@@ -11,8 +11,8 @@
 namespace ccvt {
 namespace {
 
-/// Steps that sites are multiplied with at a time.
-constexpr std::size_t kSteps = 64;
+/// Steps that sites are multiplied with at a time, or as many as products are of.
+constexpr std::size_t kLeastSteps = 64;
 /// An exponent of two; half of double's.
 constexpr double kMostScale = 500;
 
@@ -26,7 +26,10 @@ double scale_for(double largest) {
 
 SiteSteps::SiteSteps(std::span<const double> from, std::span<const double> to,
                      std::size_t dimension)
-    : dimension_(dimension), moves_(from.size() / dimension, 0), centre_(dimension, 0.0) {
+    : dimension_(dimension),
+      steps_(std::max(kLeastSteps, static_cast<std::size_t>(kernels::product_points()))),
+      moves_(from.size() / dimension, 0),
+      centre_(dimension, 0.0) {
   const std::size_t n = moves_.size();
   std::size_t moved = 0;
   for (std::size_t s = 0; s < n; ++s) {
@@ -55,12 +58,12 @@ SiteSteps::SiteSteps(std::span<const double> from, std::span<const double> to,
   const double beside = 4 * terms * double{std::numeric_limits<float>::min()} * unscale_;
   const double share = rounding_share(static_cast<int>(dimension));
   const double underflow = underflow_of(static_cast<int>(dimension));
-  const std::size_t padded = (moved_.size() + kSteps - 1) / kSteps * kSteps;
+  const std::size_t padded = (moved_.size() + steps_ - 1) / steps_ * steps_;
   block_.assign(padded * dimension, 0.0F);
   for (std::size_t k = 0; k < moved_.size(); ++k) {
     const double* const x = from.data() + moved_[k] * dimension;
     const double* const y = to.data() + moved_[k] * dimension;
-    float* const stream = block_.data() + k / kSteps * kSteps * dimension + k % kSteps;
+    float* const stream = block_.data() + k / steps_ * steps_ * dimension + k % steps_;
     double squared = 0;
     double shift = 0;
     double sizes = 0;
@@ -71,7 +74,7 @@ SiteSteps::SiteSteps(std::span<const double> from, std::span<const double> to,
       squared += step * step;
       shift += step * (a + b);
       sizes += std::abs(step) * (std::abs(a) + std::abs(b));
-      stream[d * kSteps] = static_cast<float>(step * scale);
+      stream[d * steps_] = static_cast<float>(step * scale);
     }
     const bool moves = moves_[moved_[k]] != 0;
     length_.push_back(moves ? std::sqrt(squared + underflow) * (1 + share) : 0);
@@ -84,9 +87,9 @@ void SiteSteps::follow(std::span<const Cell> cells, Scratch& scratch) const {
   const std::size_t tile = kernels::kCostSites;
   const std::size_t padded = (cells.size() + tile - 1) / tile * tile;
   scratch.site.assign(padded * dimension_, 0.0F);
-  scratch.dot.resize(padded * kSteps);
-  scratch.lowest.assign(kSteps + padded, 0.0F);
-  const float* const none = scratch.lowest.data() + kSteps;
+  scratch.dot.resize(padded * steps_);
+  scratch.lowest.assign(steps_ + padded, 0.0F);
+  const float* const none = scratch.lowest.data() + steps_;
   // Of the rounding of a site, of a step, and of a sum of so many products.
   const double margin = (dimension + 6) * double{std::numeric_limits<float>::epsilon()};
   std::vector<double> reach;
@@ -99,13 +102,13 @@ void SiteSteps::follow(std::span<const Cell> cells, Scratch& scratch) const {
     }
     reach.push_back(2 * (cells[k].radius + margin * std::sqrt(squared)));
   }
-  for (std::size_t first = 0; first < moved_.size(); first += kSteps) {
-    const std::size_t count = std::min(kSteps, moved_.size() - first);
-    kernels::site_costs(block_.data() + first * dimension_, static_cast<Index>(kSteps), dimension,
+  for (std::size_t first = 0; first < moved_.size(); first += steps_) {
+    const std::size_t count = std::min(steps_, moved_.size() - first);
+    kernels::site_costs(block_.data() + first * dimension_, static_cast<Index>(steps_), dimension,
                         scratch.site.data(), none, static_cast<Index>(padded), scratch.dot.data(),
                         scratch.lowest.data());
     for (std::size_t k = 0; k < cells.size(); ++k) {
-      follow_some(cells[k], first, count, reach[k], scratch.dot.data() + k * kSteps);
+      follow_some(cells[k], first, count, reach[k], scratch.dot.data() + k * steps_);
     }
   }
 }

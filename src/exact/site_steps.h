@@ -46,6 +46,7 @@ class SiteSteps {
                    const float* dot) const;
 
   std::size_t dimension_;
+  std::size_t steps_;  ///< multiplied at a time
   std::vector<std::uint8_t> moves_;
   std::vector<SiteNumber> moved_;  ///< all where most have moved
   bool all_ = false;
