@@ -19,8 +19,14 @@
 #include "support/oracle.h"
 
 using ccvt::Box;
+using ccvt::CodebookMethod;
+using ccvt::CodebookOptions;
+using ccvt::Distribution;
 using ccvt::Grid;
 using ccvt::Index;
+using ccvt::Points;
+using ccvt::sample_uniform;
+using ccvt::train_codebook;
 using ccvt::VolumeSamples;
 using namespace ccvt::test;
 
@@ -217,6 +223,30 @@ TEST_CASE("one weight far from all others costs these no digits") {
     CHECK(weights[1] - weights[0] == doctest::Approx(0.15).epsilon(1e-15));
     CHECK(weights[4] - weights[3] == 0.25);
     CHECK(weights[2] == far - (far > 0 ? 0.5 : 0.25));
+  }
+}
+
+TEST_CASE("a vector so far away that it hides the others is named") {
+  Points<float> points = sample_uniform<float>(Box::unit(8), 3000, 5, Distribution::white);
+  for (const auto method :
+       {CodebookMethod::exact, CodebookMethod::pairwise, CodebookMethod::lloyd}) {
+    CAPTURE(to_string(method));
+    const CodebookOptions options{.method = method, .effort = 0};
+    for (const float far : {1.0F, 1e4F}) {
+      points(2, 5) = far;
+      CHECK(train_codebook(points, 20, options).summary.warnings.empty());
+    }
+    points(2, 5) = 1e12F;
+    points(3, 5) = -1e12F;
+    points(1, 77) = 1e12F;
+    const std::vector<std::string> warnings = train_codebook(points, 20, options).summary.warnings;
+    // Lloyd's gives them a codeword of their own.
+    REQUIRE(warnings.size() == (method == CodebookMethod::lloyd ? 0 : 1));
+    if (warnings.empty()) continue;
+    CHECK(warnings[0] ==
+          "vectors: vectors[5], and perhaps others, lie so far away that the cost of most cells is "
+          "lost beside theirs, and codewords are not in place: leave them out");
+    points(3, 5) = points(1, 77) = 0.5F;
   }
 }
 

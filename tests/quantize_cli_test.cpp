@@ -3,9 +3,12 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "support/files.h"
 #include "support/process.h"
@@ -73,6 +76,15 @@ TEST_CASE("quantize --effort breeds codebooks") {
   CHECK(given.status == 2);
   CHECK(given.errors.find("--effort") != std::string::npos);
   CHECK(energy_of("--restarts 1") == energy_of("--restarts 1 --effort 0"));
+}
+
+TEST_CASE("the peak of memory is the program's own, not that of what started it") {
+  const TemporaryDirectory directory;
+  REQUIRE(run(directory, "sample --dim 2 --sites 100 --points-per-site 1 -q -o v.npy").status == 0);
+  std::vector<char> large(std::size_t{400} << 20, 1);
+  CHECK(std::count(large.begin(), large.end(), 1) == std::ssize(large));  // all of it is touched
+  REQUIRE(run(directory, "quantize v.npy --codewords 4 --summary s.json -o c.npy").status == 0);
+  CHECK(json_of(directory / "s.json")["peak_memory_bytes"].get<double>() < 3e8);
 }
 
 TEST_CASE("quantize says beforehand when it may take much memory, and no less than it does") {

@@ -80,11 +80,11 @@ struct CCVT_EXPORT CodebookOptions {
   /// methods; 0: no more than that but for rounding. Capacities are exact whatever it is, and
   /// CodebookSummary::gap tells how near the codes came.
   double gap = 0;
-  /// `exact` trains on so many vectors, drawn at random, and assigns all of them once, in the end:
-  /// codewords are then the centroids of that sample's cells, while codes, capacities and
-  /// CodebookSummary::gap are of all vectors. For millions of them, of which a codeword needs some
-  /// hundred to find its place. At least the number of codewords; 0, or as many as there are or
-  /// more: on all vectors.
+  /// `exact` trains on so many vectors, drawn at random. All of them are then assigned, move the
+  /// codewords to the centroids of their cells, once, and are assigned again: codes, capacities and
+  /// CodebookSummary::gap are of all vectors, codewords near the centroids of their cells. For
+  /// millions of them, of which a codeword needs some hundred to find its place. At least the
+  /// number of codewords; 0, or as many as there are or more: on all vectors.
   Index train_sample = 0;
   /// Called after each iteration, from the thread that trains; false cancels.
   std::function<bool(const IterationRecord&)> on_iteration = {};

@@ -41,7 +41,8 @@ bool can_redraw() {
 
 }  // namespace
 
-Progress::Progress(bool quiet) : live_(!quiet && can_redraw()), last_(Clock::now() - kInterval) {}
+Progress::Progress(bool quiet, double time_limit)
+    : live_(!quiet && can_redraw()), time_limit_(time_limit), last_(Clock::now() - kInterval) {}
 
 Progress::~Progress() { clear(); }
 
@@ -66,7 +67,8 @@ void Progress::show(const IterationRecord& record, Index sites) {
   const auto settled =
       static_cast<std::size_t>(std::clamp(record.progress, 0.0, 1.0) * kBarWidth + 0.5);
   // What is done is not quite proportional to time; early on, not at all.
-  const double left = record.seconds * (1 / std::max(record.progress, 1e-9) - 1);
+  double left = record.seconds * (1 / std::max(record.progress, 1e-9) - 1);
+  if (time_limit_ > 0) left = std::min(left, time_limit_ - record.seconds);
   const bool foreseeable = record.progress > 0.05 && record.seconds > 1 && left >= 1;
   const std::string bar =
       "[" + std::string(settled, '#') + std::string(kBarWidth - settled, '.') + "]";

@@ -12,7 +12,8 @@ namespace ccvt::cli {
 /// a dumb one (TERM). Without colours and other escape codes.
 class Progress {
  public:
-  explicit Progress(bool quiet);
+  /// `time_limit`: when the run is to end, in seconds from its start; 0: at no such time.
+  Progress(bool quiet, double time_limit);
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   /// Clears the line.
@@ -29,6 +30,7 @@ class Progress {
   void redraw(const std::string& text);
 
   bool live_;
+  double time_limit_;
   std::size_t drawn_ = 0;  ///< letters of the line as it stands
   Clock::time_point last_;
 };

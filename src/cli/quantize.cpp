@@ -191,7 +191,7 @@ Training train(const QuantizeArguments& arguments, const std::string& source,
     blame(arguments.capacities, [&] { problem.set_capacities(capacities); });
   }
   const std::optional<Points<double>> codewords = read_codewords(arguments);
-  Progress progress(arguments.quiet);
+  Progress progress(arguments.quiet, arguments.time_limit);
   CodebookOptions options = make_codebook_options(arguments, progress);
   options.capacities = std::move(capacities);
   if (codewords) {

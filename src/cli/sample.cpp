@@ -45,7 +45,7 @@ int sample(const SampleArguments& arguments) {
     });
   }
   const auto result = [&] {
-    Progress progress(arguments.quiet);
+    Progress progress(arguments.quiet, arguments.time_limit);
     const Options options = make_options(arguments, Options::samples(), arguments.sites, progress);
     return tessellate(problem, kept.options(options, progress));
   }();

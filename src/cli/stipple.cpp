@@ -38,7 +38,7 @@ int stipple_file(const StippleArguments& arguments) {
   options.gamma = arguments.gamma;
   options.dot_radius = arguments.dot_radius;
   const Stippling<Scalar> stippling = kept.blame(arguments.image, [&] {
-    Progress progress(arguments.quiet);
+    Progress progress(arguments.quiet, arguments.time_limit);
     options.tessellation = kept.options(
         make_options(arguments, options.tessellation, arguments.sites, progress), progress);
     return stipple<Scalar>(image, arguments.sites, options);

@@ -45,7 +45,7 @@ int sample(const SurfaceArguments& arguments) {
   options.points_per_site = arguments.points_per_site;
   options.normal_weight = arguments.normal_weight;
   const SurfaceSamples samples = blame(arguments.mesh, [&] {
-    Progress progress(arguments.quiet);
+    Progress progress(arguments.quiet, arguments.time_limit);
     options.tessellation = make_options(arguments, options.tessellation, arguments.sites, progress);
     return sample_surface<Scalar>(mesh, arguments.sites, options);
   });

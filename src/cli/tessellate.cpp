@@ -83,7 +83,7 @@ int tessellate_file(const TessellateArguments& arguments, const PointsHeader& he
           [&] { problem.set_fixed_sites(map ? mapped_fixed_sites : fixed_sites); });
   }
   auto result = [&] {
-    Progress progress(arguments.quiet);
+    Progress progress(arguments.quiet, arguments.time_limit);
     return tessellate(problem,
                       kept.options(make_options(arguments, {}, sites, progress), progress));
   }();

@@ -154,7 +154,7 @@ int tessellate_weighted(const TessellateArguments& arguments, const PointsHeader
   const std::vector<double> masses = read_masses(arguments);
   if (!arguments.capacities.empty()) options.capacities = read_numbers(arguments.capacities);
   const auto result = [&] {
-    Progress progress(arguments.quiet);
+    Progress progress(arguments.quiet, arguments.time_limit);
     options.relaxation =
         kept.options(make_options(arguments, {}, arguments.sites, progress), progress);
     return blame_file_of(

@@ -64,7 +64,7 @@ Thinning thin_cloud(const ThinArguments& arguments, const PointCloud& cloud, Ind
   options.normal_weight = arguments.normal_weight.value_or(options.normal_weight);
   options.equal_counts = arguments.equal_counts;
   return blame(arguments.points, [&] {
-    Progress progress(arguments.quiet);
+    Progress progress(arguments.quiet, arguments.time_limit);
     options.tessellation = make_options(arguments, options.tessellation, sites, progress);
     return thin(view_points(points), sites, options,
                 normals.size() > 0 ? view_points(normals) : PointsView<Scalar>());

@@ -37,7 +37,7 @@ int sample(const VolumeArguments& arguments, const VolumeHeader& header,
   VolumeOptions options;
   options.points_per_site = arguments.points_per_site;
   const VolumeSamples samples = kept.blame(arguments.volume, [&] {
-    Progress progress(arguments.quiet);
+    Progress progress(arguments.quiet, arguments.time_limit);
     options.tessellation = kept.options(
         make_options(arguments, options.tessellation, arguments.sites, progress), progress);
     return sample_volume<Scalar>(density, arguments.sites, options);

@@ -9,6 +9,7 @@
 #include "ccvt/codebook.h"
 #include "checkpoint/digest.h"
 #include "codebook/breeding.h"
+#include "codebook/far_vectors.h"
 #include "codebook/pairwise.h"
 #include "codebook/seeding.h"
 #include "codebook/share.h"
@@ -298,6 +299,9 @@ void Trainer<Scalar>::sum_up(const Codebook& codebook) {
   const std::string warning = coarse_coordinates<Scalar>(
       "vectors", view_points(looked), spacing_in_cells(summary_.energy, m, n, vectors_.dimension));
   if (!warning.empty()) summary_.warnings.push_back(warning);
+  const std::string far =
+      far_vectors(problem_.ranks(), problem_.points(), problem_.first_own_point(), owners_, sites_);
+  if (!far.empty()) summary_.warnings.push_back(far);
 }
 
 template class Trainer<float>;

@@ -159,9 +159,24 @@ void Trainer<Scalar>::exact() {
     owners_ =
         Pricer<Scalar>(metric_, vectors_, arena_, source_.part()).cheapest({sites_, weights_});
     owned_ = m;
+    return assign_all();
   }
   if (summary_.termination == Termination::cancelled) throw Stopped();
   prove();
+}
+
+/// The exact assignment of all vectors, for the centroids of the one for the codewords of a sample.
+template <class Scalar>
+void Trainer<Scalar>::assign_all() {
+  ExactAssignment<Scalar> assignment = exact_assignment();
+  assignment.improve(sites_, weights_, owners_);
+  {
+    const Stop::Pause pause(stop_);  // until owners and sites are of the same cells
+    move_to_centroids(metric_, vectors_, Grouping(owners_, weights_.size()), arena_, sites_, {},
+                      source_.part().ranks);
+    keep_met(source_.count());
+  }
+  summary_.gap = assignment.solve(sites_, weights_, owners_).share();
 }
 
 /// The exact assignment for the codewords as they are, and its certificate.
@@ -179,6 +194,8 @@ ExactAssignment<Scalar> Trainer<Scalar>::exact_assignment() const {
 
 template void Trainer<float>::exact();
 template void Trainer<double>::exact();
+template void Trainer<float>::assign_all();
+template void Trainer<double>::assign_all();
 template void Trainer<float>::prove();
 template void Trainer<double>::prove();
 template ExactAssignment<float> Trainer<float>::exact_assignment() const;

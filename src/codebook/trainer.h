@@ -67,6 +67,7 @@ class Trainer {
 
   void seed();
   void train();
+  void assign_all();
   void prove();
   void end_cancelled();
   void settle_for_less();

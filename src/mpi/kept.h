@@ -31,7 +31,7 @@ class Kept {
   auto solve(const Options& defaults, Index sites, const Work& work) const {
     std::optional<cli::EndsAsked> ends;
     if (run_->keeps()) ends.emplace();
-    cli::Progress progress(arguments_.quiet);
+    cli::Progress progress(arguments_.quiet, arguments_.time_limit);
     Options options =
         run_->options(cli::make_options(arguments_, defaults, sites, progress), progress);
     options.on_checkpoint = [this, tell = options.on_checkpoint](const CheckpointRecord& record) {

@@ -52,7 +52,7 @@ void check_memory(const Session& session, const QuantizeArguments& arguments,
 template <class Scalar>
 Training train(const Session& session, const QuantizeArguments& arguments,
                const Inputs<Scalar>& inputs) {
-  cli::Progress progress(arguments.quiet);
+  cli::Progress progress(arguments.quiet, arguments.time_limit);
   CodebookOptions options = cli::make_codebook_options(arguments, progress);
   options.capacities = inputs.capacities;
   const PointsView<Scalar> own = inputs.vectors->view();
