@@ -88,8 +88,9 @@ class BalancedKMeans(Estimator):
         ``"exact"``, which alone may have one, ends when the assignment is proved to cost at most this
         share too much.
     train_sample : int or None, default None
-        ``"exact"`` trains on so many samples, drawn at random, and then assigns all of them once: for
-        millions of samples, of which a cluster needs some hundred. None: on all.
+        ``"exact"`` trains on so many samples, drawn at random; all of them then move the centres once
+        and are assigned: for millions of samples, of which a cluster needs some hundred. None: on
+        all.
     predict_by : {"weight", "nearest"}, default "weight"
         What `predict` does. ``"weight"``: the least squared distance minus the cluster's weight, by
         which samples like those of the training fill clusters evenly; ``"nearest"``: the nearest
