@@ -118,13 +118,13 @@ class PlusPlus {
     const std::size_t sums = tiles_ * tile_ / kTilePoints;
     for (Seeding& seeding : seedings_) seeding.left.assign(seeding.drawn.size() * sums, 0.0);
     for_tiles([&](std::size_t tile) {
+      const std::size_t place = tile * tile_ / kTilePoints;
       for (Seeding& seeding : seedings_) {
-        double* left = seeding.left.data() + tile * tile_ / kTilePoints;
-        for (const Index drawn : seeding.drawn) {
+        for (std::size_t k = 0; k < seeding.drawn.size(); ++k) {
           kernels::lowered_sums(at(tile), static_cast<Index>(tile_),
                                 static_cast<Index>(points_in(tile)), points_.dimension,
-                                points_[drawn], seeding.squared.data() + tile * tile_, left);
-          left += sums;
+                                points_[seeding.drawn[k]], seeding.squared.data() + tile * tile_,
+                                seeding.left.data() + k * sums + place);
         }
       }
     });
