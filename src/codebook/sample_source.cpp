@@ -5,7 +5,6 @@
 #include <span>
 
 #include "codebook/plus_plus.h"
-#include "codebook/seeding.h"
 #include "codebook/share.h"
 #include "streams.h"
 

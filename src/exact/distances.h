@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -20,6 +21,14 @@ namespace ccvt {
 /// beside that.
 inline double rounding_share(int dimension) { return 1e-14 * (1 + dimension / 64.0); }
 inline double underflow_of(int dimension) { return dimension * std::numeric_limits<double>::min(); }
+
+/// A power of two that brings values up to `largest` to about 1 at most; no more than what still
+/// has a square, and an inverse that has one.
+inline double scale_for(double largest) {
+  constexpr double kMostScale = 500;  // about half of double's exponent
+  if (!(largest > 0)) return 1;
+  return std::exp2(std::clamp(-std::ceil(std::log2(largest)), -kMostScale, kMostScale));
+}
 
 /// Rows that for_rows() passes on together.
 inline constexpr std::size_t kRowsAtOnce = 64;

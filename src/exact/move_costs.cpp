@@ -18,8 +18,6 @@
 namespace ccvt {
 namespace {
 
-/// An exponent of two; at most half of double's.
-constexpr double kMostScale = 500;
 /// In the units of the products: points farther from their site than this are not multiplied.
 constexpr double kFar = 1e12;
 /// A squared distance in double to a point that lies anywhere takes as long as so many in a product
@@ -91,7 +89,7 @@ SquaredDistances<Scalar>::SquaredDistances(const Metric& metric, PointsView<Scal
   for (std::size_t k = 0; k < sites.size(); ++k) {
     largest = std::max(largest, std::abs(sites[k] - mean_[k % dimension()]));
   }
-  if (largest > 0) scale_ = std::exp2(std::min(kMostScale, -std::ceil(std::log2(largest))));
+  scale_ = scale_for(largest);
   const auto step = static_cast<std::size_t>(kernels::kDotSites);
   centred_.assign(padded(count(), step) * dimension(), 0.0F);
   norm_.assign(count(), 0.0);

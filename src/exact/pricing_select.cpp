@@ -7,6 +7,22 @@
 #include "exact/pricing_parts.h"
 
 namespace ccvt {
+namespace {
+
+/// What a site costs points within a radius of a centre, of a given weight, more than a site there
+/// would: `constant`, `reach` more or less, but for rounding.
+struct Costs {
+  Costs(double squared, double radius, double own, double weight, int dimension)
+      : constant(squared + own - weight),
+        reach(2 * radius * std::sqrt(squared)),
+        rounding(rounding_share(dimension) * (squared + reach + std::abs(own) + std::abs(weight)) +
+                 underflow_of(dimension)) {}
+  double constant;
+  double reach;
+  double rounding;
+};
+
+}  // namespace
 
 /// Gives the product the sites of groups that some point may prefer, or without owners those of the
 /// part's group.
@@ -41,16 +57,11 @@ void Pricer<Scalar>::select_sites(const Task& task, const Part& part, std::span<
   scratch.least.resize(sites.count());
   // What the farthest point pays at most for its cheapest site, and what others cost at least; a
   // little more and less than that, for the rounding of these terms.
-  const double relative = rounding_share(dimension);
-  const double underflow = underflow_of(dimension);
-  const double own_weight = part.weight;
   double ceiling = kNever;
   for (const SiteNumber j : sites_below(sites.count())) {
     const double squared = apart[j];
-    const double constant = squared + own_weight - task.weight(j);
-    const double reach = 2 * part.radius * std::sqrt(squared);
-    const double rounding =
-        relative * (squared + reach + std::abs(own_weight) + std::abs(task.weight(j))) + underflow;
+    const auto [constant, reach, rounding] =
+        Costs(squared, part.radius, part.weight, task.weight(j), dimension);
     scratch.least[j] = constant - reach - rounding;
     ceiling = std::min(ceiling, constant + reach + rounding);
     if (!part.bounds.empty()) part.bounds[j] = squared - reach - rounding;
@@ -58,7 +69,7 @@ void Pricer<Scalar>::select_sites(const Task& task, const Part& part, std::span<
   for (const SiteNumber j : sites_below(sites.count())) {
     if (scratch.least[j] > ceiling) continue;
     const double squared = apart[j];
-    scratch.product.add(j, squared, squared + own_weight - task.weight(j));
+    scratch.product.add(j, squared, squared + part.weight - task.weight(j));
   }
 }
 
@@ -68,15 +79,11 @@ void Pricer<Scalar>::select_known(const Task& task, const Part& part, Scratch& s
   task.kept->select(part.site, task.sites.weight, scratch.near);
   scratch.near.push_back(part.site);
   scratch.product.clear();
-  const double relative = rounding_share(points_.dimension);
-  const double own = task.weight(part.site);
   for (const SiteNumber j : scratch.near) {
     const double squared =
         squared_distance(task.sites.at(part.site), task.sites.at(j), points_.dimension);
-    const double constant = squared + own - task.weight(j);
-    const double reach = 2 * part.radius * std::sqrt(squared);
-    const double terms = squared + reach + std::abs(own) + std::abs(task.weight(j));
-    const double rounding = relative * terms + underflow_of(points_.dimension);
+    const auto [constant, reach, rounding] =
+        Costs(squared, part.radius, part.weight, task.weight(j), points_.dimension);
     if (constant - reach > rounding && j != part.site) {
       part.bounds[j] = std::max(part.bounds[j], squared - reach - rounding);
     } else {

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "exact/distances.h"
-#include "kernels/bounds.h"
 #include "kernels/products.h"
 
 namespace ccvt {
@@ -13,14 +12,6 @@ namespace {
 
 /// Steps that sites are multiplied with at a time, or as many as products are of.
 constexpr std::size_t kLeastSteps = 64;
-/// An exponent of two; half of double's.
-constexpr double kMostScale = 500;
-
-/// A power of two that brings values up to `largest` to about 1 at most.
-double scale_for(double largest) {
-  if (!(largest > 0)) return 1;
-  return std::exp2(std::clamp(-std::ceil(std::log2(largest)), -kMostScale, kMostScale));
-}
 
 }  // namespace
 
@@ -92,7 +83,7 @@ void SiteSteps::follow(std::span<const Cell> cells, Scratch& scratch) const {
   const float* const none = scratch.lowest.data() + steps_;
   // Of the rounding of a site, of a step, and of a sum of so many products.
   const double margin = (dimension + 6) * double{std::numeric_limits<float>::epsilon()};
-  std::vector<double> reach;
+  scratch.reach.clear();
   for (std::size_t k = 0; k < cells.size(); ++k) {
     double squared = 0;
     for (std::size_t d = 0; d < dimension_; ++d) {
@@ -100,7 +91,7 @@ void SiteSteps::follow(std::span<const Cell> cells, Scratch& scratch) const {
       squared += x * x;
       scratch.site[k * dimension_ + d] = static_cast<float>(2 * scale_ * x);
     }
-    reach.push_back(2 * (cells[k].radius + margin * std::sqrt(squared)));
+    scratch.reach.push_back(2 * (cells[k].radius + margin * std::sqrt(squared)));
   }
   for (std::size_t first = 0; first < moved_.size(); first += steps_) {
     const std::size_t count = std::min(steps_, moved_.size() - first);
@@ -108,27 +99,27 @@ void SiteSteps::follow(std::span<const Cell> cells, Scratch& scratch) const {
                         scratch.site.data(), none, static_cast<Index>(padded), scratch.dot.data(),
                         scratch.lowest.data());
     for (std::size_t k = 0; k < cells.size(); ++k) {
-      follow_some(cells[k], first, count, reach[k], scratch.dot.data() + k * steps_);
+      const float* const dot = scratch.dot.data() + k * steps_;
+      const kernels::BoundChange change{unscale_, scratch.reach[k], all_ ? cells[k].growth : 0};
+      double* const bound = cells[k].bound;
+      if (all_) {
+        change_some(dot, first, count, change, bound + first);
+        continue;
+      }
+      const auto moved = std::span(moved_).subspan(first, count);
+      scratch.bound.clear();
+      for (const SiteNumber j : moved) scratch.bound.push_back(bound[j]);
+      change_some(dot, first, count, change, scratch.bound.data());
+      for (std::size_t step = 0; step < count; ++step) bound[moved[step]] = scratch.bound[step];
     }
   }
 }
 
-/// Of the steps from the `first`.
-void SiteSteps::follow_some(const Cell& cell, std::size_t first, std::size_t count, double reach,
-                            const float* dot) const {
-  const double* const shift = shift_.data() + first;
-  const double* const length = length_.data() + first;
-  kernels::BoundChange change{unscale_, reach, cell.growth};
-  if (all_) {
-    kernels::change_bounds(dot, shift, length, static_cast<Index>(count), change,
-                           cell.bound + first);
-    return;
-  }
-  change.growth = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    kernels::change_bounds(dot + k, shift + k, length + k, 1, change,
-                           cell.bound + moved_[first + k]);
-  }
+/// Of steps from the `first`.
+void SiteSteps::change_some(const float* dot, std::size_t first, std::size_t count,
+                            const kernels::BoundChange& change, double* bound) const {
+  kernels::change_bounds(dot, shift_.data() + first, length_.data() + first,
+                         static_cast<Index>(count), change, bound);
 }
 
 }  // namespace ccvt

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ccvt/types.h"
+#include "kernels/bounds.h"
 #include "numbers.h"
 
 namespace ccvt {
@@ -37,13 +38,15 @@ class SiteSteps {
     std::vector<float> site;
     std::vector<float> dot;
     std::vector<float> lowest;
+    std::vector<double> reach;
+    std::vector<double> bound;
   };
   /// Bounds for the positions before become bounds for these. O(cells n D).
   void follow(std::span<const Cell> cells, Scratch& scratch) const;
 
  private:
-  void follow_some(const Cell& cell, std::size_t first, std::size_t count, double reach,
-                   const float* dot) const;
+  void change_some(const float* dot, std::size_t first, std::size_t count,
+                   const kernels::BoundChange& change, double* bound) const;
 
   std::size_t dimension_;
   std::size_t steps_;  ///< multiplied at a time
