@@ -93,15 +93,20 @@ bool Run<Scalar>::begin_or_continue() {
     const Stop::Pause pause(stop);  // without sites there is no tessellation
     place_sites();
   }
+  const bool kept = continues();
   try {
-    const auto pause = pause_for(problem.point_count());
+    // What was kept is better than any deal of points to the first sites.
+    const auto pause = pause_for(kept ? 0 : problem.point_count());
     divide_points();
   } catch (const Stopped&) {
     deal({}, {});
     return false;
   }
   summary.levels = static_cast<int>(levels.size());
-  if (continues()) return false;
+  if (kept) {
+    take_kept();
+    return false;
+  }
   if (warm) {
     take_owners();
   } else {

@@ -112,7 +112,8 @@ struct Run {
   void load_tiles(const std::filesystem::path& file, const TilePart& part,
                   std::span<const std::byte> bytes, const Arena& apart, Cells<Scalar>& cells,
                   Relaxer<Scalar>& patches) const;
-  bool continues();
+  [[nodiscard]] bool continues() const;
+  void take_kept();
   void begin_keeping();
   void keep();
   void keep_if_due();

@@ -266,20 +266,24 @@ void Run<Scalar>::tell(CheckpointRecord::Event event, double seconds, const std:
   }
 }
 
-/// Reads the run, if it is there.
+/// Whether there is a run to be read.
 template <class Scalar>
-bool Run<Scalar>::continues() {
+bool Run<Scalar>::continues() const {
   if (!is_kept()) return false;
   std::error_code unknown;
   const bool there =
       is_first(ranks()) && std::filesystem::status(options.checkpoint, unknown).type() !=
                                std::filesystem::file_type::not_found;
-  if (!any(ranks(), there)) return false;
+  return any(ranks(), there);
+}
+
+/// Reads it.
+template <class Scalar>
+void Run<Scalar>::take_kept() {
   const Clock::time_point start = Clock::now();
   load(options.checkpoint);
   kept_at = Clock::now();
   tell(CheckpointRecord::Event::continued, seconds_since(start));
-  return true;
 }
 
 /// For the first time. Whoever cannot write there should know before hours have passed.
@@ -343,8 +347,10 @@ template void Run<float>::load_tiles(const std::filesystem::path&, const TilePar
 template void Run<double>::load_tiles(const std::filesystem::path&, const TilePart&,
                                       std::span<const std::byte>, const Arena&, Cells<double>&,
                                       Relaxer<double>&) const;
-template bool Run<float>::continues();
-template bool Run<double>::continues();
+template bool Run<float>::continues() const;
+template void Run<float>::take_kept();
+template bool Run<double>::continues() const;
+template void Run<double>::take_kept();
 template void Run<float>::begin_keeping();
 template void Run<double>::begin_keeping();
 template void Run<float>::keep();

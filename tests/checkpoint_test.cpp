@@ -434,6 +434,22 @@ TEST_CASE("However a run that is kept is cut short, it goes on to the same end")
   }
 }
 
+TEST_CASE("What is kept is taken up even where the time is over before") {
+  const TemporaryDirectory directory;
+  const auto points = make_points<float>(Layout::random, uneven_box(2), 200'000);
+  const Problem<float> problem(points, 1000);
+  Options options{.seed = 4};
+  options.checkpoint = directory / "kept";
+  options.max_iterations = 12;
+  const auto kept = ccvt::tessellate(problem, options);
+  options.cancelled = [] { return true; };
+  Solver<float> again(problem, options);
+  CHECK(again.summary().iterations == 12);
+  again.run();
+  CHECK(again.summary().iterations >= 12);
+  CHECK(again.summary().energy <= kept.summary.energy);
+}
+
 TEST_CASE("A checkpoint that fails later does not end a run, and is told of once") {
   const Saved saved;
   const std::filesystem::path folder = saved.directory / "folder";
