@@ -320,6 +320,15 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
   std::string moved = nifti1({16, 16, 8}, 2, 8) + std::string(16 * 16 * 8, '\1');
   put_at(moved, 80, 1.5F);
   put(directory / "moved.nii", moved);
+  put(directory / "turned.nii", nifti1({16, 8, 16}, 2, 8) + std::string(16 * 16 * 8, '\1'));
+  put(directory / "lps.nrrd",
+      "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 16 16 8\nencoding: raw\n"
+      "space: left-posterior-superior\nspace directions: (-1,0,0) (0,-2,0) (0,0,3)\n"
+      "space origin: (0,0,0)\n\n" +
+          std::string(16 * 16 * 8, '\1'));
+  put(directory / "tiny.nrrd",
+      "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n"
+      "spacings: 1e-120 1e-120 1e-120\n\n12345678");
   put(directory / "v.raw", "12345678");
   put(directory / "nan.nii", with_nan());
   put(directory / "l.nii", labels());
@@ -353,7 +362,13 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
   check("v.nii --map gamma:0", "above 0");
   check("v.nii --map log", "'log' is not one of linear");
   check("v.nii --map threshold:1000", "all 2048 densities are 0");
-  check("v.nii --mask m.nii", "has 16 x 16 x 7 cells, but v.nii has 16 x 16 x 8");
+  check("v.nii --mask m.nii",
+        "m.nii: has 16 x 16 x 7 cells along x, y and z, but v.nii has 16 x 16 x 8\n");
+  check("v.nii --mask turned.nii",
+        "has 16 x 8 x 16 cells along x, y and z, but v.nii has 16 x 16 x 8: they say otherwise "
+        "where their axes point");
+  check("v.nii --mask lps.nrrd",
+        "lps.nrrd: its cells are where those of v.nii are if x and y run the other way");
   check("v.nii --mask moved.nii", "its cells are not where those of v.nii are");
   check("v.nii --spacing 1,1,1", "says its spacing and origin itself");
   check("v.nii --preview p.jpg", "must be .png");
@@ -362,10 +377,10 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
   check("v.raw --shape 2,2 --type int8", "needs 3, with commas");
   check("v.raw --shape 2,2,3 --type uint8", "is truncated");
   check("v.raw --shape 2,0,3 --type uint8", "of at least 1");
-  check("v.raw --shape 2,2,2 --type uint8 --spacing 1,0,1", "above 0");
+  check("v.raw --shape 2,2,2 --type uint8 --spacing 1,0,1", "of at least 1e-30");
   check("v.raw --shape 2,2,2 --type uint8 --spacing 1,1e200,1", "--spacing: '1e200' is not");
-  check("v.raw --shape 2,2,2 --type uint8 --spacing 1e-120,1e-120,1e-120",
-        "or flat: the volume of a cell is 0");
+  check("v.raw --shape 2,2,2 --type uint8 --spacing 1,1e-120,1", "--spacing: '1e-120' is not");
+  check("tiny.nrrd", "or flat: the volume of a cell is 0");
   check("v.raw --shape 2,2,2 --type uint8 --origin 1e16,0,0", "along axis 0 apart");
   check(
       "v.raw --shape 2,2,2 --type uint8 --origin 0,1e20,0",

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "ccvt/solver.h"
+#include "number_text.h"
 #include "random.h"
 #include "support/catch_in_time.h"
 #include "support/generate.h"
@@ -146,6 +147,35 @@ TEST_CASE("unequal capacities, and their scaling") {
     CHECK(result.relative_mass_error < 0.1);
     if (method == MassMethod::whole) CHECK(whole_faults(points, masses, options, result) == "");
   }
+}
+
+TEST_CASE("what is said of errors is of the cell that misses most of its own capacity") {
+  const auto points = make_points<double>(Layout::random, Box::unit(2), 6000);
+  const std::vector<double> masses = make_masses(Masses::even, 6000);
+  MassOptions options;
+  for (int s = 0; s < 40; ++s) options.capacities.push_back(s % 2 == 0 ? 1 : 7);
+  for (double& c : options.capacities) c *= static_cast<double>(sum_of(masses)) / 160;
+  int others = 0;  // than the one that misses most mass
+  for (const MassMethod method : {MassMethod::whole, MassMethod::resampled}) {
+    options.method = method;
+    const auto result = tessellate_masses(points, masses, 40, options);
+    std::size_t worst = 0;
+    const auto missed = [&](std::size_t s) {
+      return std::abs(result.masses[s] / result.capacities[s] - 1);
+    };
+    for (std::size_t s = 1; s < result.masses.size(); ++s) {
+      if (missed(s) > missed(worst)) worst = s;
+    }
+    if (worst != at(result.worst_site)) ++others;
+    std::string brief =
+        "largest mass error " + ccvt::text(100 * missed(worst), 3) + " % of its cell's capacity";
+    if (method == MassMethod::whole) {
+      brief += ", bound " +
+               ccvt::text(100 * result.mass_error_bound / result.capacities[worst], 3) + " %";
+    }
+    CHECK(result.brief_error() == brief);
+  }
+  CHECK(others > 0);
 }
 
 TEST_CASE_TEMPLATE("no number of threads changes a bit", Scalar, float, double) {

@@ -89,7 +89,8 @@ struct MassResult {
   /// "masses": all that is done with whole points or shares.
   Summary summary;
 
-  /// "largest mass error 0.8 % of its cell's capacity, bound 2.1 %".
+  /// "largest mass error 0.8 % of its cell's capacity, bound 2.1 %": of the cell that misses the
+  /// largest share of its own.
   [[nodiscard]] CCVT_EXPORT std::string brief_error() const;
 };
 

@@ -6,7 +6,7 @@
 namespace ccvt::cli {
 
 void add_masses(CLI::App& app, MassArguments& target) {
-  add_input(app, "--masses", target.file, "The mass of each point, not negative", io::kPointFiles);
+  add_input(app, "--masses", target.file, "The mass of each point, not negative", io::kTableFiles);
   app.add_option("--mass-column", target.column,
                  "The column of POINTS that is their mass, by name or number from 1")
       ->type_name("COLUMN")

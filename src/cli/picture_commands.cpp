@@ -54,9 +54,10 @@ CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
       return parse_list(text, 3, range, values);
     };
   };
+  constexpr double least = 1e-30;
   constexpr double most = 1e30;
   add_parsed(*command, "--spacing", arguments.layout.spacing,
-             three({.least = 0, .most = most, .open_below = true}),
+             three({.least = least, .most = most}),
              "Of .raw and .npy: distance of the cells along each axis [1,1,1]", "X,Y,Z");
   add_parsed(*command, "--origin", arguments.layout.origin, three({.least = -most, .most = most}),
              "Of .raw and .npy: centre of the first cell [0,0,0]", "X,Y,Z");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <string>
 
 #include "cli/outputs.h"
@@ -42,9 +43,9 @@ Eigen::Matrix3d sides_of(const Grid& grid) {
   return grid.axes.eigen() * cells.cast<double>().asDiagonal();
 }
 
-std::string shape_text(const Grid& grid) {
+std::string shape_text(std::span<const std::int64_t> shape) {
   std::string result;
-  for (const std::int64_t cells : grid.shape) {
+  for (const std::int64_t cells : shape) {
     result += (result.empty() ? "" : " x ") + std::to_string(cells);
   }
   return result;
@@ -91,6 +92,43 @@ Grid reordered(const Grid& grid, const AxisOrder& order) {
     if (reversed) result.origin.eigen() += step * static_cast<double>(cells - 1);
   }
   return result;
+}
+
+/// Cells along x, y and z, or what runs nearest along these.
+std::array<std::int64_t, 3> shape_in_world(const Grid& grid) {
+  Grid world = grid;
+  world.axes = Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  const Grid seen = reordered(grid, directions(world, grid));
+  return {seen.shape[0], seen.shape[1], seen.shape[2]};
+}
+
+/// The same cells in a space whose x and y run the other way.
+Grid turned_round(const Grid& grid) {
+  Grid result = grid;
+  result.axes.eigen().topRows(2) *= -1;
+  result.origin.eigen().head(2) *= -1;
+  return result;
+}
+
+/// Whether the cells of b lie where those of a do, axis by axis.
+bool coincide(const Grid& a, const Grid& b) {
+  const double tolerance = 0.1 * a.spacing().minCoeff();
+  const Eigen::Vector3d moved = a.origin.eigen() - b.origin.eigen();
+  const Eigen::Matrix3d turned = sides_of(a) - sides_of(b);
+  return moved.norm() <= tolerance && turned.colwise().norm().sum() <= tolerance;
+}
+
+[[noreturn]] void refuse_shape(const VolumeArguments& arguments, const Grid& volume,
+                               const Grid& mask) {
+  std::array<std::int64_t, 3> of_volume = shape_in_world(volume);
+  std::array<std::int64_t, 3> of_mask = shape_in_world(mask);
+  const std::string message = arguments.mask.string() + ": has " + shape_text(of_mask) +
+                              " cells along x, y and z, but " + arguments.volume.string() +
+                              " has " + shape_text(of_volume);
+  std::sort(of_volume.begin(), of_volume.end());
+  std::sort(of_mask.begin(), of_mask.end());
+  throw InvalidInput(message +
+                     (of_volume == of_mask ? ": they say otherwise where their axes point" : ""));
 }
 
 /// The values of a mask, in the order of the volume that has these axes of it.
@@ -161,19 +199,17 @@ AxisOrder order_of_mask(const VolumeArguments& arguments, const VolumeHeader& vo
                         const VolumeHeader& mask) {
   const AxisOrder order = directions(volume.grid, mask.grid);
   const Grid seen = reordered(mask.grid, order);
-  const std::string cells = shape_text(seen);
-  if (cells != shape_text(volume.grid)) {
-    throw InvalidInput(arguments.mask.string() + ": has " + cells + " cells, but " +
-                       arguments.volume.string() + " has " + shape_text(volume.grid));
+  if (seen.shape != volume.grid.shape) refuse_shape(arguments, volume.grid, mask.grid);
+  if (coincide(volume.grid, seen)) return order;
+  const Grid other = turned_round(mask.grid);
+  if (coincide(volume.grid, reordered(other, directions(volume.grid, other)))) {
+    throw InvalidInput(arguments.mask.string() + ": its cells are where those of " +
+                       arguments.volume.string() +
+                       " are if x and y run the other way, as in left-posterior-superior and "
+                       "right-anterior-superior; both must be in one space");
   }
-  const double tolerance = 0.1 * volume.grid.spacing().minCoeff();
-  const Eigen::Vector3d moved = volume.grid.origin.eigen() - seen.origin.eigen();
-  const Eigen::Matrix3d turned = sides_of(volume.grid) - sides_of(seen);
-  if (moved.norm() > tolerance || turned.colwise().norm().sum() > tolerance) {
-    throw InvalidInput(arguments.mask.string() + ": its cells are not where those of " +
-                       arguments.volume.string() + " are; resample it first");
-  }
-  return order;
+  throw InvalidInput(arguments.mask.string() + ": its cells are not where those of " +
+                     arguments.volume.string() + " are; resample it first");
 }
 
 std::vector<std::uint8_t> read_mask(const VolumeArguments& arguments, const VolumeHeader& volume,

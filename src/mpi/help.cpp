@@ -23,11 +23,16 @@ const std::vector<Change>& changes() {
   static const std::string preset =
       "The method: a row of the benchmarks' table that starts balanced, such as one-level; threads "
       "are as --threads says [default]";
+  static const std::string columns = "Which columns are coordinates, by number from 1 [all]";
   static const std::vector<Change> all = {
       {"sample", "--points-out", "Write the points too: .npy"},
       {"sample", "--owners-out", "Write the owner of each point too: .npy"},
       {"sample", "--preset", preset},
       {"tessellate", "POINTS", "Points, a row each: " + parts},
+      {"tessellate", "--columns", columns},
+      {"tessellate", "--periodic", "Opposite faces of --box are one"},
+      {"tessellate", "--box",
+       "The box that holds the points: all lower bounds, then all upper bounds"},
       {"tessellate", "--owners-out", "Write the owner of each point too: .npy"},
       {"tessellate", "--preset", preset},
       {"tessellate", "--capacities",
@@ -38,10 +43,12 @@ const std::vector<Change>& changes() {
       {"tessellate", "--points-per-site", ""},
       {"tessellate", "--shares-out", ""},
       {"quantize", "VECTORS", "Vectors, a row each: " + parts},
+      {"quantize", "--columns", columns},
       {"quantize", "--codes-out", "Write the code of each vector too: .npy"},
       {"quantize", "--image-blocks", ""},
       {"quantize", "--image-out", ""},
       {"encode", "VECTORS", "Vectors, a row each: " + parts},
+      {"encode", "--columns", columns},
       {"encode", "--output", "Where the codes go: .npy"},
       {"volume", "--preset", preset},
       {"volume", "--preview", ""},

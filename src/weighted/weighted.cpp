@@ -350,11 +350,17 @@ void MassOptions::validate() const {
 
 template <class Scalar>
 std::string MassResult<Scalar>::brief_error() const {
-  const auto percent = [&](double mass) {
-    return text(100 * mass / capacities[static_cast<std::size_t>(worst_site)], 3) + " %";
-  };
-  return "largest mass error " + percent(largest_mass_error) + " of its cell's capacity" +
-         (std::isfinite(mass_error_bound) ? ", bound " + percent(mass_error_bound) : "");
+  double largest = -1;
+  double bound = 0;
+  for (std::size_t s = 0; s < masses.size(); ++s) {
+    const double relative = std::abs(masses[s] - capacities[s]) / capacities[s];
+    if (relative <= largest) continue;
+    largest = relative;
+    bound = mass_error_bound / capacities[s];
+  }
+  const auto percent = [](double share) { return text(100 * share, 3) + " %"; };
+  return "largest mass error " + percent(largest) + " of its cell's capacity" +
+         (std::isfinite(bound) ? ", bound " + percent(bound) : "");
 }
 
 template <class Scalar>
