@@ -43,7 +43,8 @@ struct Thinning {
   /// counts for itself.
   std::vector<Index> owners;
   /// n: how many points count for each, itself among them. They sum to m. With equal_counts they
-  /// are floor(m / n) or more by one, but for what `turned` says.
+  /// are floor(m / n) or more by one; where there are normals, m and n are those of each side that
+  /// faces apart from others, but for what `turned` says.
   std::vector<Index> counts;
   /// Sum of squared distances of all points to the chosen ones they count for, normals aside.
   double energy = 0;
@@ -76,7 +77,10 @@ struct Thinning {
 /// distance between chosen points they cannot follow: at an edge they line up along it.
 ///
 /// With equal_counts cells are made anew at last, with the chosen points as sites that stay: their
-/// capacities are kept, and no exchange of points between two cells lowers the energy.
+/// capacities are kept, and no exchange of points between two cells lowers the energy. With normals
+/// each side of the cloud is divided by itself: chosen points are on one that are among the 6
+/// nearest of each other that do not face away, and points on that of the nearest such. Two sheets
+/// that face apart are two, a sheet that is bent round its edge is one.
 ///
 /// `points`: #dimensions by m, as ccvt::Problem takes them; `sites`: 1 <= n <= m. `normals`: none,
 /// or one a point, #dimensions by m, finite, of any length; of those of length 0 nothing is known.

@@ -26,25 +26,8 @@ bool face_away(PointsView<Scalar> lifted, Index a, Index b) {
   return product < 0;
 }
 
-/// The nearest site that a point does not face away from; -1 where none of those asked is.
-template <class Scalar>
-Index nearest_alike(PointsView<Scalar> lifted, Index point, std::span<const Index> chosen,
-                    const SiteTree& tree) {
-  const std::vector<double> at(lifted[point], lifted[point] + lifted.dimension);
-  const auto most = static_cast<int>(std::min<std::size_t>(kMostAsked, chosen.size()));
-  std::vector<Index> asked;
-  for (int count = std::min(kFirstAsked, most);; count = std::min(2 * count, most)) {
-    asked.clear();
-    tree.nearest(at.data(), count, asked);
-    const auto found = std::find_if(asked.begin(), asked.end(), [&](Index site) {
-      return !face_away(lifted, point, chosen[SiteNumber(site)]);
-    });
-    if (found != asked.end()) return *found;
-    if (count == most) return -1;
-  }
-}
+}  // namespace
 
-/// Where the chosen points are, one after the other.
 template <class Scalar>
 std::vector<double> positions_of(PointsView<Scalar> points, std::span<const Index> chosen) {
   std::vector<double> positions;
@@ -55,7 +38,25 @@ std::vector<double> positions_of(PointsView<Scalar> points, std::span<const Inde
   return positions;
 }
 
-}  // namespace
+template <class Scalar>
+std::vector<Index> nearest_alike(PointsView<Scalar> lifted, Index point,
+                                 std::span<const Index> chosen, const SiteTree& tree,
+                                 std::size_t count) {
+  const std::vector<double> at(lifted[point], lifted[point] + lifted.dimension);
+  const auto most = static_cast<int>(std::min<std::size_t>(kMostAsked, chosen.size()));
+  std::vector<Index> asked;
+  std::vector<Index> alike;
+  for (int sites = std::min(kFirstAsked, most);; sites = std::min(2 * sites, most)) {
+    asked.clear();
+    alike.clear();
+    tree.nearest(at.data(), sites, asked);
+    for (const Index site : asked) {
+      if (!face_away(lifted, point, chosen[SiteNumber(site)])) alike.push_back(site);
+      if (alike.size() == count) return alike;
+    }
+    if (sites == most) return alike;
+  }
+}
 
 template <class Scalar>
 std::vector<Index> nearest_chosen(PointsView<Scalar> points, std::span<const Index> chosen,
@@ -92,8 +93,8 @@ Index take_turned(PointsView<Scalar> lifted, std::span<const Index> chosen,
   constexpr std::size_t kQueriesPerGrain = 64;
   arena.for_each(turned.size(), kQueriesPerGrain, [&](std::size_t k) {
     const PointNumber p = turned[k];
-    const Index found = nearest_alike(lifted, p.index(), chosen, tree);
-    taken[k] = found < 0 ? owners[p] : found;
+    const std::vector<Index> found = nearest_alike(lifted, p.index(), chosen, tree);
+    taken[k] = found.empty() ? owners[p] : found.front();
   });
   Index count = 0;
   for (std::size_t k = 0; k < taken.size(); ++k) {
@@ -102,6 +103,12 @@ Index take_turned(PointsView<Scalar> lifted, std::span<const Index> chosen,
   return count;
 }
 
+template std::vector<Index> nearest_alike(PointsView<float>, Index, std::span<const Index>,
+                                          const SiteTree&, std::size_t);
+template std::vector<Index> nearest_alike(PointsView<double>, Index, std::span<const Index>,
+                                          const SiteTree&, std::size_t);
+template std::vector<double> positions_of(PointsView<float>, std::span<const Index>);
+template std::vector<double> positions_of(PointsView<double>, std::span<const Index>);
 template std::vector<Index> nearest_chosen(PointsView<float>, std::span<const Index>, const Arena&);
 template std::vector<Index> nearest_chosen(PointsView<double>, std::span<const Index>,
                                            const Arena&);

@@ -4,7 +4,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -26,6 +28,7 @@
 #include "thin/lift.h"
 #include "thin/owners.h"
 #include "thin/repulsion.h"
+#include "thin/sides.h"
 
 namespace ccvt {
 namespace {
@@ -59,7 +62,7 @@ class Thinner {
 
   void tessellate(Thinning& result);
   void spread(Thinning& result);
-  void make_cells(Thinning& result);
+  void make_cells(bool lifted, const Arena& arena, Thinning& result);
   [[nodiscard]] double seconds() const {
     return std::chrono::duration<double>(Clock::now() - start_).count();
   }
@@ -67,6 +70,7 @@ class Thinner {
  private:
   [[nodiscard]] Options options_now() const;
   void number_by_place(Thinning& result);
+  void make_cells(const Side& side, Thinning& result);
   void choose_nearest(PointsView<Scalar> centres, Thinning& result) const;
   [[nodiscard]] std::vector<Place> places_of(const Homes<Scalar>& homes,
                                              const std::vector<Index>& chosen) const;
@@ -171,27 +175,54 @@ void Thinner<Scalar>::spread(Thinning& result) {
   }
 }
 
-/// Gives all points but the chosen ones owners anew, who stay where they are.
+/// Gives all points but the chosen ones owners anew, who stay where they are. With normals each
+/// side is divided by itself.
 template <class Scalar>
-void Thinner<Scalar>::make_cells(Thinning& result) {
-  std::vector<std::uint8_t> is_chosen(result.owners.size(), 0);
-  for (const Index p : result.chosen) is_chosen[PointNumber(p)] = 1;
-  std::vector<Index> others;
-  for (const PointNumber p : points_below(points_.count)) {
-    if (is_chosen[p] == 0) others.push_back(p.index());
+void Thinner<Scalar>::make_cells(bool lifted, const Arena& arena, Thinning& result) {
+  std::vector<Side> sides;
+  try {
+    if (lifted) sides = sides_of(points_, result.chosen, arena);
+  } catch (const Stopped&) {
+    result.summary.termination = Termination::cancelled;
+    return;
   }
+  if (sides.size() <= 1) {
+    Side all{std::vector<Index>(result.owners.size()), std::vector<Index>(result.chosen.size())};
+    std::iota(all.points.begin(), all.points.end(), 0);
+    std::iota(all.sites.begin(), all.sites.end(), 0);
+    return make_cells(all, result);
+  }
+  for (const Side& side : sides) {
+    // As even as can be, those with one more among the others.
+    const auto until = [&](std::size_t k) { return k * side.points.size() / side.sites.size(); };
+    for (std::size_t k = 0; k < side.sites.size(); ++k) {
+      result.counts[SiteNumber(side.sites[k])] = static_cast<Index>(until(k + 1) - until(k));
+    }
+    make_cells(side, result);
+  }
+}
+
+/// As result.counts says of the sites.
+template <class Scalar>
+void Thinner<Scalar>::make_cells(const Side& side, Thinning& result) {
   std::vector<Index> sites;  // that own others
+  std::vector<Index> at;
   std::vector<Index> capacities;
-  for (const SiteNumber s : sites_below(sites_)) {
-    result.owners[PointNumber(result.chosen[s])] = s.index();
-    if (result.counts[s] == 1) continue;
-    sites.push_back(s.index());
-    capacities.push_back(result.counts[s] - 1);
+  std::vector<Index> chosen;
+  for (const Index s : side.sites) {
+    chosen.push_back(result.chosen[SiteNumber(s)]);
+    result.owners[PointNumber(chosen.back())] = s;
+    if (result.counts[SiteNumber(s)] == 1) continue;
+    sites.push_back(s);
+    at.push_back(chosen.back());
+    capacities.push_back(result.counts[SiteNumber(s)] - 1);
   }
+  std::sort(chosen.begin(), chosen.end());
+  std::vector<Index> others;
+  std::set_difference(side.points.begin(), side.points.end(), chosen.begin(), chosen.end(),
+                      std::back_inserter(others));
   if (others.empty()) return;
   const Points<Scalar> points = chosen_points(points_, others);
-  std::vector<Index> at;
-  for (const Index s : sites) at.push_back(result.chosen[SiteNumber(s)]);
   Options options = options_now();
   options.on_iteration = nullptr;
   Problem<Scalar> problem(points, static_cast<Index>(sites.size()), options.threads);
@@ -316,9 +347,11 @@ Thinning thin(PointsView<Scalar> points, Index sites, const ThinOptions& options
   if (options.spread && !was_stopped(result) && sites > 1 && sites < points.count) {
     thinner.spread(result);
   }
-  if (options.equal_counts && result.moves + result.jumps > 0) thinner.make_cells(result);
   Stop cancel(options.tessellation.cancelled);  // not for the time: owners are as asked for then
-  finish_owners(space, !options.equal_counts, lifts, Arena(threads, &cancel), result);
+  const Arena to_the_end(threads, &cancel);
+  const bool moved = result.moves + result.jumps > 0;
+  if (options.equal_counts && (moved || lifts)) thinner.make_cells(lifts, to_the_end, result);
+  finish_owners(space, !options.equal_counts, lifts, to_the_end, result);
   sort(result);
   count(result);
   result.energy = energy_of(points, result, untold);

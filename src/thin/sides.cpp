@@ -1,0 +1,80 @@
+#include "thin/sides.h"
+
+#include <cstddef>
+#include <numeric>
+#include <utility>
+
+#include "geometry/metric.h"
+#include "numbers.h"
+#include "spatial/site_tree.h"
+#include "thin/owners.h"
+
+namespace ccvt {
+namespace {
+
+constexpr std::size_t kLinked = 6;
+constexpr std::size_t kSitesPerGrain = 64;
+
+/// Sets of sites that have been found to belong together [disjoint sets with path halving].
+class Sets {
+ public:
+  explicit Sets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  Index of(Index site) {
+    while (parent(site) != site) site = parent(site) = parent(parent(site));
+    return site;
+  }
+  /// The lowest of a set stands for it.
+  void join(Index a, Index b) {
+    a = of(a);
+    b = of(b);
+    if (a > b) std::swap(a, b);
+    parent(b) = a;
+  }
+
+ private:
+  Index& parent(Index site) { return parent_[SiteNumber(site)]; }
+
+  std::vector<Index> parent_;
+};
+
+}  // namespace
+
+template <class Scalar>
+std::vector<Side> sides_of(PointsView<Scalar> lifted, std::span<const Index> chosen,
+                           const Arena& arena) {
+  const Metric metric(lifted.dimension, Domain());
+  const SiteTree tree(metric, positions_of(lifted, chosen));
+  std::vector<std::vector<Index>> near(chosen.size());
+  arena.for_each(chosen.size(), kSitesPerGrain, [&](std::size_t s) {
+    near[s] = nearest_alike(lifted, chosen[s], chosen, tree, kLinked + 1);  // itself among them
+  });
+  Sets sets(chosen.size());
+  for (const SiteNumber s : sites_below(chosen.size())) {
+    for (const Index other : near[s]) sets.join(s.index(), other);
+  }
+
+  std::vector<Side> sides;
+  std::vector<std::size_t> number(chosen.size());  // of each site's side
+  for (const SiteNumber s : sites_below(chosen.size())) {
+    const SiteNumber first(sets.of(s.index()));
+    if (first == s) {
+      number[s] = sides.size();
+      sides.emplace_back();
+    }
+    number[s] = number[first];
+    sides[number[s]].sites.push_back(s.index());
+  }
+  std::vector<Index> owners = nearest_chosen(lifted, chosen, arena);
+  take_turned(lifted, chosen, owners, arena);
+  for (const PointNumber p : points_below(lifted.count)) {
+    sides[number[SiteNumber(owners[p])]].points.push_back(p.index());
+  }
+  return sides;
+}
+
+template std::vector<Side> sides_of(PointsView<float>, std::span<const Index>, const Arena&);
+template std::vector<Side> sides_of(PointsView<double>, std::span<const Index>, const Arena&);
+
+}  // namespace ccvt
