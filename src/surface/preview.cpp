@@ -21,6 +21,10 @@ constexpr double kMargin = 0.03;
 constexpr double kDot = 0.27;      // the radius of a dot, in spacings
 constexpr double kLeastDot = 1.1;  // in pixels of the picture
 constexpr double kFlattest = 0.1;  // a dot seen more from the side is not drawn
+/// A surface whose normal differs from that of a dot by no more than 60 degrees bends away from it,
+/// and may be nearer than a dot that shows; any other hides it, but for rounding.
+constexpr double kBends = 0.5;
+constexpr double kRounding = 0.5;  // in pixels of the canvas
 constexpr std::array<double, 3> kSurface = {216, 222, 230};
 constexpr std::array<double, 3> kInk = {190, 60, 10};
 constexpr std::array<std::uint8_t, 3> kBackground = {255, 255, 255};
@@ -73,7 +77,7 @@ class View {
   Eigen::Vector3d offset_;
 };
 
-/// Colours, and how near to the viewer what they show is.
+/// Colours, how near to the viewer what they show is, and which way it faces.
 class Canvas {
  public:
   Canvas(int width, int height)
@@ -81,6 +85,7 @@ class Canvas {
         height_(height),
         near_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
               -std::numeric_limits<float>::infinity()),
+        facing_(near_.size()),
         colours_(near_.size(), kBackground) {}
 
   /// Calls visit(x, y, pixel) for the pixels whose centres are in a box, x and y being those.
@@ -101,9 +106,10 @@ class Canvas {
     }
   }
   /// Corners as View::place() gives them, one a column.
-  void draw_triangle(const Eigen::Matrix3d& at, const std::array<std::uint8_t, 3>& colour);
-  /// A disk around a place, across a normal. Hidden where other things are nearer by more than its
-  /// radius, and where it is too far away to be a number.
+  void draw_triangle(const Eigen::Matrix3d& at, const Eigen::Vector3d& normal);
+  /// A disk around a place, across a normal. Hidden where a surface that faces another way is
+  /// nearer, or one that faces as it does by more than its radius, and where it is too far away to
+  /// be a number.
   void draw_disk(const Eigen::Vector3d& at, const Eigen::Vector3d& normal, double radius);
 
   [[nodiscard]] ColourImage picture() const;
@@ -112,6 +118,7 @@ class Canvas {
   int width_;
   int height_;
   std::vector<float> near_;
+  std::vector<Eigen::Vector3<std::int8_t>> facing_;  ///< the normal, in 127ths
   std::vector<std::array<std::uint8_t, 3>> colours_;
 };
 
@@ -130,7 +137,10 @@ double light_on(const Eigen::Vector3d& normal) {
   return 0.45 + 0.55 * std::max(seen.dot(light), 0.0);
 }
 
-void Canvas::draw_triangle(const Eigen::Matrix3d& at, const std::array<std::uint8_t, 3>& colour) {
+void Canvas::draw_triangle(const Eigen::Matrix3d& at, const Eigen::Vector3d& normal) {
+  const auto colour = shaded(kSurface, light_on(normal));
+  const Eigen::Vector3<std::int8_t> facing =
+      (127 * normal).array().round().matrix().cast<std::int8_t>();
   const Eigen::Matrix2d sides = (at.rightCols<2>().colwise() - at.col(0)).topRows<2>();
   const double area = sides(0, 0) * sides(1, 1) - sides(0, 1) * sides(1, 0);
   if (area == 0) return;
@@ -147,6 +157,7 @@ void Canvas::draw_triangle(const Eigen::Matrix3d& at, const std::array<std::uint
           const auto near = static_cast<float>(z);
           if (near <= near_[pixel]) return;
           near_[pixel] = near;
+          facing_[pixel] = facing;
           colours_[pixel] = colour;
         });
 }
@@ -160,7 +171,9 @@ void Canvas::draw_disk(const Eigen::Vector3d& at, const Eigen::Vector3d& normal,
     const double dy = y - at[1];
     const double dz = -(normal[0] * dx + normal[1] * dy) / normal[2];
     if (dx * dx + dy * dy + dz * dz > radius * radius) return;
-    if (at[2] + dz + radius < near_[pixel] || !std::isfinite(near_[pixel])) return;
+    const bool bends = facing_[pixel].cast<double>().dot(normal) >= 127 * kBends;
+    const double before = bends ? radius : kRounding;
+    if (at[2] + dz + before < near_[pixel] || !std::isfinite(near_[pixel])) return;
     colours_[pixel] = colour;
   });
 }
@@ -229,7 +242,7 @@ ColourImage preview(const TriangleMesh& mesh, const SurfaceSamples& samples, int
     Eigen::Matrix3d at;
     for (Eigen::Index i = 0; i < 3; ++i) at.col(i) = view.place(corners.col(i));
     const Eigen::Vector3d normal = view.direction(area_vector(corners).normalized());
-    canvas.draw_triangle(at, shaded(kSurface, light_on(normal)));
+    canvas.draw_triangle(at, normal);
   }
   const double spacing = view.scale() * std::sqrt(samples.area / static_cast<double>(sites));
   for (std::ptrdiff_t s = 0; s < sites; ++s) {
