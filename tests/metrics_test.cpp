@@ -289,40 +289,6 @@ TEST_CASE("bond order: cells that many points may reach, and many points at one 
   check_equal(bond_order(PointSet(crowded, disc.domain())), bond_order(disc));
 }
 
-TEST_CASE("star discrepancy is the integral that defines it") {
-  for (const Index count : {2, 7, 30}) {
-    const PointSet set = white(2, count, 8);
-    // Between the sorted coordinates the number of points in a box is constant.
-    std::vector<double> cuts[2];
-    for (int d = 0; d < 2; ++d) {
-      cuts[d] = {0, 1};
-      for (Eigen::Index p = 0; p < count; ++p) cuts[d].push_back(set.points()(d, p));
-      std::sort(cuts[d].begin(), cuts[d].end());
-    }
-    double integral = 0;
-    for (std::size_t i = 0; i + 1 < cuts[0].size(); ++i) {
-      for (std::size_t j = 0; j + 1 < cuts[1].size(); ++j) {
-        const auto inside = (set.points().row(0).array() <= cuts[0][i]) &&
-                            (set.points().row(1).array() <= cuts[1][j]);
-        const double share = static_cast<double>(inside.count()) / count;
-        const auto moment = [&](int d, std::size_t k, int power) {
-          return (std::pow(cuts[d][k + 1], power) - std::pow(cuts[d][k], power)) / power;
-        };
-        integral += share * share * moment(0, i, 1) * moment(1, j, 1) -
-                    2 * share * moment(0, i, 2) * moment(1, j, 2) +
-                    moment(0, i, 3) * moment(1, j, 3);
-      }
-    }
-    CHECK(star_discrepancy(set, 2) == doctest::Approx(std::sqrt(integral)).epsilon(1e-10));
-  }
-  // White noise: the mean square is (2^-D - 3^-D) / n.
-  double square = 0;
-  for (std::uint64_t s = 1; s <= 40; ++s) {
-    square += std::pow(star_discrepancy(white(3, 100, s)), 2) / 40;
-  }
-  CHECK(square == doctest::Approx((1.0 / 8 - 1.0 / 27) / 100).epsilon(0.25));
-}
-
 TEST_CASE("integration: white noise is 1, even points are better") {
   for (const int dimension : {2, 3}) {
     for (const bool periodic : {true, false}) {

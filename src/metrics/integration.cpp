@@ -18,13 +18,6 @@ namespace {
 
 constexpr int kPlaces = 256;
 
-/// The points in the unit cube.
-Points<double> in_unit_cube(const PointSet& set) {
-  const Box& box = set.domain().box();
-  const Eigen::ArrayXd extent = box.extent();
-  return (set.points().colwise() - box.lower.eigen()).array().colwise() / extent;
-}
-
 /// The integral over a unit interval of exp(-(x - c)^2 / (2 s^2)).
 double gaussian_integral(double c, double s) {
   const double scale = 1 / (s * std::numbers::sqrt2);
@@ -100,33 +93,6 @@ class Functions {
 };
 
 }  // namespace
-
-double star_discrepancy(const PointSet& set, int threads) {
-  require_points(set);
-  require_threads(threads);
-  return star_discrepancy(set, Arena(threads));
-}
-
-double star_discrepancy(const PointSet& set, const Arena& arena) {
-  const Points<double> x = in_unit_cube(set);
-  const double n = set.count();
-  const int dimension = set.dimension();
-  std::vector<double> rows(static_cast<std::size_t>(set.count()));
-  arena.for_each(rows.size(), 16, [&](std::size_t row) {
-    const Eigen::Index i = PointNumber(row).index();
-    // Each pair once: the sum is symmetric.
-    double pairs = (1 - x.col(i).array()).prod();
-    for (Eigen::Index j = 0; j < i; ++j) {
-      double product = 2;
-      for (int d = 0; d < dimension; ++d) product *= 1 - std::max(x(d, i), x(d, j));
-      pairs += product;
-    }
-    rows[row] = pairs / n - 2 * ((1 - x.col(i).array().square()) / 2).prod();
-  });
-  double sum = 0;
-  for (const double row : rows) sum += row;
-  return std::sqrt(std::max(0.0, std::pow(3.0, -dimension) + sum / n));
-}
 
 IntegrationVariance integration_variance(const PointSet& set, std::uint64_t seed, int threads) {
   require_points(set);

@@ -21,6 +21,13 @@ inline std::span<const double> coordinates_of(const PointSet& set) {
   return {points.data(), points.data() + points.size()};
 }
 
+/// The points in the unit cube.
+inline Points<double> in_unit_cube(const PointSet& set) {
+  const Box& box = set.domain().box();
+  const Eigen::ArrayXd extent = box.extent();
+  return (set.points().colwise() - box.lower.eigen()).array().colwise() / extent;
+}
+
 /// Throws InvalidInput for the first option out of range.
 void check_options(const SpectrumOptions& options);
 
