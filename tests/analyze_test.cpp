@@ -160,6 +160,31 @@ TEST_CASE("analyze: any dimension, any box") {
   CHECK(json["radial"]["frequency"].back() < 1);
 }
 
+TEST_CASE("analyze: of many points a window is drawn where they are") {
+  const TemporaryDirectory directory;
+  const auto circles = [&](const Points<double>& points) {
+    write_points(directory / "p.npy", points);
+    REQUIRE(run(directory, "analyze p.npy -q --max-frequency 0.05 -o out").status == 0);
+    const std::string picture = get(directory / "out/points.svg");
+    CHECK(picture.find("% as wide as the box") != std::string::npos);
+    std::size_t count = 0;
+    for (auto at = picture.find("<circle"); at != std::string::npos;
+         at = picture.find("<circle", at + 1)) {
+      ++count;
+    }
+    fs::remove_all(directory / "out");
+    return count;
+  };
+  // In the upper corner; then nearly all of them in one place.
+  Points<double> points = sample_uniform<double>(Box::unit(2), 30'000);
+  const Points<double> corner = (0.8 + 0.2 * points.array()).matrix();
+  CHECK(circles(corner) > 5000);
+  points.rightCols(29'000) *= 1e-4;
+  const std::size_t drawn = circles(points);
+  CHECK(drawn > 1000);
+  CHECK(drawn <= 40'000);
+}
+
 TEST_CASE("analyze: bad input: one line, status 2, nothing written") {
   const TemporaryDirectory directory;
   write_points(directory / "p.csv", white(2, 9, 1).points());

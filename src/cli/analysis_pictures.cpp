@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "cli/analysis_files.h"
 #include "cli/chart.h"
+#include "median.h"
 #include "number_text.h"
 
 namespace ccvt::cli {
@@ -131,36 +133,93 @@ std::string spectrum_caption(const AnalyzedSet& set) {
   return "Power spectrum, central plane of the first two axes: " + grey;
 }
 
-std::string points_svg(const AnalyzedSet& set) {
-  const PointSet& run = set.runs.front();
+namespace {
+
+/// What of the points is drawn: of their first two coordinates, from the lower corner of the box
+/// on; of one coordinate half of a tenth of its extent is the other.
+struct Drawn {
+  std::vector<Eigen::Vector2d> points;
+  Eigen::Vector2d lower = {0, 0};  ///< of the window
+  Eigen::Vector2d extent;          ///< of the box
+  double share = 1;                ///< that the window has of it, along each side
+
+  [[nodiscard]] bool shows(const Eigen::Vector2d& point) const {
+    const Eigen::Array2d at = (point - lower).array();
+    return (at >= 0).all() && (at <= share * extent.array()).all();
+  }
+  [[nodiscard]] double count() const {
+    return static_cast<double>(std::count_if(points.begin(), points.end(),
+                                             [&](const auto& point) { return shows(point); }));
+  }
+  /// A window of that share around the point nearest to the middle of all.
+  void narrow(double to, const Eigen::Vector2d& middle) {
+    share = to;
+    const auto nearest = std::min_element(
+        points.begin(), points.end(), [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+          const auto squared = [&](const Eigen::Vector2d& at) {
+            return (at - middle).cwiseQuotient(extent).squaredNorm();
+          };
+          return squared(a) < squared(b);
+        });
+    lower = (*nearest - share / 2 * extent).cwiseMax(0).cwiseMin((1 - share) * extent);
+  }
+};
+
+/// Of three coordinates those in a slab half way up; a window where there are too many.
+Drawn drawn(const PointSet& run) {
   const Box& box = run.domain().box();
-  const Eigen::VectorXd extent = box.extent();
+  const Eigen::VectorXd sides = box.extent();
   const int dimension = run.dimension();
-  const double height = dimension > 1 ? extent[1] : extent[0] / 10;
-  // A window in the corner when there are too many points, a slab in the middle in 3D.
-  const double shown = dimension == 3 ? run.count() * run.mean_spacing() / extent[2] : run.count();
-  const double share = std::min(1.0, std::sqrt(kMostDots / shown));
-  const double scale = 460 / (share * std::max(extent[0], height));
-  const double width_drawn = share * extent[0] * scale;
-  const double height_drawn = share * height * scale;
-  const double radius = std::clamp(0.2 * run.mean_spacing() * scale, 0.6, 4.0);
-  const auto number = [](double value) { return decimal_text(value, 2); };
-  std::string svg = R"(<svg class="ccvt" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 )" +
-                    number(width_drawn + 20) + " " + number(height_drawn + 20) +
-                    R"(" role="img"><title>)" + escaped("Points of " + set.name) + "</title>\n" +
-                    R"(<rect class="box" x="10" y="10" width=")" + number(width_drawn) +
-                    R"(" height=")" + number(height_drawn) + "\"/>\n<g class=\"dots\">\n";
+  Drawn result;
+  result.extent = {sides[0], dimension > 1 ? sides[1] : sides[0] / 10};
   for (Eigen::Index p = 0; p < run.points().cols(); ++p) {
     const auto point = run.points().col(p);
-    const double x = point[0] - box.lower[0];
-    const double y = dimension > 1 ? point[1] - box.lower[1] : height * share / 2;
-    if (x > share * extent[0] || y > share * height) continue;
     if (dimension == 3) {
       const double middle = (box.lower[2] + box.upper[2]) / 2;
       if (std::abs(point[2] - middle) > run.mean_spacing() / 2) continue;
     }
-    svg += R"(<circle cx=")" + number(10 + x * scale) + R"(" cy=")" +
-           number(10 + height_drawn - y * scale) + R"(" r=")" + number(radius) + "\"/>\n";
+    result.points.emplace_back(point[0] - box.lower[0],
+                               dimension > 1 ? point[1] - box.lower[1] : result.extent[1] / 2);
+  }
+  if (result.points.size() <= kMostDots) return result;
+  Eigen::Vector2d middle;
+  std::vector<double> values(result.points.size());
+  for (Eigen::Index d = 0; d < 2; ++d) {
+    std::transform(result.points.begin(), result.points.end(), values.begin(),
+                   [d](const Eigen::Vector2d& point) { return point[d]; });
+    middle[d] = median(values);
+  }
+  // Where clouds are dense, or all points lie in one place, it is to be small.
+  constexpr double kNarrower = 0.7;
+  constexpr double kNarrowest = 1e-6;
+  double share = std::sqrt(kMostDots / static_cast<double>(result.points.size()));
+  do {
+    result.narrow(share, middle);
+    share *= kNarrower;
+  } while (result.count() > 2 * kMostDots && share > kNarrowest);
+  return result;
+}
+
+}  // namespace
+
+std::string points_svg(const AnalyzedSet& set) {
+  const PointSet& run = set.runs.front();
+  const Drawn window = drawn(run);
+  const Eigen::Vector2d side = window.share * window.extent;
+  const double scale = 460 / side.maxCoeff();
+  const double radius = std::clamp(0.2 * run.mean_spacing() * scale, 0.6, 4.0);
+  const auto number = [](double value) { return decimal_text(value, 2); };
+  std::string svg = R"(<svg class="ccvt" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 )" +
+                    number(side[0] * scale + 20) + " " + number(side[1] * scale + 20) +
+                    R"(" role="img"><title>)" + escaped(set.name + ": " + points_caption(set)) +
+                    "</title>\n" + R"(<rect class="box" x="10" y="10" width=")" +
+                    number(side[0] * scale) + R"(" height=")" + number(side[1] * scale) +
+                    "\"/>\n<g class=\"dots\">\n";
+  for (const Eigen::Vector2d& point : window.points) {
+    if (!window.shows(point)) continue;
+    const Eigen::Vector2d at = (point - window.lower) * scale;
+    svg += R"(<circle cx=")" + number(10 + at[0]) + R"(" cy=")" +
+           number(10 + side[1] * scale - at[1]) + R"(" r=")" + number(radius) + "\"/>\n";
   }
   return svg + "</g>\n</svg>\n";
 }
@@ -170,7 +229,10 @@ std::string points_caption(const AnalyzedSet& set) {
   const int dimension = set.analysis.dimension;
   if (dimension == 3) caption += ": a slab one mean spacing thick, half way up";
   if (dimension > 3) caption += ": the first two of " + std::to_string(dimension) + " coordinates";
-  if (set.analysis.points > kMostDots && dimension != 3) caption += "; the lower left corner";
+  const double share = drawn(set.runs.front()).share;
+  if (share < 1) {
+    caption += "; a window " + text(100 * share, 2) + " % as wide as the box, in their middle";
+  }
   return caption;
 }
 
