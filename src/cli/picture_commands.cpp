@@ -56,8 +56,7 @@ CLI::App* add_volume(CLI::App& app, VolumeArguments& arguments) {
   };
   constexpr double least = 1e-30;
   constexpr double most = 1e30;
-  add_parsed(*command, "--spacing", arguments.layout.spacing,
-             three({.least = least, .most = most}),
+  add_parsed(*command, "--spacing", arguments.layout.spacing, three({.least = least, .most = most}),
              "Of .raw and .npy: distance of the cells along each axis [1,1,1]", "X,Y,Z");
   add_parsed(*command, "--origin", arguments.layout.origin, three({.least = -most, .most = most}),
              "Of .raw and .npy: centre of the first cell [0,0,0]", "X,Y,Z");

@@ -26,9 +26,9 @@ CLI::App* add_thin(CLI::App& app, ThinArguments& arguments) {
            "of each point for the nearest");
   add_common(*command, arguments, io::kThinFiles, "as the points are stored; text: float64");
   auto* const output = command->get_option("--output");
-  output->description("Where the chosen points go, with how many points each stands for, but in .npy: " +
-                      io::list_of(io::kThinFiles) +
-                      ". From PLY to PLY and text to text with all that they carry");
+  output->description(
+      "Where the chosen points go, with how many points each stands for, but in .npy: " +
+      io::list_of(io::kThinFiles) + ". From PLY to PLY and text to text with all that they carry");
   // Whose numbers are those that were read.
   command->get_option("--float")->description("Choose in float32");
   command->get_option("--double")
