@@ -189,6 +189,11 @@ TEST_CASE("tessellate: formats, capacities, initial sites, box") {
     CHECK((sum / size - sites.col(site)).norm() < 1e-12);
   }
   CHECK(json_of(directory / "d.json")["command"] == "tessellate");
+  // Capacities say how many sites there are.
+  const std::string given = "tessellate p.npy --capacities capacities.csv -o ";
+  CHECK(run(directory, given + "d1.csv").status == 0);
+  CHECK(run(directory, given + "d2.csv --sites 3").status == 0);
+  CHECK(get(directory / "d1.csv") == get(directory / "d2.csv"));
 
   // The numbers after --box end where the next word is no number.
   for (const char* const line : {"tessellate p.npy --sites 30 --periodic --box 0 0 1 1 -o e.npy",

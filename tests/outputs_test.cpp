@@ -195,6 +195,14 @@ TEST_CASE("a file that grows too large: one line, status 1, nothing left") {
   CHECK(directory.entries() == 1);
 }
 
+TEST_CASE("an output that is a directory is said to be one") {
+  const TemporaryDirectory directory;
+  put(directory / "p.csv", "1,2\n3,4\n5,6\n");
+  fs::create_directory(directory / "report");
+  check_one_line(run(directory, "tessellate p.csv --sites 2 -o report"), 2,
+                 "report: is a directory; must be a file with the extension .npy, .csv or .txt");
+}
+
 TEST_CASE("standard output that is closed or full: one line, status 1; outputs are whole") {
   const TemporaryDirectory directory;
   const auto closed = [] { ::close(STDOUT_FILENO); };

@@ -149,7 +149,7 @@ TEST_CASE("tessellate: resampled, with capacities in mass") {
   put(directory / "capacities.txt", capacities);
   const Ran ran = run(directory,
                       "tessellate points.npy --masses masses.txt --mass-method resampled "
-                      "--points-per-site 64 --capacities capacities.txt --sites 10 --periodic "
+                      "--points-per-site 64 --capacities capacities.txt --periodic "
                       "--box 0 0 1 1 -o sites.csv --summary summary.json");
   CHECK(ran.errors == "");
   CHECK(ran.status == 0);

@@ -19,6 +19,11 @@ namespace fs = std::filesystem;
 void check_extension(const fs::path& path, io::Extensions allowed) {
   const std::string extension = io::extension_of(path);
   if (allowed.empty() || io::is_among(allowed, extension)) return;
+  std::error_code error;
+  if (extension.empty() && fs::is_directory(path, error)) {
+    throw InvalidInput(path.string() + ": is a directory; must be a file with the extension " +
+                       io::list_of(allowed, " or "));
+  }
   throw InvalidInput(path.string() + ": unknown extension '" + extension + "'; must be " +
                      io::list_of(allowed, " or "));
 }

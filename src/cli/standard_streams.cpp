@@ -120,6 +120,13 @@ std::string extension_of_stream(const std::string& option, const std::string& te
                      list_of_streams(extensions));
 }
 
+void check_standard_input(const std::string& option) {
+  const int flags = ::fcntl(STDIN_FILENO, F_GETFL);
+  if (flags == -1 || (flags & O_ACCMODE) == O_WRONLY) {
+    throw InvalidInput(option + ": standard input is closed");
+  }
+}
+
 /// Throws unless standard output takes a file of this kind.
 void check_standard_output(const std::string& option, const std::string& extension,
                            io::Extensions extensions) {
@@ -204,6 +211,7 @@ fs::path stand_in(const std::string& option, const std::string& text, Stream str
                        " already; one file only may be a stream");
   }
   const std::string extension = extension_of_stream(option, text, extensions);
+  if (stream == Stream::input) check_standard_input(option);
   if (stream == Stream::output) check_standard_output(option, extension, extensions);
   return there.emplace(stream, option, extension).path();
 }

@@ -128,9 +128,9 @@ std::optional<LinearMap> units_of(const TessellateArguments& arguments, int dime
 }
 
 void check_arguments(const TessellateArguments& arguments) {
-  if (arguments.sites == 0 && arguments.initial_sites.empty()) {
-    throw InvalidInput("tessellate: needs --sites or --initial-sites; see " + program_name() +
-                       " tessellate --help");
+  if (arguments.sites == 0 && arguments.initial_sites.empty() && arguments.capacities.empty()) {
+    throw InvalidInput("tessellate: needs --sites, --initial-sites or --capacities; see " +
+                       program_name() + " tessellate --help");
   }
   if (arguments.whiten && !arguments.units.empty()) {
     throw InvalidInput("--whiten: excludes --units");
@@ -146,6 +146,12 @@ void check_arguments(const TessellateArguments& arguments) {
   if (is_periodic(arguments) && arguments.box.empty() && !may_have_box) {
     fail_without_box(arguments);
   }
+}
+
+Index number_of_sites(const TessellateArguments& arguments) {
+  if (arguments.sites > 0 || !arguments.initial_sites.empty()) return arguments.sites;
+  return static_cast<Index>(arguments.mass.given() ? read_numbers(arguments.capacities).size()
+                                                   : read_indices(arguments.capacities).size());
 }
 
 void check_outputs(const TessellateArguments& arguments) {
@@ -171,6 +177,7 @@ int run_tessellate(const TessellateArguments& arguments) {
   tell_columns(arguments.points, header, arguments.quiet);
   TessellateArguments chosen = arguments;
   chosen.reading = reading;
+  chosen.sites = number_of_sites(arguments);
   if (has_masses) {
     return run_with_masses(chosen, header, make_domain(chosen, header));
   }

@@ -14,6 +14,8 @@ namespace ccvt::cli {
 
 /// Throws InvalidInput where arguments do not go together.
 void check_arguments(const TessellateArguments& arguments);
+/// That of --sites or, without, of --capacities; 0 where initial sites are given.
+Index number_of_sites(const TessellateArguments& arguments);
 /// Throws InvalidInput unless the files can be written.
 void check_outputs(const TessellateArguments& arguments);
 

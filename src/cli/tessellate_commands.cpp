@@ -84,7 +84,8 @@ CLI::App* add_tessellate(CLI::App& app, TessellateArguments& arguments) {
   auto* const command = app.add_subcommand("tessellate", "Sites and owners for given points");
   add_input(*command, "POINTS", arguments.points, "Points", io::kPointFiles)->required();
   add_columns(*command, arguments.reading);
-  add_sites(*command, arguments.sites, "Number of sites, drawn from the points", false);
+  add_sites(*command, arguments.sites,
+            "Number of sites, drawn from the points [as many as --capacities]", false);
   add_input(*command, "--initial-sites", arguments.initial_sites, "Where the sites start",
             io::kPointFiles)
       ->excludes("--sites");

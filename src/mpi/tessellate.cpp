@@ -124,12 +124,13 @@ int tessellate_file(const Session& session, const TessellateArguments& arguments
 }  // namespace
 
 int run_tessellate(const Session& session, const TessellateArguments& given) {
-  const TessellateArguments arguments = session.own(given);
+  TessellateArguments arguments = session.own(given);
   PointsHeader header;
   session.together([&] {
     cli::check_arguments(arguments);
     require_supported(arguments);
     if (session.is_first()) cli::check_outputs(arguments);
+    arguments.sites = cli::number_of_sites(arguments);
     header = cli::inspect_and_tell(arguments.points, arguments.reading, arguments.quiet);
     require_balanced(arguments, arguments.points.string(), header.dimension);
   });

@@ -97,6 +97,7 @@ def bits():
     compare(["tessellate"], ALL[:2], ["cloud.npy", "--sites", "12"])  # many points a site
     given_capacities = ["cloud.npy", "--sites", "400", "--capacities", "capacities.csv"]
     compare(["tessellate"], ALL[:2], given_capacities)
+    compare(["tessellate"], ALL[:2], ["cloud.npy", "--capacities", "capacities.csv"], threads=(1,))
     compare(["tessellate"], ALL[:2], ["cloud.npy", "--sites", "150", "--periodic", "--box",
                                       *"0 0 0 1 1 1".split(), "--fixed-sites", "ten.npy"])
     compare(["tessellate"], ALL[:2], ["cloud.npy", "--sites", "150", "--periodic", "--box",
