@@ -82,36 +82,52 @@ SquaredDistances<Scalar>::SquaredDistances(const Metric& metric, PointsView<Scal
   if (metric_.periodic()) return;
   round_sites();
   mean_.assign(dimension(), 0.0);
-  for (std::size_t k = 0; k < sites.size(); ++k) {
-    mean_[k % dimension()] += sites[k] / static_cast<double>(count());
+  const std::size_t width = dimension();
+  for (const SiteNumber s : sites_below(count())) {
+    const double* const site = at(s);
+    for (std::size_t d = 0; d < width; ++d) mean_[d] += site[d] / static_cast<double>(count());
   }
   double largest = 0;
-  for (std::size_t k = 0; k < sites.size(); ++k) {
-    largest = std::max(largest, std::abs(sites[k] - mean_[k % dimension()]));
+  for (const SiteNumber s : sites_below(count())) {
+    const double* const site = at(s);
+    for (std::size_t d = 0; d < width; ++d) {
+      largest = std::max(largest, std::abs(site[d] - mean_[d]));
+    }
   }
   scale_ = scale_for(largest);
   const auto step = static_cast<std::size_t>(kernels::kDotSites);
-  centred_.assign(padded(count(), step) * dimension(), 0.0F);
-  norm_.assign(count(), 0.0);
-  for (std::size_t k = 0; k < sites.size(); ++k) {
-    const double x = scale_ * (sites[k] - mean_[k % dimension()]);
-    centred_[k] = static_cast<float>(x);
-    norm_[k / dimension()] += x * x;
+  centred_.assign(padded(count(), step) * width, 0.0F);
+  norm_.reserve(count());
+  for (const SiteNumber s : sites_below(count())) {
+    const double* const site = at(s);
+    float* const centred = centred_.data() + s * width;
+    double squared = 0;
+    for (std::size_t d = 0; d < width; ++d) {
+      const double x = scale_ * (site[d] - mean_[d]);
+      centred[d] = static_cast<float>(x);
+      squared += x * x;
+    }
+    norm_.push_back(std::sqrt(squared));
   }
-  for (double& norm : norm_) norm = std::sqrt(norm);
 }
 
 template <class Scalar>
 void SquaredDistances<Scalar>::round_sites() {
   if (!std::is_same_v<Scalar, float> || points_.dimension < kLeastRounded) return;
   rounded_.resize(sites_.size());
-  off_.assign(count(), 0.0);
-  for (std::size_t k = 0; k < sites_.size(); ++k) {
-    rounded_[k] = static_cast<float>(sites_[k]);
-    const double off = sites_[k] - double{rounded_[k]};
-    off_[k / dimension()] += off * off;
+  off_.reserve(count());
+  const std::size_t width = dimension();
+  for (const SiteNumber s : sites_below(count())) {
+    const double* const site = at(s);
+    float* const rounded = rounded_.data() + s * width;
+    double squared = 0;
+    for (std::size_t d = 0; d < width; ++d) {
+      rounded[d] = static_cast<float>(site[d]);
+      const double off = site[d] - double{rounded[d]};
+      squared += off * off;
+    }
+    off_.push_back(std::sqrt(squared));
   }
-  for (double& off : off_) off = std::sqrt(off);
   most_off_ = *std::max_element(off_.begin(), off_.end());
   if (kFine * margin(0, most_off_).beside < squared_spacing()) {
     rounded_packs_ = packs_of<kernels::kFloatPack, float>(sites_, dimension());

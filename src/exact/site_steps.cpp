@@ -37,9 +37,13 @@ SiteSteps::SiteSteps(std::span<const double> from, std::span<const double> to,
   }
   double largest = 0;
   double longest = 0;
-  for (std::size_t k = 0; k < to.size(); ++k) {
-    largest = std::max(largest, std::abs(to[k] - centre_[k % dimension]));
-    longest = std::max(longest, std::abs(to[k] - from[k]));
+  for (std::size_t s = 0; s < n; ++s) {
+    const auto x = from.subspan(s * dimension, dimension);
+    const auto y = to.subspan(s * dimension, dimension);
+    for (std::size_t d = 0; d < dimension; ++d) {
+      largest = std::max(largest, std::abs(y[d] - centre_[d]));
+      longest = std::max(longest, std::abs(y[d] - x[d]));
+    }
   }
   scale_ = scale_for(largest);
   const double scale = scale_for(longest);
