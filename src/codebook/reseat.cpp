@@ -104,7 +104,7 @@ bool reseat_sites(PointsView<float> points, std::vector<Index>& owners, std::vec
                   const Arena& arena) {
   const auto dimension = static_cast<std::size_t>(points.dimension);
   const std::size_t n = sites.size() / dimension;
-  const Grouping groups(owners, n);
+  const Grouping groups(owners, n, arena);
   std::vector<Split> splits(n);
   const std::vector<Index> sizes = cell_sizes(owners, n);
   const std::vector<double> size(sizes.begin(), sizes.end());

@@ -38,7 +38,7 @@ void RoughLloyd::relax(Seeds& seeds) {
     const Prices prices = price(seeds);
     seeds.energy = prices.cheapest_energy;
     if (prices.moved == 0 || (i > 0 && before - seeds.energy < kRough * before)) break;
-    move_to_centroids(metric_, points_, Grouping(seeds.owners, weights_.size()), arena_,
+    move_to_centroids(metric_, points_, Grouping(seeds.owners, weights_.size(), arena_), arena_,
                       seeds.sites);
   }
 }

@@ -76,7 +76,7 @@ std::vector<Index> draw_evenly(const Vectors<Scalar>& points, const std::vector<
   const std::size_t n = sites.size() / static_cast<std::size_t>(points.dimension());
   const std::vector<Index> owners =
       nearest_owners(metric, points.here(), sites, arena, points.part());
-  const Grouping regions(owners, n);
+  const Grouping regions(owners, n, arena);
   const std::vector<Index> sizes = joined(ranks, cell_sizes(owners, n));  // of each rank's regions
   Random random(seed, streams::codebook_levels);
   std::vector<Index> chosen;

@@ -151,7 +151,8 @@ void Trainer<Scalar>::lloyd() {
     if (kept && std::isfinite(before)) {
       kept->include_all(owners_, SquaredDistances<Scalar>(metric_, vectors_, sites_), arena_);
     }
-    move_to_centroids(metric_, vectors_, Grouping(owners_, n), arena_, sites_, changed, ranks);
+    move_to_centroids(metric_, vectors_, Grouping(owners_, n, arena_), arena_, sites_, changed,
+                      ranks);
     const std::vector<Index> given = owners_;
     const Prices prices = pricer.price({sites_, weights_}, owners_, kept ? &*kept : nullptr);
     changed = changed_cells(given, owners_, n, ranks);
@@ -226,8 +227,8 @@ void Trainer<Scalar>::exchange_pairs(const Vectors<Scalar>& vectors, PointsView<
   owners_ = vectors.of_here(std::move(cells.owners));
   owned_ = vectors.count();
   const Stop::Pause pause(stop_);  // what comes is short
-  move_to_centroids(metric_, vectors.here(), Grouping(owners_, weights_.size()), arena_, sites_, {},
-                    vectors.part().ranks);
+  move_to_centroids(metric_, vectors.here(), Grouping(owners_, weights_.size(), arena_), arena_,
+                    sites_, {}, vectors.part().ranks);
 }
 
 template <class Scalar>

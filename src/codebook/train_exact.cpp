@@ -102,8 +102,8 @@ void Trainer<Scalar>::exact_level(const Vectors<Scalar>& vectors, std::vector<In
     for (std::size_t p = 0; p < given.size(); ++p) moved += owners_[p] != given[p] ? 1 : 0;
     const bool goes_on = go_on(m, energy, total(ranks, moved));
     if (!goes_on && steps.at_centroids()) break;
-    move_to_centroids(metric_, vectors.here(), Grouping(owners_, weights_.size()), arena_, sites_,
-                      changed, ranks);
+    move_to_centroids(metric_, vectors.here(), Grouping(owners_, weights_.size(), arena_), arena_,
+                      sites_, changed, ranks);
     const Stop::Pause pause(stop_);  // until owners and sites are of the same cells again
     std::vector<Index> sizes;
     if (steps.smooth()) sizes = summed(ranks, cell_sizes(owners_, weights_.size()));
@@ -172,8 +172,8 @@ void Trainer<Scalar>::assign_all() {
   assignment.improve(sites_, weights_, owners_);
   {
     const Stop::Pause pause(stop_);  // until owners and sites are of the same cells
-    move_to_centroids(metric_, vectors_, Grouping(owners_, weights_.size()), arena_, sites_, {},
-                      source_.part().ranks);
+    move_to_centroids(metric_, vectors_, Grouping(owners_, weights_.size(), arena_), arena_, sites_,
+                      {}, source_.part().ranks);
     keep_met(source_.count());
   }
   summary_.gap = assignment.solve(sites_, weights_, owners_).share();

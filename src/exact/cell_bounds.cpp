@@ -116,7 +116,7 @@ void CellBounds::follow(std::span<const double> sites, const Grouping& groups,
                         PointsView<Scalar> points, const Arena& arena) {
   valid_ = false;
   const auto dimension = static_cast<std::size_t>(dimension_);
-  const SiteSteps steps(sites_, sites, dimension);
+  const SiteSteps steps(sites_, sites, dimension, arena);
   if (steps.none()) return;
   std::vector<SiteNumber> cells;
   for (const SiteNumber s : sites_below(count())) {
@@ -208,7 +208,7 @@ void CellBounds::count_in(SiteNumber site, std::span<const PointNumber> points,
 void CellBounds::set_all(const std::vector<Index>& owners, const MoveCosts& costs,
                          const Arena& arena) {
   valid_ = false;
-  const Grouping groups(owners, count());
+  const Grouping groups(owners, count(), arena);
   PerWorker<MoveCosts::Scratch> scratch(arena);
   arena.for_ranges(count(), 4, [&](std::size_t begin, std::size_t end, int worker) {
     for (const SiteNumber s : sites_between(begin, end)) {
@@ -225,7 +225,7 @@ void CellBounds::set_all(const std::vector<Index>& owners, const MoveCosts& cost
 
 void CellBounds::include_all(const std::vector<Index>& owners, const MoveCosts& costs,
                              const Arena& arena) {
-  const Grouping groups(owners, count());
+  const Grouping groups(owners, count(), arena);
   PerWorker<MoveCosts::Scratch> scratch(arena);
   arena.for_ranges(count(), 4, [&](std::size_t begin, std::size_t end, int worker) {
     for (const SiteNumber s : sites_between(begin, end)) {

@@ -182,7 +182,7 @@ template <class Scalar>
 auto Pricer<Scalar>::price_cells(const WeightedSites& sites, std::vector<Index>& owners,
                                  CellBounds* kept) const -> PriceSums {
   const std::size_t n = sites.count();
-  const Grouping groups(owners, n);
+  const Grouping groups(owners, n, arena_);
   Task task{sites, owners, kept, kept != nullptr && kept->cover(owners)};
   if (!task.covered) task.packs = packs_of(sites.position, sites.dimension);
   std::vector<Index> given;
@@ -223,7 +223,7 @@ auto Pricer<Scalar>::price_together(const WeightedSites& sites, std::vector<Inde
 template <class Scalar>
 auto Pricer<Scalar>::price_regions(const Task& task, std::span<const Index> region,
                                    std::span<const double> centres) const -> PriceSums {
-  const Grouping regions(region, centres.size() / task.sites.dimension);
+  const Grouping regions(region, centres.size() / task.sites.dimension, arena_);
   std::vector<Part> parts = parts_around(centres, regions);
   return price_parts(task, parts);
 }

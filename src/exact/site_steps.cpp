@@ -12,11 +12,12 @@ namespace {
 
 /// Steps that sites are multiplied with at a time, or as many as products are of.
 constexpr std::size_t kLeastSteps = 64;
+constexpr std::size_t kStepsPerGrain = 128;
 
 }  // namespace
 
 SiteSteps::SiteSteps(std::span<const double> from, std::span<const double> to,
-                     std::size_t dimension)
+                     std::size_t dimension, const Arena& arena)
     : dimension_(dimension),
       steps_(std::max(kLeastSteps, static_cast<std::size_t>(kernels::product_points()))),
       moves_(from.size() / dimension, 0),
@@ -55,7 +56,9 @@ SiteSteps::SiteSteps(std::span<const double> from, std::span<const double> to,
   const double underflow = underflow_of(static_cast<int>(dimension));
   const std::size_t padded = (moved_.size() + steps_ - 1) / steps_ * steps_;
   block_.assign(padded * dimension, 0.0F);
-  for (std::size_t k = 0; k < moved_.size(); ++k) {
+  length_.resize(moved_.size());
+  shift_.resize(moved_.size());
+  arena.for_each(moved_.size(), kStepsPerGrain, [&](std::size_t k) {
     const double* const x = from.data() + moved_[k] * dimension;
     const double* const y = to.data() + moved_[k] * dimension;
     float* const stream = block_.data() + k / steps_ * steps_ * dimension + k % steps_;
@@ -72,9 +75,9 @@ SiteSteps::SiteSteps(std::span<const double> from, std::span<const double> to,
       stream[d * steps_] = static_cast<float>(step * scale);
     }
     const bool moves = moves_[moved_[k]] != 0;
-    length_.push_back(moves ? std::sqrt(squared + underflow) * (1 + share) : 0);
-    shift_.push_back(moves ? shift - share * sizes - underflow - beside : 0);
-  }
+    length_[k] = moves ? std::sqrt(squared + underflow) * (1 + share) : 0;
+    shift_[k] = moves ? shift - share * sizes - underflow - beside : 0;
+  });
 }
 
 void SiteSteps::follow(std::span<const Cell> cells, Scratch& scratch) const {

@@ -8,6 +8,7 @@
 #include "ccvt/types.h"
 #include "kernels/bounds.h"
 #include "numbers.h"
+#include "parallel/arena.h"
 
 namespace ccvt {
 
@@ -19,7 +20,8 @@ namespace ccvt {
 class SiteSteps {
  public:
   /// From the positions before to these, one after the other.
-  SiteSteps(std::span<const double> from, std::span<const double> to, std::size_t dimension);
+  SiteSteps(std::span<const double> from, std::span<const double> to, std::size_t dimension,
+            const Arena& arena = Arena(1));
 
   [[nodiscard]] bool none() const { return moved_.empty(); }
   /// Whether bounds of all sites are changed, by growth too: else only those of sites that moved.
