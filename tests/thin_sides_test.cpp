@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <set>
 #include <vector>
 
@@ -91,6 +92,34 @@ TEST_CASE("equal counts differ by one on each of two sheets, and no point counts
   CHECK(sheets.across(thinning) == 0);
 }
 
+TEST_CASE("out of time or cancelled, equal counts are those of all at once") {
+  const Sheets sheets(40'000);
+  ThinOptions options;
+  options.equal_counts = true;
+  for (const double limit : {1e-9, 0.02, 0.05}) {
+    CAPTURE(limit);
+    options.tessellation.time_limit = limit;
+    const Thinning thinning = ccvt::thin(sheets.points, 2000, options, sheets.normals);
+    CHECK(sheets.across(thinning) == 0);
+    CHECK(std::accumulate(thinning.counts.begin(), thinning.counts.end(), 0) == 40'000);
+  }
+  options.tessellation.time_limit = 0;
+  int asked = 0;
+  options.tessellation.cancelled = [&] { return ++asked < 0; };
+  ccvt::thin(sheets.points, 2000, options, sheets.normals);
+  const int questions = asked;
+  for (int at = 1; at <= questions; at += std::max(1, questions / 8)) {
+    CAPTURE(at);
+    asked = 0;
+    options.tessellation.cancelled = [&] { return ++asked >= at; };
+    const Thinning thinning = ccvt::thin(sheets.points, 2000, options, sheets.normals);
+    if (thinning.summary.termination != ccvt::Termination::cancelled) continue;
+    const auto [least, most] = std::minmax_element(thinning.counts.begin(), thinning.counts.end());
+    CHECK(*least == 20);
+    CHECK(*most == 20);
+  }
+}
+
 TEST_CASE("sheets that face apart are sides, what is bent is one") {
   std::vector<Index> chosen;
   for (Index p = 0; p < 3000; p += 7) chosen.push_back(p);
@@ -123,6 +152,16 @@ TEST_CASE("sheets that face apart are sides, what is bent is one") {
   Points<double> outward = shell;
   for (Index p = 1; p < 3000; p += 2) outward.col(p) *= -1;
   CHECK(sides(shell, outward, chosen).size() == 2);
+  // Patches far apart that face alike are one, in a cloud with two sheets too.
+  Points<double> patches = sheets.points;
+  Points<double> up = sheets.normals;
+  for (Index p = 0; p < 3000; ++p) {
+    if (p % 3 == 0) continue;
+    patches.col(p) += Eigen::Vector3d(10 * (1 + p % 5), 0, 0);
+    up.col(p) << 0, 0, 1;
+  }
+  CHECK(sides(patches, up, chosen).size() == 3);
+  CHECK(sides(patches, Points<double>::Constant(3, 3000, 1), chosen).size() == 1);
   // Of normals that are 0 nothing is known.
   CHECK(sides(shell, Points<double>::Zero(3, 3000), chosen).size() == 1);
 }

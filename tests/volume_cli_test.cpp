@@ -326,6 +326,13 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
       "space: left-posterior-superior\nspace directions: (-1,0,0) (0,-2,0) (0,0,3)\n"
       "space origin: (0,0,0)\n\n" +
           std::string(16 * 16 * 8, '\1'));
+  const auto turned_nrrd = [](const std::string& sizes, const std::string& directions) {
+    return "NRRD0004\ntype: uint8\ndimension: 3\nsizes: " + sizes +
+           "\nencoding: raw\nspace: right-anterior-superior\nspace directions: " + directions +
+           "\nspace origin: (0,0,0)\n\n" + std::string(16 * 8 * 4, '\1');
+  };
+  put(directory / "t40.nrrd", turned_nrrd("16 8 4", "(.77,.64,0) (-.64,.77,0) (0,0,1)"));
+  put(directory / "t50.nrrd", turned_nrrd("8 16 4", "(.64,.77,0) (-.77,.64,0) (0,0,1)"));
   put(directory / "tiny.nrrd",
       "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n"
       "spacings: 1e-120 1e-120 1e-120\n\n12345678");
@@ -367,6 +374,7 @@ TEST_CASE("volume: mistakes get one line, status 2 and no file") {
   check("v.nii --mask turned.nii",
         "has 16 x 8 x 16 cells along x, y and z, but v.nii has 16 x 16 x 8: they say otherwise "
         "where their axes point");
+  check("t40.nrrd --mask t50.nrrd", "t50.nrrd: its axes are turned against those of t40.nrrd");
   check("v.nii --mask lps.nrrd",
         "lps.nrrd: its cells are where those of v.nii are if x and y run the other way");
   check("v.nii --mask moved.nii", "its cells are not where those of v.nii are");

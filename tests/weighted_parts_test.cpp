@@ -8,11 +8,11 @@
 #include <numeric>
 #include <vector>
 
+#include "compensated_sum.h"
 #include "random.h"
 #include "support/generate.h"
 #include "support/processor_time.h"
 #include "weighted/curve_order.h"
-#include "weighted/mass_sum.h"
 #include "weighted/units.h"
 #include "weighted/whole.h"
 
@@ -82,7 +82,7 @@ TEST_CASE("units: every stretch of the curve has its mass in units, to within on
   ccvt::Random random(3);
   for (const Index count : {1, 7, 1000, 20000}) {
     std::vector<double> masses;
-    ccvt::MassSum total;
+    ccvt::CompensatedSum total;
     for (int p = 0; p < 500; ++p) {
       masses.push_back(std::pow(random.uniform() + 1e-9, -2));
       total.add(masses.back());

@@ -266,8 +266,8 @@ CCVT_EXPORT Spectrum power_spectrum(std::span<const PointSet> sets,
 /// The L2 star discrepancy, with the box as the unit cube: the root mean square, over all boxes
 /// from the lower corner, of the share of points inside minus the volume. By the formula of
 /// Warnock [1972], whose sum over pairs of points is divided along one axis after the other
-/// [Heinrich 1996]: O(n log^D n), and no more than about O(D n^2). Its terms cancel: not below 10^-8
-/// or so.
+/// [Heinrich 1996] where that takes less time: the lesser of O(n log^D n) and O(D n^2). Its terms
+/// cancel: not below 10^-8 or so.
 CCVT_EXPORT double star_discrepancy(const PointSet& set, int threads = 0);
 
 /// The mean squared error of the mean over the points as an estimate of the integral of f, times n

@@ -27,7 +27,7 @@ struct CCVT_EXPORT ThinOptions {
   bool equal_counts = false;
   /// Of the cells in which points are chosen first. Its seed, threads, time limit and `cancelled`
   /// hold for all that is done, but that all points get their owners after it ended, O(m log n);
-  /// its max_iterations are those of each tessellation, of which equal_counts may make two.
+  /// its max_iterations are those of each tessellation, of which equal_counts makes one a side.
   /// Until blue_noise, as choices are to have no lattices.
   Options tessellation = Options::samples();
 
@@ -78,9 +78,10 @@ struct Thinning {
 ///
 /// With equal_counts cells are made anew at last, with the chosen points as sites that stay: their
 /// capacities are kept, and no exchange of points between two cells lowers the energy. With normals
-/// each side of the cloud is divided by itself: chosen points are on one that are among the 6
-/// nearest of each other that do not face away, and points on that of the nearest such. Two sheets
-/// that face apart are two, a sheet that is bent round its edge is one.
+/// each side of the cloud is divided by itself: a chosen point is on one with the 6 nearest that it
+/// does not face away from, and other points are on that of the nearest such. Two sheets that face
+/// apart are two, a sheet that is bent round its edge is one, and so are all parts near which
+/// nothing faces apart. Out of time, all is divided at once.
 ///
 /// `points`: #dimensions by m, as ccvt::Problem takes them; `sites`: 1 <= n <= m. `normals`: none,
 /// or one a point, #dimensions by m, finite, of any length; of those of length 0 nothing is known.

@@ -151,17 +151,25 @@ struct Drawn {
     return static_cast<double>(std::count_if(points.begin(), points.end(),
                                              [&](const auto& point) { return shows(point); }));
   }
-  /// A window of that share around the point nearest to the middle of all.
-  void narrow(double to, const Eigen::Vector2d& middle) {
+  /// A window of that share around a point.
+  void narrow(double to, const Eigen::Vector2d& around) {
     share = to;
-    const auto nearest = std::min_element(
-        points.begin(), points.end(), [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-          const auto squared = [&](const Eigen::Vector2d& at) {
-            return (at - middle).cwiseQuotient(extent).squaredNorm();
-          };
-          return squared(a) < squared(b);
-        });
-    lower = (*nearest - share / 2 * extent).cwiseMax(0).cwiseMin((1 - share) * extent);
+    lower = (around - share / 2 * extent).cwiseMax(0).cwiseMin((1 - share) * extent);
+  }
+  /// The point nearest to the middle of all.
+  [[nodiscard]] Eigen::Vector2d middle() const {
+    Eigen::Vector2d medians;
+    std::vector<double> values(points.size());
+    for (Eigen::Index d = 0; d < 2; ++d) {
+      std::transform(points.begin(), points.end(), values.begin(),
+                     [d](const Eigen::Vector2d& point) { return point[d]; });
+      medians[d] = median(values);
+    }
+    const auto squared = [&](const Eigen::Vector2d& at) {
+      return (at - medians).cwiseQuotient(extent).squaredNorm();
+    };
+    return *std::min_element(points.begin(), points.end(),
+                             [&](const auto& a, const auto& b) { return squared(a) < squared(b); });
   }
 };
 
@@ -182,21 +190,17 @@ Drawn drawn(const PointSet& run) {
                                dimension > 1 ? point[1] - box.lower[1] : result.extent[1] / 2);
   }
   if (result.points.size() <= kMostDots) return result;
-  Eigen::Vector2d middle;
-  std::vector<double> values(result.points.size());
-  for (Eigen::Index d = 0; d < 2; ++d) {
-    std::transform(result.points.begin(), result.points.end(), values.begin(),
-                   [d](const Eigen::Vector2d& point) { return point[d]; });
-    middle[d] = median(values);
-  }
-  // Where clouds are dense, or all points lie in one place, it is to be small.
+  // Where clouds are dense, or most points lie in one place, it is to be small.
   constexpr double kNarrower = 0.7;
   constexpr double kNarrowest = 1e-6;
+  const Eigen::Vector2d middle = result.middle();
   double share = std::sqrt(kMostDots / static_cast<double>(result.points.size()));
   do {
     result.narrow(share, middle);
     share *= kNarrower;
   } while (result.count() > 2 * kMostDots && share > kNarrowest);
+  std::erase_if(result.points, [&](const auto& point) { return !result.shows(point); });
+  result.points.resize(std::min<std::size_t>(result.points.size(), 2 * kMostDots));
   return result;
 }
 
@@ -216,7 +220,6 @@ std::string points_svg(const AnalyzedSet& set) {
                     number(side[0] * scale) + R"(" height=")" + number(side[1] * scale) +
                     "\"/>\n<g class=\"dots\">\n";
   for (const Eigen::Vector2d& point : window.points) {
-    if (!window.shows(point)) continue;
     const Eigen::Vector2d at = (point - window.lower) * scale;
     svg += R"(<circle cx=")" + number(10 + at[0]) + R"(" cy=")" +
            number(10 + side[1] * scale - at[1]) + R"(" r=")" + number(radius) + "\"/>\n";

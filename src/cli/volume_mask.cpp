@@ -122,6 +122,10 @@ bool coincide(const Grid& a, const Grid& b) {
                                const Grid& mask) {
   std::array<std::int64_t, 3> of_volume = shape_in_world(volume);
   std::array<std::int64_t, 3> of_mask = shape_in_world(mask);
+  if (of_volume == of_mask) {
+    throw InvalidInput(arguments.mask.string() + ": its axes are turned against those of " +
+                       arguments.volume.string() + "; resample it first");
+  }
   const std::string message = arguments.mask.string() + ": has " + shape_text(of_mask) +
                               " cells along x, y and z, but " + arguments.volume.string() +
                               " has " + shape_text(of_volume);

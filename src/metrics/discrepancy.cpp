@@ -1,13 +1,14 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
 #include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "ccvt/metrics.h"
+#include "compensated_sum.h"
 #include "metrics/sets.h"
 #include "parallel/arena.h"
 #include "thread_count.h"
@@ -20,8 +21,13 @@ namespace {
 constexpr std::size_t kFew = 16;
 /// Sums over pairs of one set are divided until they are about so many, for threads.
 constexpr std::size_t kParts = 64;
+/// And those over pairs of two sets that are more than this share of the points.
+constexpr std::size_t kCrossingParts = 4;
 /// Sums over more are told of a stop in between.
-constexpr std::size_t kLong = std::size_t{1} << 14;
+constexpr std::size_t kLong = std::size_t{1} << 12;
+/// Nanoseconds, about: an item in a sum that is divided to its end, and a coordinate of a pair.
+constexpr double kItem = 30;
+constexpr double kPair = 0.6;
 
 /// A point in a sum over pairs of points, perhaps of two sets.
 struct Item {
@@ -95,15 +101,15 @@ double PairSums::along_axis(PairSum sum) const {
       return points_(0, a.point) > points_(0, b.point);
     });
   }
-  double result = 0;
-  double before[] = {0, 0};  // weights of either set
+  CompensatedSum result;
+  std::array<CompensatedSum, 2> before;  // weights of either set
   for (const Item& item : sum.items) {
-    const bool own = item.second;
+    const bool of = sum.crosses ? !item.second : item.second;
     const double coordinate = sum.axes == 1 ? points_(0, item.point) : 1;
-    result += coordinate * item.weight * before[sum.crosses ? !own : own];
-    before[own] += item.weight;
+    result.add(coordinate * item.weight * before.data()[of ? 1 : 0].value());
+    before.data()[item.second ? 1 : 0].add(item.weight);
   }
-  return result;
+  return result.value();
 }
 
 /// What is on either side of a plane half way along the last axis, and pairs across it.
@@ -118,8 +124,10 @@ std::vector<PairSum> PairSums::halves(PairSum sum) const {
   });
   const std::span<const Item> below(items.begin(), middle);
   const std::span<const Item> above(middle, items.end());
-  std::vector<PairSum> result = {{Items(below.begin(), below.end()), sum.crosses, sum.axes},
-                                 {Items(above.begin(), above.end()), sum.crosses, sum.axes}};
+  std::vector<PairSum> result;
+  for (const auto& half : {below, above}) {
+    result.push_back({Items(half.begin(), half.end()), sum.crosses, sum.axes});
+  }
   for (const bool second_below : {false, true}) {
     if (second_below && !sum.crosses) break;
     PairSum across{{}, true, sum.axes - 1};
@@ -147,13 +155,15 @@ double PairSums::value(PairSum sum) const {
 
 double PairSums::of(PairSum sum) const {
   const std::size_t large = sum.items.size() / kParts;
+  const std::size_t large_crossing = sum.items.size() / kCrossingParts;
   std::vector<PairSum> parts;
   std::vector<PairSum> whole;
   whole.push_back(std::move(sum));
   while (!whole.empty()) {
     PairSum next = std::move(whole.back());
     whole.pop_back();
-    if (next.crosses || next.axes <= 1 || next.items.size() <= large || is_few(next)) {
+    const std::size_t enough = next.crosses ? large_crossing : large;
+    if (next.axes <= 1 || next.items.size() <= enough || is_few(next)) {
       parts.push_back(std::move(next));
       continue;
     }
@@ -161,7 +171,38 @@ double PairSums::of(PairSum sum) const {
   }
   std::vector<double> values(parts.size());
   arena_.for_each(parts.size(), 1, [&](std::size_t k) { values[k] = value(std::move(parts[k])); });
-  return std::accumulate(values.begin(), values.end(), 0.0);
+  CompensatedSum result;
+  for (const double value : values) result.add(value);
+  return result.value();
+}
+
+/// Whether that takes less time than to look at all pairs: of n points in D dimensions, n C(log2 n
+/// + D - 1, D - 1) items are in sums that are no more divided.
+bool is_divided(double n, int dimension) {
+  const double halvings = std::max(0.0, std::log2(n / kFew));
+  double items = 1;
+  for (int d = 1; d < dimension; ++d) items *= (halvings + d) / d;
+  return kItem * items < kPair * n / 2 * dimension;
+}
+
+/// One by one.
+double sum_of_all_pairs(const Points<double>& points, const Arena& arena) {
+  std::vector<double> rows(static_cast<std::size_t>(points.cols()));
+  arena.for_each(rows.size(), 16, [&](std::size_t row) {
+    const auto i = static_cast<Eigen::Index>(row);
+    double pairs = 0;
+    for (Eigen::Index j = 0; j < i; ++j) {
+      double product = 1;
+      for (Eigen::Index d = 0; d < points.rows(); ++d) {
+        product *= std::min(points(d, i), points(d, j));
+      }
+      pairs += product;
+    }
+    rows[row] = pairs;
+  });
+  CompensatedSum result;
+  for (const double row : rows) result.add(row);
+  return result.value();
 }
 
 }  // namespace
@@ -177,15 +218,21 @@ double star_discrepancy(const PointSet& set, const Arena& arena) {
   const Points<double> to_corner = 1 - x.array();  // the upper one
   const double n = set.count();
   const int dimension = set.dimension();
-  Items items;
-  items.reserve(static_cast<std::size_t>(set.count()));
-  for (Index p = 0; p < set.count(); ++p) items.push_back({p, false, 1});
-  const double pairs = PairSums(to_corner, arena).of({std::move(items), false, dimension});
-  double singles = 0;
-  for (Eigen::Index p = 0; p < x.cols(); ++p) {
-    singles += to_corner.col(p).prod() / n - 2 * ((1 - x.col(p).array().square()) / 2).prod();
+  double pairs = 0;
+  if (is_divided(n, dimension)) {
+    Items items;
+    items.reserve(static_cast<std::size_t>(set.count()));
+    for (Index p = 0; p < set.count(); ++p) items.push_back({p, false, 1});
+    pairs = PairSums(to_corner, arena).of({std::move(items), false, dimension});
+  } else {
+    pairs = sum_of_all_pairs(to_corner, arena);
   }
-  return std::sqrt(std::max(0.0, std::pow(3.0, -dimension) + (2 * pairs / n + singles) / n));
+  CompensatedSum singles;
+  for (Eigen::Index p = 0; p < x.cols(); ++p) {
+    singles.add(to_corner.col(p).prod() / n - 2 * ((1 - x.col(p).array().square()) / 2).prod());
+  }
+  const double square = std::pow(3.0, -dimension) + (2 * pairs / n + singles.value()) / n;
+  return std::sqrt(std::max(0.0, square));
 }
 
 }  // namespace ccvt

@@ -8,28 +8,12 @@
 #include <vector>
 
 #include "ccvt/types.h"
+#include "compensated_sum.h"
 #include "geometry/metric.h"
 #include "relax/site_state.h"
 #include "relax/update.h"
 
 namespace ccvt {
-
-/// A sum that loses no digits that matter: its rounding errors are summed, too [Knuth 1969; Dekker
-/// 1971].
-class CompensatedSum {
- public:
-  void add(double x) {
-    const double sum = high_ + x;
-    const double part = sum - high_;
-    low_ += (high_ - (sum - part)) + (x - part);
-    high_ = sum;
-  }
-  [[nodiscard]] double value() const { return high_ + low_; }
-
- private:
-  double high_ = 0;
-  double low_ = 0;
-};
 
 /// Cells that points leave and join: their sites, energies and radii follow without a look at the
 /// points that stay.

@@ -250,7 +250,7 @@ ColourImage preview(const TriangleMesh& mesh, const SurfaceSamples& samples, int
     const double own = view.scale() * samples.radii[static_cast<std::size_t>(s)] * 1.77;
     const double radius = std::max(kDot * std::min(own, spacing), kFine * kLeastDot);
     canvas.draw_disk(view.place(samples.sites.col(s) - triangles.middle()),
-                     view.direction(samples.normals.col(s)), radius);
+                     view.direction(samples.normals.col(s).normalized()), radius);
   }
   return canvas.picture();
 }

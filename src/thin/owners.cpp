@@ -17,6 +17,8 @@ constexpr std::size_t kPointsPerGrain = std::size_t{1} << 12;
 constexpr int kFirstAsked = 16;
 constexpr int kMostAsked = 1024;
 
+}  // namespace
+
 template <class Scalar>
 bool face_away(PointsView<Scalar> lifted, Index a, Index b) {
   double product = 0;
@@ -25,8 +27,6 @@ bool face_away(PointsView<Scalar> lifted, Index a, Index b) {
   }
   return product < 0;
 }
-
-}  // namespace
 
 template <class Scalar>
 std::vector<double> positions_of(PointsView<Scalar> points, std::span<const Index> chosen) {
@@ -103,6 +103,8 @@ Index take_turned(PointsView<Scalar> lifted, std::span<const Index> chosen,
   return count;
 }
 
+template bool face_away(PointsView<float>, Index, Index);
+template bool face_away(PointsView<double>, Index, Index);
 template std::vector<Index> nearest_alike(PointsView<float>, Index, std::span<const Index>,
                                           const SiteTree&, std::size_t);
 template std::vector<Index> nearest_alike(PointsView<double>, Index, std::span<const Index>,

@@ -10,6 +10,10 @@
 
 namespace ccvt {
 
+/// Whether normals of two points face apart; `lifted` as below.
+template <class Scalar>
+bool face_away(PointsView<Scalar> lifted, Index a, Index b);
+
 /// Where the chosen points are, one after the other.
 template <class Scalar>
 std::vector<double> positions_of(PointsView<Scalar> points, std::span<const Index> chosen);

@@ -1,6 +1,8 @@
 #include "thin/sides.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <numeric>
 #include <utility>
 
@@ -46,13 +48,34 @@ std::vector<Side> sides_of(PointsView<Scalar> lifted, std::span<const Index> cho
                            const Arena& arena) {
   const Metric metric(lifted.dimension, Domain());
   const SiteTree tree(metric, positions_of(lifted, chosen));
+  const PointsView<Scalar> places{lifted.data, lifted.dimension / 2, lifted.count, lifted.stride};
+  const SiteTree tree_of_places(Metric(places.dimension, Domain()), positions_of(places, chosen));
+  const auto most = static_cast<int>(std::min(kLinked + 1, chosen.size()));
   std::vector<std::vector<Index>> near(chosen.size());
+  std::vector<std::uint8_t> faced(chosen.size(), 0);  // one of the nearest sites faces away
   arena.for_each(chosen.size(), kSitesPerGrain, [&](std::size_t s) {
     near[s] = nearest_alike(lifted, chosen[s], chosen, tree, kLinked + 1);  // itself among them
+    const std::vector<double> at(lifted[chosen[s]], lifted[chosen[s]] + places.dimension);
+    std::vector<Index> nearest;  // normals aside
+    tree_of_places.nearest(at.data(), most, nearest);
+    faced[s] = std::any_of(nearest.begin(), nearest.end(), [&](Index site) {
+      return face_away(lifted, chosen[s], chosen[SiteNumber(site)]);
+    });
   });
   Sets sets(chosen.size());
   for (const SiteNumber s : sites_below(chosen.size())) {
     for (const Index other : near[s]) sets.join(s.index(), other);
+  }
+  // Where nothing near faces apart, parts are one side, however far away from each other.
+  std::vector<std::uint8_t> apart(chosen.size(), 0);
+  for (const SiteNumber s : sites_below(chosen.size())) {
+    if (faced[s] != 0) apart[SiteNumber(sets.of(s.index()))] = 1;
+  }
+  Index rest = -1;
+  for (const SiteNumber s : sites_below(chosen.size())) {
+    if (apart[SiteNumber(sets.of(s.index()))] != 0) continue;
+    if (rest < 0) rest = s.index();
+    sets.join(rest, s.index());
   }
 
   std::vector<Side> sides;

@@ -43,6 +43,11 @@ void count(Thinning& result) {
   for (const Index owner : result.owners) ++result.counts[SiteNumber(owner)];
 }
 
+bool was_stopped(const Thinning& result) {
+  return result.summary.termination == Termination::cancelled ||
+         result.summary.termination == Termination::time_limit;
+}
+
 /// One run of thin(): sites have the numbers of the tessellation until they are sorted.
 template <class Scalar>
 class Thinner {
@@ -62,13 +67,16 @@ class Thinner {
 
   void tessellate(Thinning& result);
   void spread(Thinning& result);
-  void make_cells(bool lifted, const Arena& arena, Thinning& result);
+  void make_cells(bool lifted, Thinning& result);
   [[nodiscard]] double seconds() const {
     return std::chrono::duration<double>(Clock::now() - start_).count();
   }
 
  private:
   [[nodiscard]] Options options_now() const;
+  void end_stopped(Thinning& result) const {
+    result.summary.termination = stop_.late() ? Termination::time_limit : Termination::cancelled;
+  }
   void number_by_place(Thinning& result);
   void make_cells(const Side& side, Thinning& result);
   void choose_nearest(PointsView<Scalar> centres, Thinning& result) const;
@@ -171,35 +179,38 @@ void Thinner<Scalar>::spread(Thinning& result) {
                    [&](Place place) { return homes.point(place).index(); });
     if (!whole) throw Stopped();
   } catch (const Stopped&) {
-    result.summary.termination = stop_.late() ? Termination::time_limit : Termination::cancelled;
+    end_stopped(result);
   }
 }
 
 /// Gives all points but the chosen ones owners anew, who stay where they are. With normals each
-/// side is divided by itself.
+/// side is divided by itself, if there is time.
 template <class Scalar>
-void Thinner<Scalar>::make_cells(bool lifted, const Arena& arena, Thinning& result) {
+void Thinner<Scalar>::make_cells(bool lifted, Thinning& result) {
+  const std::vector<Index> counts = result.counts;
   std::vector<Side> sides;
   try {
-    if (lifted) sides = sides_of(points_, result.chosen, arena);
+    if (lifted && !was_stopped(result)) sides = sides_of(points_, result.chosen, arena_);
   } catch (const Stopped&) {
-    result.summary.termination = Termination::cancelled;
-    return;
+    end_stopped(result);
   }
-  if (sides.size() <= 1) {
-    Side all{std::vector<Index>(result.owners.size()), std::vector<Index>(result.chosen.size())};
-    std::iota(all.points.begin(), all.points.end(), 0);
-    std::iota(all.sites.begin(), all.sites.end(), 0);
-    return make_cells(all, result);
-  }
-  for (const Side& side : sides) {
-    // As even as can be, those with one more among the others.
-    const auto until = [&](std::size_t k) { return k * side.points.size() / side.sites.size(); };
-    for (std::size_t k = 0; k < side.sites.size(); ++k) {
-      result.counts[SiteNumber(side.sites[k])] = static_cast<Index>(until(k + 1) - until(k));
+  if (sides.size() > 1) {
+    for (const Side& side : sides) {
+      // As even as can be, those with one more among the others.
+      const auto until = [&](std::size_t k) { return k * side.points.size() / side.sites.size(); };
+      for (std::size_t k = 0; k < side.sites.size(); ++k) {
+        result.counts[SiteNumber(side.sites[k])] = static_cast<Index>(until(k + 1) - until(k));
+      }
+      make_cells(side, result);
+      if (was_stopped(result)) break;
     }
-    make_cells(side, result);
+    if (!was_stopped(result)) return;
   }
+  result.counts = counts;
+  Side all{std::vector<Index>(result.owners.size()), std::vector<Index>(result.chosen.size())};
+  std::iota(all.points.begin(), all.points.end(), 0);
+  std::iota(all.sites.begin(), all.sites.end(), 0);
+  make_cells(all, result);
 }
 
 /// As result.counts says of the sites.
@@ -301,11 +312,6 @@ void require_length(double length, double weight, double spacing, int dimension)
                             " apart; the product must be at most ", largest));
 }
 
-bool was_stopped(const Thinning& result) {
-  return result.summary.termination == Termination::cancelled ||
-         result.summary.termination == Termination::time_limit;
-}
-
 }  // namespace
 
 void ThinOptions::validate() const {
@@ -347,11 +353,12 @@ Thinning thin(PointsView<Scalar> points, Index sites, const ThinOptions& options
   if (options.spread && !was_stopped(result) && sites > 1 && sites < points.count) {
     thinner.spread(result);
   }
-  Stop cancel(options.tessellation.cancelled);  // not for the time: owners are as asked for then
-  const Arena to_the_end(threads, &cancel);
   const bool moved = result.moves + result.jumps > 0;
-  if (options.equal_counts && (moved || lifts)) thinner.make_cells(lifts, to_the_end, result);
-  finish_owners(space, !options.equal_counts, lifts, to_the_end, result);
+  if (options.equal_counts && (moved || (lifts && !was_stopped(result)))) {
+    thinner.make_cells(lifts, result);
+  }
+  Stop cancel(options.tessellation.cancelled);  // not for the time: owners are as asked for then
+  finish_owners(space, !options.equal_counts, lifts, Arena(threads, &cancel), result);
   sort(result);
   count(result);
   result.energy = energy_of(points, result, untold);

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "compensated_sum.h"
 #include "geometry/metric.h"
-#include "weighted/mass_sum.h"
 
 namespace ccvt {
 
@@ -36,7 +36,7 @@ bool move_to_centre(const Metric& metric, const Members& members, const At& at, 
     position[d] = metric.into_box(old[d] + shift[d], d);
   }
   bool changed = false;
-  MassSum energy;
+  CompensatedSum energy;
   spread.squared_radius = 0;
   for (const auto& member : members) {
     const auto* const x = at(member);

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "checks.h"
+#include "compensated_sum.h"
 #include "number_text.h"
-#include "weighted/mass_sum.h"
 
 namespace ccvt {
 namespace {
@@ -26,7 +26,7 @@ double sum_of_masses(std::span<const double> masses, std::size_t points) {
     throw InvalidInput("masses: there are " + std::to_string(masses.size()) + " for " +
                        std::to_string(points) + " points: there must be one per point");
   }
-  MassSum sum;
+  CompensatedSum sum;
   for (std::size_t p = 0; p < masses.size(); ++p) {
     if (!(masses[p] >= 0 && masses[p] <= kLargestTotal)) {
       throw InvalidInput(nth("masses", p, masses[p]) + ": it must be finite, not negative and at " +
@@ -47,7 +47,7 @@ void check_capacities(std::span<const double> capacities, std::size_t sites, dou
     throw InvalidInput("capacities: there are " + std::to_string(capacities.size()) + " for " +
                        std::to_string(sites) + " sites: there must be one per site");
   }
-  MassSum sum;
+  CompensatedSum sum;
   for (std::size_t s = 0; s < capacities.size(); ++s) {
     if (!(capacities[s] > 0 && capacities[s] <= kLargestTotal)) {
       throw InvalidInput(nth("capacities", s, capacities[s]) +
@@ -65,7 +65,7 @@ std::vector<double> scaled_capacities(std::span<const double> given, std::size_t
                                       double total) {
   std::vector<double> capacities(sites, total / static_cast<double>(sites));
   if (given.empty()) return capacities;
-  MassSum sum;
+  CompensatedSum sum;
   for (const double capacity : given) sum.add(capacity);
   capacities.assign(given.begin(), given.end());
   for (double& capacity : capacities) capacity *= total / sum.value();
@@ -105,7 +105,7 @@ MassInputs::MassInputs(std::span<const double> given, std::size_t points, Index 
   const auto positive = std::count_if(given.begin(), given.end(), [](double m) { return m > 0; });
   scale = std::exp2(-std::ilogb(sum / static_cast<double>(positive)));
   masses.reserve(given.size());
-  MassSum scaled;
+  CompensatedSum scaled;
   for (const double mass : given) {
     masses.push_back(mass * scale);
     scaled.add(masses.back());

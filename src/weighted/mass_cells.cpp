@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "compensated_sum.h"
 #include "exact/grouping.h"
 #include "relax/update.h"
 #include "schedule/tiling.h"
 #include "weighted/centre_of_mass.h"
-#include "weighted/mass_sum.h"
 
 namespace ccvt {
 namespace {
@@ -63,7 +63,7 @@ void MassCells<Scalar>::set_members(SiteNumber site, std::vector<PointNumber> me
 
 template <class Scalar>
 void MassCells<Scalar>::weigh(SiteNumber site) {
-  MassSum sum;
+  CompensatedSum sum;
   for (const double mass : cells_[site].masses) sum.add(mass);
   held_[site] = sum.value();
 }

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "compensated_sum.h"
 #include "rounding.h"
-#include "weighted/mass_sum.h"
 
 namespace ccvt {
 namespace {
@@ -147,7 +147,7 @@ void MassPair<Scalar>::keep_light(double heaviest) {
 
 template <class Scalar>
 void MassPair<Scalar>::find_base() {
-  MassSum sorted_in_first;
+  CompensatedSum sorted_in_first;
   for (const Place& k : sorted_) {
     if (in_first(k.member)) sorted_in_first.add(mass(k.member));
   }

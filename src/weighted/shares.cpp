@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "compensated_sum.h"
 #include "parallel/loops.h"
 #include "relax/nearest_sites.h"
 #include "schedule/tiling.h"
@@ -69,7 +70,7 @@ std::vector<double> move_to_shares(const Metric& metric, PointsView<Scalar> poin
     const std::span<const MassShare> own = of_sites[s];
     sites.energy[s] = 0;
     if (own.empty()) return;
-    MassSum sum;
+    CompensatedSum sum;
     for (const MassShare& share : own) sum.add(share.mass);
     masses[s] = sum.value();
     const MassSpread spread = rest_at_centre(

@@ -5,9 +5,9 @@
 #include <queue>
 #include <utility>
 
+#include "compensated_sum.h"
 #include "random.h"
 #include "streams.h"
-#include "weighted/mass_sum.h"
 
 namespace ccvt {
 
@@ -18,7 +18,7 @@ std::vector<PointNumber> units_along(std::span<const PointNumber> order,
   const double unit = total / count;
   std::vector<PointNumber> units;
   units.reserve(static_cast<std::size_t>(count));
-  MassSum before;
+  CompensatedSum before;
   for (std::size_t k = 0; k < order.size(); ++k) {
     before.add(masses[order[k]]);
     // Marks are at (j + offset) * unit; rounding may neither lose the last one nor add one.
@@ -30,10 +30,10 @@ std::vector<PointNumber> units_along(std::span<const PointNumber> order,
 }
 
 std::vector<Index> capacities_in_units(std::span<const double> capacities, Index count) {
-  MassSum total;
+  CompensatedSum total;
   for (const double capacity : capacities) total.add(capacity);
   std::vector<Index> units(capacities.size());
-  MassSum before;
+  CompensatedSum before;
   Index given = 0;
   std::int64_t missing = 0;
   for (std::size_t s = 0; s < capacities.size(); ++s) {

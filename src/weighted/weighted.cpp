@@ -350,11 +350,11 @@ void MassOptions::validate() const {
 
 template <class Scalar>
 std::string MassResult<Scalar>::brief_error() const {
-  double largest = -1;
+  double largest = 0;
   double bound = 0;
   for (std::size_t s = 0; s < masses.size(); ++s) {
     const double relative = std::abs(masses[s] - capacities[s]) / capacities[s];
-    if (relative <= largest) continue;
+    if (s > 0 && relative <= largest) continue;
     largest = relative;
     bound = mass_error_bound / capacities[s];
   }
