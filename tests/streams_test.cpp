@@ -251,6 +251,10 @@ TEST_CASE("streams that fail give one line, and nothing is replaced") {
       run(directory, "tessellate - --sites 4 -o s.csv", [] { ::close(STDIN_FILENO); });
   CHECK(no_input.status == 2);
   CHECK(no_input.errors == "ccvt: error: POINTS: standard input is closed\n");
+  const Ran no_file = run(directory, "tessellate - --sites 4 -o s.csv",
+                          [] { ::dup2(::open(".", O_RDONLY), STDIN_FILENO); });
+  CHECK(no_file.status == 1);
+  CHECK(no_file.errors == "ccvt: error: standard input: cannot be read: Is a directory\n");
   const Ran no_room = run(directory, "tessellate - --sites 4 -o s.csv",
                           [&] { ::setenv("TMPDIR", (directory / "gone").c_str(), 1); });
   CHECK(no_room.status == 1);
