@@ -200,7 +200,7 @@ Drawn drawn(const PointSet& run) {
     share *= kNarrower;
   } while (result.count() > 2 * kMostDots && share > kNarrowest);
   std::erase_if(result.points, [&](const auto& point) { return !result.shows(point); });
-  result.points.resize(std::min<std::size_t>(result.points.size(), 2 * kMostDots));
+  result.points.resize(std::min(result.points.size(), std::size_t{2} * kMostDots));
   return result;
 }
 
