@@ -27,7 +27,7 @@ struct CCVT_EXPORT ThinOptions {
   bool equal_counts = false;
   /// Of the cells in which points are chosen first. Its seed, threads, time limit and `cancelled`
   /// hold for all that is done, but that all points get their owners after it ended, O(m log n);
-  /// its max_iterations are those of each tessellation, of which equal_counts makes one a side.
+  /// its max_iterations are those of each tessellation: equal_counts makes one more of each side.
   /// Until blue_noise, as choices are to have no lattices.
   Options tessellation = Options::samples();
 

@@ -48,8 +48,12 @@ std::string pair_correlation_svg(const std::vector<AnalyzedSet>& sets);
 Image spectrum_image(const AnalyzedSet& set, int threads);
 std::string spectrum_caption(const AnalyzedSet& set);
 
-/// The first run; in 3D a slice of it, in more dimensions the first two coordinates.
-std::string points_svg(const AnalyzedSet& set);
-std::string points_caption(const AnalyzedSet& set);
+struct PointsPicture {
+  std::string svg;
+  std::string caption;
+};
+/// The first run; in 3D a slice of it, in more dimensions the first two coordinates; of too many a
+/// window.
+PointsPicture points_picture(const AnalyzedSet& set);
 
 }  // namespace ccvt::cli

@@ -147,9 +147,9 @@ struct Drawn {
     const Eigen::Array2d at = (point - lower).array();
     return (at >= 0).all() && (at <= share * extent.array()).all();
   }
-  [[nodiscard]] double count() const {
-    return static_cast<double>(std::count_if(points.begin(), points.end(),
-                                             [&](const auto& point) { return shows(point); }));
+  [[nodiscard]] std::ptrdiff_t count() const {
+    return std::count_if(points.begin(), points.end(),
+                         [&](const auto& point) { return shows(point); });
   }
   /// A window of that share around a point.
   void narrow(double to, const Eigen::Vector2d& around) {
@@ -204,39 +204,39 @@ Drawn drawn(const PointSet& run) {
   return result;
 }
 
+/// `share`: see Drawn.
+std::string caption_of(const AnalyzedSet& set, double share) {
+  std::string caption = set.runs.size() > 1 ? "Points of the first run" : std::string("The points");
+  const int dimension = set.analysis.dimension;
+  if (dimension == 3) caption += ": a slab one mean spacing thick, half way up";
+  if (dimension > 3) caption += ": the first two of " + std::to_string(dimension) + " coordinates";
+  if (share < 1) {
+    caption += "; a window " + text(100 * share, 2) + " % as wide as the box, in their middle";
+  }
+  return caption;
+}
+
 }  // namespace
 
-std::string points_svg(const AnalyzedSet& set) {
+PointsPicture points_picture(const AnalyzedSet& set) {
   const PointSet& run = set.runs.front();
   const Drawn window = drawn(run);
+  std::string caption = caption_of(set, window.share);
   const Eigen::Vector2d side = window.share * window.extent;
   const double scale = 460 / side.maxCoeff();
   const double radius = std::clamp(0.2 * run.mean_spacing() * scale, 0.6, 4.0);
   const auto number = [](double value) { return decimal_text(value, 2); };
   std::string svg = R"(<svg class="ccvt" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 )" +
                     number(side[0] * scale + 20) + " " + number(side[1] * scale + 20) +
-                    R"(" role="img"><title>)" + escaped(set.name + ": " + points_caption(set)) +
-                    "</title>\n" + R"(<rect class="box" x="10" y="10" width=")" +
-                    number(side[0] * scale) + R"(" height=")" + number(side[1] * scale) +
-                    "\"/>\n<g class=\"dots\">\n";
+                    R"(" role="img"><title>)" + escaped(set.name + ": " + caption) + "</title>\n" +
+                    R"(<rect class="box" x="10" y="10" width=")" + number(side[0] * scale) +
+                    R"(" height=")" + number(side[1] * scale) + "\"/>\n<g class=\"dots\">\n";
   for (const Eigen::Vector2d& point : window.points) {
     const Eigen::Vector2d at = (point - window.lower) * scale;
     svg += R"(<circle cx=")" + number(10 + at[0]) + R"(" cy=")" +
            number(10 + side[1] * scale - at[1]) + R"(" r=")" + number(radius) + "\"/>\n";
   }
-  return svg + "</g>\n</svg>\n";
-}
-
-std::string points_caption(const AnalyzedSet& set) {
-  std::string caption = set.runs.size() > 1 ? "Points of the first run" : std::string("The points");
-  const int dimension = set.analysis.dimension;
-  if (dimension == 3) caption += ": a slab one mean spacing thick, half way up";
-  if (dimension > 3) caption += ": the first two of " + std::to_string(dimension) + " coordinates";
-  const double share = drawn(set.runs.front()).share;
-  if (share < 1) {
-    caption += "; a window " + text(100 * share, 2) + " % as wide as the box, in their middle";
-  }
-  return caption;
+  return {svg + "</g>\n</svg>\n", std::move(caption)};
 }
 
 }  // namespace ccvt::cli

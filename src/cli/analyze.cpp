@@ -206,7 +206,7 @@ void write_all(const AnalyzeArguments& arguments, const Directory& directory,
     const fs::path picture = file_of_set(directory, "spectrum", ".png", s);
     write_png(picture, spectrum_image(sets[s], arguments.threads));
     spectra.push_back(contents_of(outputs.unpublished(picture)));
-    write_text(file_of_set(directory, "points", ".svg", s), svg_file(points_svg(sets[s])));
+    write_text(file_of_set(directory, "points", ".svg", s), svg_file(points_picture(sets[s]).svg));
     write_text(file_of_set(directory, "radial", ".csv", s), radial_csv(sets[s].analysis));
     write_text(file_of_set(directory, "low_frequency", ".csv", s),
                low_frequency_csv(sets[s].analysis));

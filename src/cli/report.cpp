@@ -195,7 +195,8 @@ std::string report_page(const std::vector<AnalyzedSet>& sets,
                         "<img alt=\"" + escaped("Spectrum of " + set.name) +
                             "\" src=\"data:image/png;base64," + base64(spectra[s]) + "\">\n",
                         spectrum_caption(set));
-    html += figure_card("Points" + whose, points_svg(set), points_caption(set));
+    const PointsPicture points = points_picture(set);
+    html += figure_card("Points" + whose, points.svg, points.caption);
     html += "</div>\n";
   }
   html += meanings(sets);

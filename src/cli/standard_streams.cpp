@@ -120,20 +120,18 @@ std::string extension_of_stream(const std::string& option, const std::string& te
                      list_of_streams(extensions));
 }
 
-void check_standard_input(const std::string& option) {
-  const int flags = ::fcntl(STDIN_FILENO, F_GETFL);
-  if (flags == -1 || (flags & O_ACCMODE) == O_WRONLY) {
-    throw InvalidInput(option + ": standard input is closed");
+/// Throws where it is closed: then it can be opened the wrong way only, see fill_closed_streams().
+void check_open(const std::string& option, Stream stream) {
+  const bool input = stream == Stream::input;
+  const int flags = ::fcntl(input ? STDIN_FILENO : STDOUT_FILENO, F_GETFL);
+  if (flags == -1 || (flags & O_ACCMODE) == (input ? O_WRONLY : O_RDONLY)) {
+    throw InvalidInput(option + ": " + name_of(stream) + " is closed");
   }
 }
 
 /// Throws unless standard output takes a file of this kind.
 void check_standard_output(const std::string& option, const std::string& extension,
                            io::Extensions extensions) {
-  const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
-  if (flags == -1 || (flags & O_ACCMODE) == O_RDONLY) {
-    throw InvalidInput(option + ": standard output is closed");
-  }
   const bool text = extension.empty() || io::is_among(kTextFiles, extension);
   if (text || ::isatty(STDOUT_FILENO) == 0) return;
   throw InvalidInput(option + ": " + extension +
@@ -211,7 +209,7 @@ fs::path stand_in(const std::string& option, const std::string& text, Stream str
                        " already; one file only may be a stream");
   }
   const std::string extension = extension_of_stream(option, text, extensions);
-  if (stream == Stream::input) check_standard_input(option);
+  check_open(option, stream);
   if (stream == Stream::output) check_standard_output(option, extension, extensions);
   return there.emplace(stream, option, extension).path();
 }

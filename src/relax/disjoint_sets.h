@@ -23,11 +23,13 @@ class DisjointSets {
     return true;
   }
 
- private:
+  /// The lowest of the set that a is in.
   Number root(Number a) {
     while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
     return a;
   }
+
+ private:
   std::vector<Number> parent_;
 };
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
-#include <utility>
+#include <optional>
 
 #include "geometry/metric.h"
 #include "numbers.h"
+#include "relax/disjoint_sets.h"
 #include "spatial/site_tree.h"
 #include "thin/owners.h"
 
@@ -16,30 +16,6 @@ namespace {
 
 constexpr std::size_t kLinked = 6;
 constexpr std::size_t kSitesPerGrain = 64;
-
-/// Sets of sites that have been found to belong together [disjoint sets with path halving].
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  Index of(Index site) {
-    while (parent(site) != site) site = parent(site) = parent(parent(site));
-    return site;
-  }
-  /// The lowest of a set stands for it.
-  void join(Index a, Index b) {
-    a = of(a);
-    b = of(b);
-    if (a > b) std::swap(a, b);
-    parent(b) = a;
-  }
-
- private:
-  Index& parent(Index site) { return parent_[SiteNumber(site)]; }
-
-  std::vector<Index> parent_;
-};
 
 }  // namespace
 
@@ -62,26 +38,26 @@ std::vector<Side> sides_of(PointsView<Scalar> lifted, std::span<const Index> cho
       return face_away(lifted, chosen[s], chosen[SiteNumber(site)]);
     });
   });
-  Sets sets(chosen.size());
+  DisjointSets<SiteNumber> sets(chosen.size());
   for (const SiteNumber s : sites_below(chosen.size())) {
-    for (const Index other : near[s]) sets.join(s.index(), other);
+    for (const Index other : near[s]) sets.join(s, SiteNumber(other));
   }
   // Where nothing near faces apart, parts are one side, however far away from each other.
   std::vector<std::uint8_t> apart(chosen.size(), 0);
   for (const SiteNumber s : sites_below(chosen.size())) {
-    if (faced[s] != 0) apart[SiteNumber(sets.of(s.index()))] = 1;
+    if (faced[s] != 0) apart[sets.root(s)] = 1;
   }
-  Index rest = -1;
+  std::optional<SiteNumber> rest;
   for (const SiteNumber s : sites_below(chosen.size())) {
-    if (apart[SiteNumber(sets.of(s.index()))] != 0) continue;
-    if (rest < 0) rest = s.index();
-    sets.join(rest, s.index());
+    if (apart[sets.root(s)] != 0) continue;
+    if (!rest) rest = s;
+    sets.join(*rest, s);
   }
 
   std::vector<Side> sides;
   std::vector<std::size_t> number(chosen.size());  // of each site's side
   for (const SiteNumber s : sites_below(chosen.size())) {
-    const SiteNumber first(sets.of(s.index()));
+    const SiteNumber first = sets.root(s);
     if (first == s) {
       number[s] = sides.size();
       sides.emplace_back();
