@@ -14,8 +14,9 @@ namespace ccvt::cli {
 
 namespace {
 
-constexpr Index kMostDots = 20000;
-constexpr int kPanelPixels = 400;  ///< a panel of fewer frequencies gets larger ones
+constexpr Index kMostDots = 20000;         ///< with more a window is drawn
+constexpr std::size_t kMostDrawn = 40000;  ///< in that
+constexpr int kPanelPixels = 400;          ///< a panel of fewer frequencies gets larger ones
 
 /// Shown on each side of 0: a thin box has millions along it.
 constexpr int kMostFrequencies = 4096;
@@ -147,9 +148,9 @@ struct Drawn {
     const Eigen::Array2d at = (point - lower).array();
     return (at >= 0).all() && (at <= share * extent.array()).all();
   }
-  [[nodiscard]] std::ptrdiff_t count() const {
-    return std::count_if(points.begin(), points.end(),
-                         [&](const auto& point) { return shows(point); });
+  [[nodiscard]] std::size_t count() const {
+    return static_cast<std::size_t>(std::count_if(points.begin(), points.end(),
+                                                  [&](const auto& point) { return shows(point); }));
   }
   /// A window of that share around a point.
   void narrow(double to, const Eigen::Vector2d& around) {
@@ -198,9 +199,9 @@ Drawn drawn(const PointSet& run) {
   do {
     result.narrow(share, middle);
     share *= kNarrower;
-  } while (result.count() > 2 * kMostDots && share > kNarrowest);
+  } while (result.count() > kMostDrawn && share > kNarrowest);
   std::erase_if(result.points, [&](const auto& point) { return !result.shows(point); });
-  result.points.resize(std::min(result.points.size(), std::size_t{2} * kMostDots));
+  result.points.resize(std::min(result.points.size(), kMostDrawn));
   return result;
 }
 
