@@ -52,7 +52,9 @@ TEST_CASE("star discrepancy is that of the sum over all pairs, one by one") {
     Index count;
   };
   // Up to four dimensions so many that the sum is divided; then it is not.
-  for (const auto& [dimension, count] : {Size{1, 700}, {2, 700}, {3, 3000}, {4, 6000}, {9, 700}}) {
+  for (const Size size : {Size{1, 700}, {2, 700}, {3, 3000}, {4, 6000}, {9, 700}}) {
+    const int dimension = size.dimension;
+    const Index count = size.count;
     CAPTURE(dimension);
     Points<double> points = white(dimension, count, 3).points();
     for (Eigen::Index p = 0; p < count; p += 3) points(p % dimension, p) = 0.25;  // some are equal

@@ -17,8 +17,8 @@ TEST_SUITE_BEGIN("assignment");
 
 TEST_CASE("points are grouped by site, ascending, by any number of threads") {
   ccvt::Random random(3, 1);
-  for (const std::size_t points : {0, 1, 7, 1000, 4001}) {
-    for (const std::size_t sites : {1, 2, 33, 1000, 5000}) {
+  for (const std::size_t points : {0U, 1U, 7U, 1000U, 4001U}) {
+    for (const std::size_t sites : {1U, 2U, 33U, 1000U, 5000U}) {
       CAPTURE(points);
       CAPTURE(sites);
       std::vector<Index> owners(points);
