@@ -25,8 +25,9 @@ class SiteTree {
   static constexpr int kTreeDimensions = 12;
   static constexpr int kTorusTreeDimensions = 5;
 
-  /// `positions`: #dimensions by n, one site after the other; copied.
+  /// `positions`: #dimensions by n, one site after the other; copied. The metric is not.
   SiteTree(const Metric& metric, std::span<const double> positions);
+  SiteTree(Metric&&, std::span<const double>) = delete;
   ~SiteTree();
   SiteTree(SiteTree&&) noexcept;
   SiteTree& operator=(SiteTree&&) = delete;

@@ -25,7 +25,8 @@ std::vector<Side> sides_of(PointsView<Scalar> lifted, std::span<const Index> cho
   const Metric metric(lifted.dimension, Domain());
   const SiteTree tree(metric, positions_of(lifted, chosen));
   const PointsView<Scalar> places{lifted.data, lifted.dimension / 2, lifted.count, lifted.stride};
-  const SiteTree tree_of_places(Metric(places.dimension, Domain()), positions_of(places, chosen));
+  const Metric metric_of_places(places.dimension, Domain());
+  const SiteTree tree_of_places(metric_of_places, positions_of(places, chosen));
   const auto most = static_cast<int>(std::min(kLinked + 1, chosen.size()));
   std::vector<std::vector<Index>> near(chosen.size());
   std::vector<std::uint8_t> faced(chosen.size(), 0);  // one of the nearest sites faces away
