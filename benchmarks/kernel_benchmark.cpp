@@ -48,7 +48,7 @@ struct Start {
     for (const SiteNumber s : sites.all()) update_site(metric, cells, sites, s);
     MeetingPairs meeting;
     const auto limit = static_cast<std::size_t>(count) * static_cast<std::size_t>(count);
-    meeting.refresh(metric, sites, arena, limit);
+    meeting.refresh(metric, sites, {count, 1}, arena, limit);
     pairs.assign(meeting.pairs().begin(), meeting.pairs().end());
   }
 
@@ -119,7 +119,7 @@ void swap_separated(benchmark::State& state) {
   const auto dimension = static_cast<int>(state.range(0));
   Start start(dimension, kSites, kPointsPerSite);
   PairSwapper<float> swap(start.metric, Options{}, 1);
-  Patches<float> patches(dimension, start.sites.count());
+  Patches<float> patches(dimension, start.cells.sizes());
   for (int pass = 0; pass < 200; ++pass) {
     Index exchanged = 0;
     for (const auto& [i, j] : start.pairs) {
@@ -150,7 +150,7 @@ void swap_first_pass(benchmark::State& state, SwapMethod method, PointPruning pr
     state.PauseTiming();
     Cells<float> cells = start.cells;
     SiteState sites = start.sites;
-    Patches<float> patches(2, sites.count());
+    Patches<float> patches(2, cells.sizes());
     state.ResumeTiming();
     for (const auto& [i, j] : start.pairs) {
       benchmark::DoNotOptimize(swap(cells, patches, sites, i, j));

@@ -84,7 +84,7 @@ struct Run {
   [[nodiscard]] std::optional<Stop::Pause> pause_for(std::int64_t points);
   void join(const JoiningPoints& joining, std::span<const Pair> near, Filling<Scalar>& filling);
   void deal(const Cells<Scalar>& owned, std::span<const Index> filled);
-  [[nodiscard]] std::unique_ptr<Relaxer<Scalar>> make_relaxer();
+  [[nodiscard]] std::unique_ptr<Relaxer<Scalar>> make_relaxer(std::span<const Index> sizes);
   void begin_level();
   [[nodiscard]] std::optional<Depth> descends() const;
   [[nodiscard]] double least_gain(int before) const;
@@ -100,7 +100,12 @@ struct Run {
   // Of checkpoints, in run_checkpoint.cpp.
   [[nodiscard]] bool is_kept() const { return !options.checkpoint.empty(); }
   RunIdentity identity(const Arena& apart);
-  [[nodiscard]] ByteWriter save_common(const RunIdentity& own);
+  /// Of what the lists of pairs of all ranks were extended by.
+  struct AddedPairs {
+    Buffer<Pair> relaxed;
+    Buffer<Pair> descended;
+  };
+  [[nodiscard]] ByteWriter save_common(const RunIdentity& own, const AddedPairs& added);
   [[nodiscard]] std::vector<std::byte> save_tiles(const TilePart& part, const Arena& apart) const;
   struct Head {
     std::vector<std::byte> common;

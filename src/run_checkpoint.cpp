@@ -22,6 +22,7 @@
 #include "parallel/together.h"
 #include "run.h"
 #include "run_identity.h"
+#include "schedule/own_pairs.h"
 
 namespace ccvt {
 namespace {
@@ -95,13 +96,13 @@ RunIdentity Run<Scalar>::identity(const Arena& apart) {
 
 /// What there is of the run and of all sites.
 template <class Scalar>
-ByteWriter Run<Scalar>::save_common(const RunIdentity& own) {
+ByteWriter Run<Scalar>::save_common(const RunIdentity& own, const AddedPairs& added) {
   ByteWriter common;
   own.save(common);
   common.put(std::uint64_t{level});
   save_sites(state.sites, common);
   common.put(weights);
-  relaxer->save(common);
+  relaxer->save(common, added.relaxed.span());
   common.put(turns.descents);
   common.put(turns.passes);
   common.put(turns.before);
@@ -110,7 +111,7 @@ ByteWriter Run<Scalar>::save_common(const RunIdentity& own) {
   common.put(descent != nullptr);
   if (descent) {
     common.put(static_cast<int>(descent->depth()));
-    descent->save(common);
+    descent->save(common, added.descended.span());
   }
   record.save(common);
   return common;
@@ -137,11 +138,13 @@ void Run<Scalar>::save(const std::filesystem::path& file) {
   if (record.ended()) fail(file, "a run that has ended leaves no checkpoint");
   const Arena apart(options.threads);  // not the run's, which may be told to stop
   const RunIdentity own = identity(apart);
+  AddedPairs added{pairs_of_all(state.tiling, relaxer->added_pairs()), {}};
+  if (descent) added.descended = pairs_of_all(state.tiling, descent->added_pairs());
   std::vector<std::size_t> sizes;
   std::optional<CheckpointWriter> out;
   agree(ranks(), [&] {
     sizes = record_sizes(state.tiling, state.cells, *relaxer);
-    if (is_first(ranks())) out.emplace(file, save_common(own).bytes, total_of(sizes));
+    if (is_first(ranks())) out.emplace(file, save_common(own, added).bytes, total_of(sizes));
   });
   agree(ranks(), [&] {
     parts_to_first(
@@ -188,7 +191,7 @@ void Run<Scalar>::load_from(const std::filesystem::path& file, std::optional<Che
   const std::vector<Index>& sizes = levels[static_cast<std::size_t>(loaded_level)].capacities;
   LevelState<Scalar> loaded{state.tiling, load_sites(state.sites, reader), empty_cells(sizes)};
   std::vector<double> loaded_weights = reader.get_all<double>();
-  std::unique_ptr<Relaxer<Scalar>> loaded_relaxer = make_relaxer();
+  std::unique_ptr<Relaxer<Scalar>> loaded_relaxer = make_relaxer(sizes);
   loaded_relaxer->load(reader, state.tiling);
   const Turns loaded_turns{reader.get<int>(), reader.get<double>(), reader.get<double>(),
                            reader.get<double>(), reader.get<double>()};
@@ -204,7 +207,7 @@ void Run<Scalar>::load_from(const std::filesystem::path& file, std::optional<Che
     const auto depth = static_cast<Depth>(number);
     loaded_descent = std::make_unique<Descent<Scalar>>(metric, arena, stop, own_points(), loaded,
                                                        depth, least_gain(descents - 1), weights);
-    loaded_descent->load(reader);
+    loaded_descent->load(reader, state.tiling);
     if (loaded_weights.size() != sizes.size()) throw Damaged();
   }
   const std::vector<std::size_t> records =
@@ -331,8 +334,8 @@ template void Run<float>::save(const std::filesystem::path&);
 template void Run<double>::save(const std::filesystem::path&);
 template void Run<float>::load(const std::filesystem::path&);
 template void Run<double>::load(const std::filesystem::path&);
-template ByteWriter Run<float>::save_common(const RunIdentity&);
-template ByteWriter Run<double>::save_common(const RunIdentity&);
+template ByteWriter Run<float>::save_common(const RunIdentity&, const AddedPairs&);
+template ByteWriter Run<double>::save_common(const RunIdentity&, const AddedPairs&);
 template std::vector<std::byte> Run<float>::save_tiles(const TilePart&, const Arena&) const;
 template std::vector<std::byte> Run<double>::save_tiles(const TilePart&, const Arena&) const;
 template Run<float>::Head Run<float>::shared_head(const std::optional<CheckpointReader>&) const;

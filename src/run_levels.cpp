@@ -127,6 +127,7 @@ template <class Scalar>
 void Run<Scalar>::enter_level(std::size_t next) {
   const auto timed = record.initializing();
   const Buffer<Pair> near = relaxer ? relaxer->listed() : Buffer<Pair>{};
+  relaxer.reset();
   Cells<Scalar> larger = empty_cells(levels[next].capacities);
   Filling<Scalar> filling(larger, own_points(), state.tiling);
   if (level < next) {
@@ -177,9 +178,8 @@ void Run<Scalar>::deal(const Cells<Scalar>& owned, std::span<const Index> filled
 }
 
 template <class Scalar>
-std::unique_ptr<Relaxer<Scalar>> Run<Scalar>::make_relaxer() {
-  return std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, state.sites.count(),
-                                           coordinate_bound);
+std::unique_ptr<Relaxer<Scalar>> Run<Scalar>::make_relaxer(std::span<const Index> sizes) {
+  return std::make_unique<Relaxer<Scalar>>(metric, options, arena, stop, sizes, coordinate_bound);
 }
 
 /// Of a step of a descent of a level that has had some before.
@@ -220,14 +220,14 @@ bool Run<Scalar>::pairs_creep() const {
 template <class Scalar>
 void Run<Scalar>::descend_again(double energy) {
   const auto timed = record.relaxing();
-  relaxer = make_relaxer();  // it knows the cells as they are now
+  relaxer = make_relaxer(levels[level].capacities);  // it knows the cells as they are now
   begin_descent(Depth::full, energy);
 }
 
 /// All points of the level are in cells: the sites move to their centroids.
 template <class Scalar>
 void Run<Scalar>::begin_level() {
-  relaxer = make_relaxer();
+  relaxer = make_relaxer(levels[level].capacities);
   {
     const Stop::Pause pause(stop);
     update_all(metric, state, arena);
@@ -263,7 +263,7 @@ std::optional<Depth> Run<Scalar>::descends() const {
   template std::optional<Stop::Pause> Run<Scalar>::pause_for(std::int64_t);                       \
   template void Run<Scalar>::enter_level(std::size_t);                                            \
   template void Run<Scalar>::deal(const Cells<Scalar>&, std::span<const Index>);                  \
-  template std::unique_ptr<Relaxer<Scalar>> Run<Scalar>::make_relaxer();                          \
+  template std::unique_ptr<Relaxer<Scalar>> Run<Scalar>::make_relaxer(std::span<const Index>);    \
   template void Run<Scalar>::begin_level();                                                       \
   template std::optional<Depth> Run<Scalar>::descends() const;                                    \
   template double Run<Scalar>::least_gain(int) const;                                             \

@@ -102,7 +102,7 @@ bool Run<Scalar>::mend_torn_cells() {
       if (!(gained > kLeastOfRound * energy)) break;
     }
     if (undo.empty()) return false;
-    next = make_relaxer();
+    next = make_relaxer(levels[level].capacities);
   } catch (...) {
     restore(undo, state);
     throw;

@@ -45,7 +45,7 @@ struct Neighbours {
         cells(metric.dimension(), large_is_i ? std::vector<Index>{large_size(), kSmall}
                                              : std::vector<Index>{kSmall, large_size()}),
         sites(metric.dimension(), 2),
-        patches(metric.dimension(), 2),
+        patches(metric.dimension(), cells.sizes()),
         cut(metric, std::abs(origin) + 1) {
     begin();
     typename Patches<Scalar>::Scratch scratch;

@@ -41,7 +41,7 @@ struct Relaxed {
       : metric(its_metric),
         cells(metric.dimension(), sizes),
         sites(metric.dimension(), static_cast<Index>(sizes.size())),
-        patches(metric.dimension(), sizes.size()),
+        patches(metric.dimension(), sizes),
         bands(sizes.size()) {
     Index p = 0;
     for (const SiteNumber s : cells.sites()) {

@@ -171,7 +171,7 @@ TEST_CASE("Gabriel pairs are those whose ball is empty") {
       if (empty) expected.emplace_back(a, b);
     }
     for (const int threads : {1, 3}) {
-      auto found = ccvt::gabriel_pairs(metric, sites, all_pairs_of(60), Arena(threads));
+      auto found = ccvt::gabriel_pairs(metric, sites, all_pairs_of(60), {60, 1}, Arena(threads));
       std::sort(found.begin(), found.end());
       CHECK(std::equal(found.begin(), found.end(), expected.begin(), expected.end()));
     }
@@ -269,7 +269,7 @@ TEST_CASE("every pair that meets is listed, as spheres move and grow") {
       Random random(11, static_cast<std::uint64_t>(dimension));
       bool extended = false;
       for (int pass = 0; pass < 12; ++pass) {
-        const auto done = meeting.refresh(metric, sites, Arena(1 + pass % 3), 1 << 20);
+        const auto done = meeting.refresh(metric, sites, {kSites, 1}, Arena(1 + pass % 3), 1 << 20);
         REQUIRE(done != ccvt::MeetingPairs::Refreshed::too_many);
         extended = extended || done == ccvt::MeetingPairs::Refreshed::extended;
         std::set<Pair> listed(meeting.pairs().begin(), meeting.pairs().end());
@@ -293,7 +293,7 @@ TEST_CASE("every pair that meets is listed, as spheres move and grow") {
       }
       CHECK(extended);
       meeting.forget();
-      CHECK(meeting.refresh(metric, sites, Arena(1), 10) ==
+      CHECK(meeting.refresh(metric, sites, {kSites, 1}, Arena(1), 10) ==
             ccvt::MeetingPairs::Refreshed::too_many);
     }
   }

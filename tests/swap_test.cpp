@@ -227,7 +227,7 @@ TEST_CASE_TEMPLATE("a swap leaves the pair optimal and its radii bounds", Scalar
                 options.point_pruning = pruning;
                 options.median_cut_pruning = median_cut;
                 PairSwapper<Scalar> swap(metric, options, 6.0);
-                Patches<Scalar> patches(dimension, 2);
+                Patches<Scalar> patches(dimension, pair.cells.sizes());
                 swap(pair.cells, patches, pair.sites, site_i, site_j);
                 REQUIRE(pair_faults(domain, pair) == "");
                 // What is optimal stays, from the other side too.
@@ -297,8 +297,8 @@ TEST_CASE_TEMPLATE("cells in patches: the same points move, and no others", Scal
         const auto points = make_points<Scalar>(layout, box, c.points);
         PairOfCells<Scalar> whole(metric, points, c.size_i);
         PairOfCells<Scalar> divided(metric, points, c.size_i);
-        Patches<Scalar> none(c.dimension, 2);
-        Patches<Scalar> patches(c.dimension, 2);
+        Patches<Scalar> none(c.dimension, whole.cells.sizes());
+        Patches<Scalar> patches(c.dimension, whole.cells.sizes());
         PairSwapper<Scalar> swap(metric, Options{}, 6.0);
         // Which of several points with one key moves hangs on their order.
         const bool ties = layout != Layout::random && layout != Layout::clusters;
@@ -332,7 +332,7 @@ TEST_CASE_TEMPLATE("cells in patches that have next to no width: bins in it are 
     points(0, p) = p % 2 == 0 ? 0 : std::numeric_limits<Scalar>::denorm_min();
   }
   PairOfCells<Scalar> pair(metric, points, 4000);
-  Patches<Scalar> patches(2, 2);
+  Patches<Scalar> patches(2, pair.cells.sizes());
   wear(patches, pair.cells);
   for (const SiteNumber s : pair.cells.sites()) {
     CHECK(patches.has(s));
@@ -353,8 +353,8 @@ TEST_CASE("cells in patches far from the origin: their coordinates are coarse") 
       const auto points = make_points<float>(Layout::random, box, 9000);
       PairOfCells<float> whole(metric, points, size_i);
       PairOfCells<float> divided(metric, points, size_i);
-      Patches<float> none(2, 2);
-      Patches<float> patches(2, 2);
+      Patches<float> none(2, whole.cells.sizes());
+      Patches<float> patches(2, whole.cells.sizes());
       PairSwapper<float> swap(metric, Options{}, offset + 1);
       for (int round = 0; round < 20; ++round) {
         wear(patches, divided.cells);
@@ -374,7 +374,7 @@ TEST_CASE("cells in patches far from the origin: their coordinates are coarse") 
 TEST_CASE("patches lie close together, and are divided anew when they do not") {
   const auto points = make_points<float>(Layout::random, Box::unit(2), 20000);
   PairOfCells<float> pair(Metric(2, Domain()), points, 10000);
-  Patches<float> patches(2, 2);
+  Patches<float> patches(2, pair.cells.sizes());
   const auto area = [&] {
     double sum = 0;
     const std::size_t boxes = patches.count(site_i) + 1;
@@ -425,7 +425,7 @@ TEST_CASE("a cell that ends at a face of the torus, far from the origin") {
     points.array() += offset;
     PairOfCells<double> pair(metric, points, 3);
     PairSwapper<double> swap(metric, Options{}, offset + 1);
-    Patches<double> patches(1, 2);
+    Patches<double> patches(1, pair.cells.sizes());
     CHECK(swap(pair.cells, patches, pair.sites, site_i, site_j) == 0);
     CHECK(pair_faults(domain, pair) == "");
   }

@@ -24,7 +24,7 @@ namespace {
 std::vector<Pair> swapped_pairs(const Metric& metric, PairSwapper<float>& swap, Cells<float>& cells,
                                 SiteState& sites) {
   std::vector<Pair> swapped;
-  Patches<float> patches(metric.dimension(), sites.count());
+  Patches<float> patches(metric.dimension(), cells.sizes());
   for (std::size_t round = 0; round < sites.count(); ++round) {
     round_robin(sites.count(), round, [&](std::size_t a, std::size_t b) {
       const SiteNumber i(a);

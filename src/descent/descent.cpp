@@ -8,6 +8,7 @@
 #include "relax/balance.h"
 #include "relax/take_back.h"
 #include "relax/update.h"
+#include "schedule/own_pairs.h"
 
 namespace ccvt {
 namespace {
@@ -106,12 +107,16 @@ bool Descent<Scalar>::find_neighbours(const LevelState<Scalar>& state) {
     if (kImagesApart * widest > metric_.extent()[d]) return false;
   }
   const std::size_t most = kMostNeighbours * sites / 2;
-  if (meeting_.refresh(metric_, state.sites, arena_, most) == MeetingPairs::Refreshed::too_many) {
+  const Tiling& tiling = state.tiling;
+  if (meeting_.refresh(metric_, state.sites, tiling, arena_, most) ==
+      MeetingPairs::Refreshed::too_many) {
     return false;
   }
-  near_.reset(meeting_.pairs().size() + meeting_.added().size());
-  std::copy(meeting_.added().begin(), meeting_.added().end(),
-            std::copy(meeting_.pairs().begin(), meeting_.pairs().end(), near_.begin()));
+  // All ranks need all of them: of large cells, which are few.
+  const Buffer<Pair> first = pairs_of_all(tiling, meeting_.pairs());
+  const Buffer<Pair> added = pairs_of_all(tiling, meeting_.added());
+  near_.reset(first.size() + added.size());
+  std::copy(added.begin(), added.end(), std::copy(first.begin(), first.end(), near_.begin()));
   std::vector<std::size_t> neighbours(sites, 0);
   for (const Pair& pair : near_) {
     ++neighbours[pair.first];
@@ -333,7 +338,7 @@ void Descent<Scalar>::commit(LevelState<Scalar>& state, PassCount& result) {
 }
 
 template <class Scalar>
-void Descent<Scalar>::save(ByteWriter& out) const {
+void Descent<Scalar>::save(ByteWriter& out, std::span<const Pair> added) const {
   out.put(ended_);
   out.put(unsuited_);
   out.put(first_gain_);
@@ -343,11 +348,11 @@ void Descent<Scalar>::save(ByteWriter& out) const {
   out.put(position_);
   out.put(gradient_);
   directions_.save(out);
-  meeting_.save(out);
+  meeting_.save(out, added);
 }
 
 template <class Scalar>
-void Descent<Scalar>::load(ByteReader& in) {
+void Descent<Scalar>::load(ByteReader& in, const Tiling& tiling) {
   ended_ = in.get<bool>();
   unsuited_ = in.get<bool>();
   first_gain_ = in.get<double>();
@@ -358,7 +363,7 @@ void Descent<Scalar>::load(ByteReader& in) {
   gradient_ = in.get_all<double>();
   if (!gradient_.empty() && gradient_.size() != position_.size()) throw Damaged();
   directions_.load(in);
-  meeting_.load(in, metric_, arena_);
+  meeting_.load(in, metric_, tiling, arena_);
 }
 
 template class Descent<float>;

@@ -44,9 +44,12 @@ class Descent {
   /// does not rise. When the run is cancelled meanwhile, nothing has changed. What counts as
   /// exchanged are the points that changed owners.
   PassCount step(LevelState<Scalar>& state);
-  /// Between two steps: what the next one goes on from, but for the weights.
-  void save(ByteWriter& out) const;
-  void load(ByteReader& in);
+  /// Between two steps: what the next one goes on from, but for the weights. `added`:
+  /// added_pairs() of all ranks.
+  void save(ByteWriter& out, std::span<const Pair> added) const;
+  void load(ByteReader& in, const Tiling& tiling);
+  /// That the list of neighbours was extended by, in order: see MeetingPairs.
+  [[nodiscard]] std::span<const Pair> added_pairs() const { return meeting_.added(); }
 
   /// Whether little is left to be gained.
   [[nodiscard]] bool ended() const { return ended_; }

@@ -165,22 +165,27 @@ struct RankRange {
   }
 };
 
-/// The same, divided among ranks; what body() appends must be all that it does.
-template <class T, class Body>
-Buffer<T> collect_together(const Arena& arena, std::size_t count, std::size_t grain,
-                           const Body& body) {
-  Ranks* const ranks = arena.ranks();
-  if (ranks == nullptr) return collect<T>(arena, count, grain, body);
-  const RankRange own(ranks, count, grain);
-  const Buffer<T> found =
-      collect<T>(arena, own.end - own.begin, grain,
-                 [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
-                   body(own.begin + begin, own.begin + end, out, worker);
-                 });
+/// What each rank has found, one rank's after the other's: on all of them.
+template <class T>
+Buffer<T> found_together(Ranks* ranks, Buffer<T> found) {
+  if (ranks == nullptr) return found;
   std::vector<std::size_t> counts = of_all(ranks, found.size());
   Buffer<T> together(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
   put_together<T>(*ranks, found.span(), std::move(counts), together.span());
   return together;
+}
+
+/// The same as collect(), divided among ranks; what body() appends must be all that it does.
+template <class T, class Body>
+Buffer<T> collect_together(const Arena& arena, std::size_t count, std::size_t grain,
+                           const Body& body) {
+  const RankRange own(arena.ranks(), count, grain);
+  return found_together(
+      arena.ranks(),
+      collect<T>(arena, own.end - own.begin, grain,
+                 [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
+                   body(own.begin + begin, own.begin + end, out, worker);
+                 }));
 }
 
 /// Of values in blocks of `grain`, each rank has set those of its RankRange: now all have all.

@@ -209,7 +209,8 @@ void balance(const Metric& metric, const SiteState& sites, std::span<const Pair>
              const Arena& arena, Filling<Scalar>& filling) {
   const auto make_graph = [&] {
     const auto charge = arena.phase(Phase::graph);
-    return SiteGraph(sites.count(), gabriel_pairs(metric, sites, near, arena), arena);
+    return SiteGraph(sites.count(), gabriel_pairs(metric, sites, near, filling.tiles, arena),
+                     arena);
   };
   const SiteGraph graph = make_graph();
   const auto make_flow = [&] {

@@ -19,8 +19,9 @@ namespace ccvt {
 /// passes the others on in a later round.
 ///
 /// The graph is the Gabriel graph of the sites, taken from `near`, pairs of sites that are near
-/// each other. Edges to farther sites would send points across other cells, and leave strays there.
-/// Throws std::logic_error unless the surpluses sum to zero.
+/// each other; of several ranks each gives those of its own sites. Edges to farther sites would
+/// send points across other cells, and leave strays there. Throws std::logic_error unless the
+/// surpluses sum to zero.
 template <class Scalar>
 void balance(const Metric& metric, const SiteState& sites, std::span<const Pair> near,
              const Arena& arena, Filling<Scalar>& filling);

@@ -10,6 +10,7 @@
 #include "relax/add_near.h"
 #include "relax/balance.h"
 #include "relax/home.h"
+#include "schedule/own_pairs.h"
 #include "spatial/site_tree.h"
 #include "streams.h"
 
@@ -38,21 +39,26 @@ std::vector<PointNumber> shuffled(std::span<const PointNumber> points, std::uint
   return order;
 }
 
-/// Each site with its nearest ones, each pair once.
-Buffer<Pair> nearest_neighbours(const Metric& metric, const SiteState& sites, const Arena& arena) {
+/// Each site with its nearest ones, each pair once; of several ranks, each has those of its sites.
+Buffer<Pair> nearest_neighbours(const Metric& metric, const SiteState& sites, const Tiling& tiling,
+                                const Arena& arena) {
   const int wanted = 1 + std::min(24, 3 + 2 * metric.dimension());
   const SiteTree tree(metric, sites.position);
   PerWorker<std::vector<Index>> scratch(arena);
-  Buffer<Pair> found = collect_by_site_together<Pair>(
-      arena, sites.count(), kSitesPerGrain, [&](SiteNumber site, std::vector<Pair>& pairs, int w) {
-        scratch[w].clear();
-        tree.nearest(sites.at(site), wanted, scratch[w]);
-        for (const Index near : scratch[w]) {
-          const SiteNumber other(near);
-          if (other != site) pairs.push_back(Pair::ascending(site, other));
-        }
-      });
-  return sorted_pairs(arena, std::move(found), sites.count());
+  Buffer<Pair> found =
+      collect_of_own_sites<Pair>(arena, tiling, kSitesPerGrain,
+                                 [&](NumberRange<SiteNumber> own, std::vector<Pair>& pairs, int w) {
+                                   for (const SiteNumber site : own) {
+                                     scratch[w].clear();
+                                     tree.nearest(sites.at(site), wanted, scratch[w]);
+                                     for (const Index near : scratch[w]) {
+                                       const SiteNumber other(near);
+                                       if (other != site)
+                                         pairs.push_back(Pair::ascending(site, other));
+                                     }
+                                   }
+                                 });
+  return sorted_pairs(arena, with_pairs_of_others(tiling, std::move(found)), sites.count());
 }
 
 /// Adds points to the sites that they are nearest to, part by part.
@@ -162,9 +168,10 @@ void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
       }
     });
   }
-  if (near.empty()) {
+  const Tiling& tiling = filling.tiles;
+  if (!any(tiling.ranks(), !near.empty())) {
     const auto charge = arena.phase(Phase::graph);
-    const Buffer<Pair> pairs = nearest_neighbours(metric, sites, arena);
+    const Buffer<Pair> pairs = nearest_neighbours(metric, sites, tiling, arena);
     balance(metric, sites, pairs, arena, filling);
   } else {
     balance(metric, sites, near, arena, filling);

@@ -29,7 +29,7 @@ void join_coherent(const Metric& metric, const SiteState& sites,
                    Filling<Scalar>& filling, const Arena& arena = Arena(1));
 
 /// Each point takes its nearest site whether or not it has room; then balance(). `near` are pairs
-/// of sites near each other, if any are known.
+/// of sites near each other, if any are known; of several ranks, those of each one's sites.
 template <class Scalar>
 void join_balanced(const Metric& metric, const SiteState& sites, const Box& box,
                    const JoiningPoints& joining, std::span<const Pair> near, const Arena& arena,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "parallel/together.h"
+#include "schedule/own_pairs.h"
 
 namespace ccvt {
 namespace {
@@ -91,30 +92,32 @@ bool MeetingPairs::may_meet(SiteNumber a, SiteNumber b, double squared) const {
 }
 
 MeetingPairs::Refreshed MeetingPairs::refresh(const Metric& metric, const SiteState& sites,
-                                              const Arena& arena, std::size_t limit) {
+                                              const Tiling& tiling, const Arena& arena,
+                                              std::size_t limit) {
   if (search_) {
     const Buffer<SiteNumber> left = outgrown(metric, sites, arena);
     if (left.empty()) return Refreshed::unchanged;
     const std::size_t moved = moved_.size() + left.size();
-    if (moved <= sites.count() / kMovedShare && extend(metric, sites, left, arena)) {
+    if (moved <= sites.count() / kMovedShare && extend(metric, sites, tiling, left, arena)) {
       return Refreshed::extended;
     }
   }
-  return build(metric, sites, arena, limit) ? Refreshed::rebuilt : Refreshed::too_many;
+  return build(metric, sites, tiling, arena, limit) ? Refreshed::rebuilt : Refreshed::too_many;
 }
 
-bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Arena& arena,
-                         std::size_t limit) {
+bool MeetingPairs::build(const Metric& metric, const SiteState& sites, const Tiling& tiling,
+                         const Arena& arena, std::size_t limit) {
   const std::size_t count = sites.count();
   dimension_ = sites.dimension;
   position_.resize(sites.position.size());
   reach_.resize(count);
   for_each_site(arena, count, kSitesPerGrain, [&](SiteNumber s) { enter(sites, s); });
-  return list(metric, arena, limit);
+  return list(metric, tiling, arena, limit);
 }
 
 /// Lists the pairs of the spheres that have been entered.
-bool MeetingPairs::list(const Metric& metric, const Arena& arena, std::size_t limit) {
+bool MeetingPairs::list(const Metric& metric, const Tiling& tiling, const Arena& arena,
+                        std::size_t limit) {
   const std::size_t count = reach_.size();
   pairs_ = {};
   added_.clear();
@@ -131,14 +134,14 @@ bool MeetingPairs::list(const Metric& metric, const Arena& arena, std::size_t li
   if (!far_.empty()) far_group_.emplace(group(metric, far_, arena));
 
   // Beyond the limit nothing more is looked for.
-  std::atomic<std::size_t> total{0};
+  std::atomic<std::size_t> found_here{0};
   PerWorker<std::vector<Index>> scratch(arena);
-  Buffer<Pair> found = collect_together<Pair>(
-      arena, count, kSitesPerSearch,
-      [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int w) {
-        if (total > limit) return;
+  Buffer<Pair> found = collect_of_own_sites<Pair>(
+      arena, tiling, kSitesPerSearch,
+      [&](NumberRange<SiteNumber> own, std::vector<Pair>& out, int w) {
+        if (found_here > limit) return;
         const std::size_t before = out.size();
-        for (const SiteNumber site : sites_between(begin, end)) {
+        for (const SiteNumber site : own) {
           const auto add = [&](Index k, double squared) {
             const SiteNumber other(k);
             if (searches(reach_, site, other) && may_meet(site, other, squared)) {
@@ -147,13 +150,13 @@ bool MeetingPairs::list(const Metric& metric, const Arena& arena, std::size_t li
           };
           search_->within(at(site), 2 * reach_[site] * kRounding, scratch[w], add);
         }
-        total += out.size() - before;
+        found_here += out.size() - before;
       });
-  if (found.size() > limit) {
+  if (std::cmp_greater(total(tiling.ranks(), static_cast<std::int64_t>(found.size())), limit)) {
     search_.reset();
     return false;
   }
-  pairs_ = pairs_by_first(arena, std::move(found), count);
+  pairs_ = pairs_by_first(arena, with_pairs_of_others(tiling, std::move(found)), count);
   return true;
 }
 
@@ -164,7 +167,7 @@ bool MeetingPairs::listed(const Pair& pair) const {
 
 /// Enters the spheres that have left theirs, and adds the pairs that may now meet. False when that
 /// takes longer than to make the list again: small spheres among many, sought as far as most reach.
-bool MeetingPairs::extend(const Metric& metric, const SiteState& sites,
+bool MeetingPairs::extend(const Metric& metric, const SiteState& sites, const Tiling& tiling,
                           std::span<const SiteNumber> left, const Arena& arena) {
   for (const SiteNumber site : left) {
     if (std::binary_search(moved_.begin(), moved_.end(), site)) continue;
@@ -205,21 +208,26 @@ bool MeetingPairs::extend(const Metric& metric, const SiteState& sites,
     add_from(moved_, moved);
   };
   const std::size_t most_near = kMostNear * reach_.size();
-  Buffer<Pair> fresh = collect_together<Pair>(
-      arena, left.size(), kMovedPerSearch,
-      [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int w) {
-        if (near > most_near) return;
-        scratch[w].near = 0;
-        for (std::size_t k = begin; k < end; ++k) search(left[k], out, scratch[w]);
-        near += scratch[w].near;
-      });
+  const NumberRange<SiteNumber> own = tiling.own_sites();
+  const auto first = std::lower_bound(left.begin(), left.end(), *own.begin());
+  const std::span<const SiteNumber> own_left(first,
+                                             std::lower_bound(first, left.end(), *own.end()));
+  Buffer<Pair> fresh =
+      collect<Pair>(arena, own_left.size(), kMovedPerSearch,
+                    [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int w) {
+                      if (near > most_near) return;
+                      scratch[w].near = 0;
+                      for (std::size_t k = begin; k < end; ++k)
+                        search(own_left[k], out, scratch[w]);
+                      near += scratch[w].near;
+                    });
   // Whether that is so does not depend on who looked where: every task looks at as many, and who
   // gives up has looked at more than all may.
-  if (total(arena.ranks(), static_cast<std::int64_t>(near)) >
+  if (total(tiling.ranks(), static_cast<std::int64_t>(near)) >
       static_cast<std::int64_t>(most_near)) {
     return false;
   }
-  fresh = sorted_pairs(arena, std::move(fresh), reach_.size());
+  fresh = sorted_pairs(arena, with_pairs_of_others(tiling, std::move(fresh)), reach_.size());
   std::vector<Pair> added_before;
   added_before.swap(added_);
   std::set_union(added_before.begin(), added_before.end(), fresh.begin(), fresh.end(),
@@ -227,7 +235,7 @@ bool MeetingPairs::extend(const Metric& metric, const SiteState& sites,
   return true;
 }
 
-void MeetingPairs::save(ByteWriter& out) const {
+void MeetingPairs::save(ByteWriter& out, std::span<const Pair> added) const {
   out.put(search_.has_value());
   if (!search_) return;
   out.put(std::uint64_t{dimension_});
@@ -237,10 +245,11 @@ void MeetingPairs::save(ByteWriter& out) const {
   out.put(before_.position);
   out.put(before_.reach);
   out.put(moved_);
-  out.put(added_);
+  out.put(std::vector<Pair>(added.begin(), added.end()));
 }
 
-void MeetingPairs::load(ByteReader& in, const Metric& metric, const Arena& arena) {
+void MeetingPairs::load(ByteReader& in, const Metric& metric, const Tiling& tiling,
+                        const Arena& arena) {
   forget();
   if (!in.get<bool>()) return;
   dimension_ = static_cast<std::size_t>(in.get<std::uint64_t>());
@@ -258,6 +267,7 @@ void MeetingPairs::load(ByteReader& in, const Metric& metric, const Arena& arena
   for (const Pair& pair : added) {
     if (std::max(pair.first, pair.second) >= reach.size()) throw Damaged();
   }
+  std::erase_if(added, [&](const Pair& pair) { return !has_own_site(tiling, pair); });
   position_ = position;
   reach_ = reach;
   for (std::size_t k = 0; k < before.site.size(); ++k) {
@@ -265,7 +275,7 @@ void MeetingPairs::load(ByteReader& in, const Metric& metric, const Arena& arena
     std::copy_n(&before.position[k * dimension_], dimension_,
                 &position_[before.site[k] * dimension_]);
   }
-  list(metric, arena, SIZE_MAX);
+  list(metric, tiling, arena, SIZE_MAX);
   position_ = std::move(position);
   reach_ = std::move(reach);
   before_ = std::move(before);

@@ -9,7 +9,8 @@
 #include "parallel/bytes.h"
 #include "parallel/loops.h"
 #include "relax/site_state.h"
-#include "schedule/schedule.h"
+#include "schedule/pair.h"
+#include "schedule/tiling.h"
 #include "spatial/site_search.h"
 
 namespace ccvt {
@@ -25,16 +26,17 @@ class MeetingPairs {
 
   /// Makes the list hold every pair whose spheres meet now. O(n) when it still does, O(n log n +
   /// pairs) when it has to be made again. Gives up with `too_many` when that takes more than
-  /// `limit` pairs; the list is then empty.
-  Refreshed refresh(const Metric& metric, const SiteState& sites, const Arena& arena,
-                    std::size_t limit);
+  /// `limit` pairs, of all ranks; the list is then empty.
+  Refreshed refresh(const Metric& metric, const SiteState& sites, const Tiling& tiling,
+                    const Arena& arena, std::size_t limit);
 
   /// The next refresh() builds the list anew.
   void forget() { search_.reset(); }
 
   /// Of the list, what it takes to make it again, O(n); load() does, in the time of refresh().
-  void save(ByteWriter& out) const;
-  void load(ByteReader& in, const Metric& metric, const Arena& arena);
+  /// `added`: added() of all ranks.
+  void save(ByteWriter& out, std::span<const Pair> added) const;
+  void load(ByteReader& in, const Metric& metric, const Tiling& tiling, const Arena& arena);
 
   /// Pairs listed when the list was made, and those added since, sorted; first site < second site.
   [[nodiscard]] std::span<const Pair> pairs() const { return pairs_.items; }
@@ -58,10 +60,11 @@ class MeetingPairs {
                                             const Arena& arena) const;
   void enter(const SiteState& sites, SiteNumber site);
   [[nodiscard]] bool may_meet(SiteNumber a, SiteNumber b, double squared) const;
-  bool build(const Metric& metric, const SiteState& sites, const Arena& arena, std::size_t limit);
-  bool list(const Metric& metric, const Arena& arena, std::size_t limit);
-  bool extend(const Metric& metric, const SiteState& sites, std::span<const SiteNumber> left,
-              const Arena& arena);
+  bool build(const Metric& metric, const SiteState& sites, const Tiling& tiling, const Arena& arena,
+             std::size_t limit);
+  bool list(const Metric& metric, const Tiling& tiling, const Arena& arena, std::size_t limit);
+  bool extend(const Metric& metric, const SiteState& sites, const Tiling& tiling,
+              std::span<const SiteNumber> left, const Arena& arena);
   [[nodiscard]] bool listed(const Pair& pair) const;
   [[nodiscard]] const double* at(SiteNumber site) const { return &position_[site * dimension_]; }
 

@@ -27,9 +27,9 @@ bool PairLists::refresh(const Metric& metric, const SiteState& sites, const Tili
   if (dense_ && !retry) return false;
   const auto schedule = [&](std::span<const Pair> pairs) {
     const auto own_charge = arena.phase(Phase::schedule);
-    return schedule_pairs(pairs, tiling, arena);
+    return schedule_own_pairs(pairs, tiling, arena);
   };
-  switch (meeting_.refresh(metric, sites, arena, list_limit(sites.count()))) {
+  switch (meeting_.refresh(metric, sites, tiling, arena, list_limit(sites.count()))) {
     case MeetingPairs::Refreshed::unchanged:
       break;
     case MeetingPairs::Refreshed::extended:
@@ -54,19 +54,19 @@ void PairLists::forget() {
   dense_ = false;
 }
 
-void PairLists::save(ByteWriter& out) const {
+void PairLists::save(ByteWriter& out, std::span<const Pair> added) const {
   out.put(dense_);
   out.put(dense_passes_);
-  meeting_.save(out);
+  meeting_.save(out, added);
 }
 
 void PairLists::load(ByteReader& in, const Metric& metric, const Tiling& tiling,
                      const Arena& arena) {
   dense_ = in.get<bool>();
   dense_passes_ = in.get<int>();
-  meeting_.load(in, metric, arena);
-  first_ = schedule_pairs(meeting_.pairs(), tiling, arena);
-  added_ = schedule_pairs(meeting_.added(), tiling, arena);
+  meeting_.load(in, metric, tiling, arena);
+  first_ = schedule_own_pairs(meeting_.pairs(), tiling, arena);
+  added_ = schedule_own_pairs(meeting_.added(), tiling, arena);
 }
 
 Buffer<Pair> PairLists::pairs() const {

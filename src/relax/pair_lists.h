@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "geometry/metric.h"
 #include "parallel/arena.h"
@@ -18,13 +19,17 @@ class PairLists {
   /// The next refresh() lists all anew: after a pass that was left in the middle.
   void forget();
 
-  void save(ByteWriter& out) const;
+  /// `added`: added() of all ranks.
+  void save(ByteWriter& out, std::span<const Pair> added) const;
   void load(ByteReader& in, const Metric& metric, const Tiling& tiling, const Arena& arena);
 
   /// The pairs listed first, and those added since.
   [[nodiscard]] std::array<const Schedule*, 2> schedules() const { return {&first_, &added_}; }
-  /// All pairs listed, in no order; none when nearly all meet.
+  /// The pairs listed, in no order, where several ranks have the tiles those of this one's sites;
+  /// none when nearly all meet.
   [[nodiscard]] Buffer<Pair> pairs() const;
+  /// Of them, those that have been added.
+  [[nodiscard]] std::span<const Pair> added() const { return meeting_.added(); }
 
  private:
   MeetingPairs meeting_;

@@ -86,6 +86,7 @@ std::size_t Patches<Scalar>::ends(Index points) const {
 
 template <class Scalar>
 bool Patches<Scalar>::look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch) {
+  if (!any()) return false;
   Cell& cell = cells_[site];
   const Index points = cells.size(site);
   if (++cell.looks < kLooks) return false;

@@ -21,8 +21,13 @@ namespace ccvt {
 template <class Scalar>
 class Patches {
  public:
-  Patches(int dimension, std::size_t sites)
-      : dimension_(static_cast<std::size_t>(dimension)), cells_(sites), exchanged_(sites) {}
+  /// `sizes`: how many points each cell has.
+  Patches(int dimension, std::span<const Index> sizes)
+      : dimension_(static_cast<std::size_t>(dimension)), exchanged_(sizes.size()) {
+    const bool any =
+        std::any_of(sizes.begin(), sizes.end(), [this](Index n) { return divides(n); });
+    cells_.resize(any ? sizes.size() : 0);
+  }
 
   /// What dividing a cell needs. One per worker.
   struct Scratch {
@@ -37,7 +42,9 @@ class Patches {
   bool look(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch);
 
   /// Whether the cell is divided.
-  [[nodiscard]] bool has(SiteNumber site) const { return !cells_[site].low.empty(); }
+  [[nodiscard]] bool has(SiteNumber site) const {
+    return !cells_.empty() && !cells_[site].low.empty();
+  }
   /// Of a divided cell: the points of a patch, but for the last one; and how many patches.
   [[nodiscard]] Index size(SiteNumber site) const { return cells_[site].size; }
   [[nodiscard]] std::size_t count(SiteNumber site) const {
@@ -48,6 +55,8 @@ class Patches {
   [[nodiscard]] std::span<const Scalar> low(SiteNumber site) const { return cells_[site].low; }
   [[nodiscard]] std::span<const Scalar> high(SiteNumber site) const { return cells_[site].high; }
 
+  /// Whether any is ever divided: where not, nothing is known but exchanged().
+  [[nodiscard]] bool any() const { return !cells_.empty(); }
   /// Whether a cell of so many points is ever divided. What is known of others does not matter.
   [[nodiscard]] bool divides(Index points) const { return ends(points) > 0; }
 
@@ -137,7 +146,7 @@ class Patches {
   void sort(Cells<Scalar>& cells, SiteNumber site, Scratch& scratch) const;
 
   std::size_t dimension_;
-  std::vector<Cell> cells_;
+  std::vector<Cell> cells_;               ///< none where none is ever divided
   std::vector<std::uint32_t> exchanged_;  ///< of each cell
 };
 

@@ -21,16 +21,16 @@ constexpr Index kPointsBetweenChecks = 1 << 16;
 
 template <class Scalar>
 Relaxer<Scalar>::Relaxer(const Metric& metric, const Options& options, const Arena& arena,
-                         Stop& stop, std::size_t sites, double coordinate_bound)
+                         Stop& stop, std::span<const Index> sizes, double coordinate_bound)
     : metric_(metric),
       options_(options),
       arena_(arena),
       stop_(stop),
       workers_(arena, {PairSwapper<Scalar>(metric, options, coordinate_bound), {}, {}, 0}),
-      patches_(metric.dimension(), sites),
-      bands_(sites),
+      patches_(metric.dimension(), sizes),
+      bands_(patches_.any() ? sizes.size() : 0),
       screen_(metric) {
-  changed_.assign(sites, 0);
+  changed_.assign(sizes.size(), 0);
   touched_.assign(changed_.size(), 1);
 }
 
@@ -42,7 +42,8 @@ PassCount Relaxer<Scalar>::step(LevelState<Scalar>& state) {
     workers_[w].swapped.clear();
   }
   const auto sites = static_cast<std::int64_t>(state.cells.site_count());
-  cells_are_large_ = patches_.divides(static_cast<Index>(state.cells.point_count() / sites));
+  cells_are_large_ =
+      patches_.any() && patches_.divides(static_cast<Index>(state.cells.point_count() / sites));
   if (touched_tile_.empty()) touched_tile_.assign(state.tiling.count(), 1);
   if (state.tiling.ranks() != nullptr) loans_.begin(state.tiling);
   cached_passes_ = full ? 0 : cached_passes_ + 1;
@@ -227,11 +228,11 @@ void Relaxer<Scalar>::forget_pairs() {
 }
 
 template <class Scalar>
-void Relaxer<Scalar>::save(ByteWriter& out) const {
+void Relaxer<Scalar>::save(ByteWriter& out, std::span<const Pair> added) const {
   out.put(cached_passes_);
   out.put(cache_);
   out.put(touched_);
-  lists_.save(out);
+  lists_.save(out, added);
 }
 
 template <class Scalar>

@@ -36,15 +36,17 @@ struct PassCount {
 template <class Scalar>
 class Relaxer {
  public:
+  /// `sizes`: how many points the cell of each site has.
   Relaxer(const Metric& metric, const Options& options, const Arena& arena, Stop& stop,
-          std::size_t sites, double coordinate_bound);
+          std::span<const Index> sizes, double coordinate_bound);
 
   /// One pass [4.2], and the centroid update after it. When `stop` ends the pass, the update is
   /// still made, and `stop` switched off. `state` is the same, or in the same state, each time.
   PassCount step(LevelState<Scalar>& state);
 
-  /// Between two passes: what is known of all pairs, and of the cell of a site, apart.
-  void save(ByteWriter& out) const;
+  /// Between two passes: what is known of all pairs, and of the cell of a site, apart. `added`:
+  /// added_pairs() of all ranks.
+  void save(ByteWriter& out, std::span<const Pair> added) const;
   void load(ByteReader& in, const Tiling& tiling);
   void save_cell(ByteWriter& out, SiteNumber site, Index points) const {
     patches_.save(out, site, points);
@@ -54,8 +56,11 @@ class Relaxer {
 
   [[nodiscard]] bool stable() const { return stable_; }
 
-  /// The pairs listed: all whose bounding spheres meet, and more. Empty when nearly all do.
+  /// The pairs listed: all whose bounding spheres meet, and more; where several ranks have the
+  /// tiles, those of this one's sites. Empty when nearly all do.
   [[nodiscard]] Buffer<Pair> listed() const { return lists_.pairs(); }
+  /// Those that were added to the list, in order.
+  [[nodiscard]] std::span<const Pair> added_pairs() const { return lists_.added(); }
 
  private:
   struct Worker {

@@ -34,7 +34,7 @@ Groups<SiteNumber> neighbours_in(std::size_t sites, std::span<const Pair> pairs,
 
 /// With a as the origin, k is in the diametral ball of a and b when |k|^2 < k . b.
 Buffer<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
-                           std::span<const Pair> pairs, const Arena& arena) {
+                           std::span<const Pair> pairs, const Tiling& tiling, const Arena& arena) {
   const Groups<SiteNumber> neighbours = neighbours_in(sites.count(), pairs, arena);
   const int dimension = metric.dimension();
   struct Neighbour {
@@ -73,7 +73,12 @@ Buffer<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
       if (std::none_of(own.nearest_first.begin(), next, between)) kept.emplace_back(a, next->site);
     }
   };
-  return collect_by_site_together<Pair>(arena, neighbours.count(), kSitesPerGrain, keep);
+  return found_together(tiling.ranks(),
+                        collect_of_own_sites<Pair>(
+                            arena, tiling, kSitesPerGrain,
+                            [&](NumberRange<SiteNumber> own, std::vector<Pair>& kept, int worker) {
+                              for (const SiteNumber site : own) keep(site, kept, worker);
+                            }));
 }
 
 SiteGraph::SiteGraph(std::size_t sites, std::span<const Pair> edges, const Arena& arena)

@@ -8,15 +8,18 @@
 #include "parallel/loops.h"
 #include "relax/site_state.h"
 #include "relax/spanning_tree.h"
-#include "schedule/schedule.h"
+#include "schedule/pair.h"
+#include "schedule/tiling.h"
 
 namespace ccvt {
 
 /// Those of `pairs` whose diametral ball holds no third site that is paired with the first: the
 /// Gabriel graph, a connected part of the Delaunay graph, when `pairs` holds all of that. By their
-/// first site. O(pairs * degree).
+/// first site. Of several ranks each gives the pairs of its own sites (see own_pairs.h), and all
+/// get all. O(pairs * degree).
 Buffer<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
-                           std::span<const Pair> pairs, const Arena& arena = Arena(1));
+                           std::span<const Pair> pairs, const Tiling& tiling,
+                           const Arena& arena = Arena(1));
 
 /// A connected, undirected graph of sites.
 class SiteGraph {

@@ -180,6 +180,7 @@ void update_site(const Metric& metric, const Cells<Scalar>& cells, SiteState& si
 
 template <class Scalar>
 void begin_sums(Patches<Scalar>& patches, const SiteState& sites, SiteNumber site) {
+  if (!patches.any()) return;
   typename Patches<Scalar>::Sums& sums = patches.sums(site);
   sums.exchanged = Patches<Scalar>::Sums::kUnknown;
   if (!patches.has(site) || sites.is_fixed(site) || sites.compact[site] == 0) return;
@@ -195,6 +196,7 @@ template <class Scalar>
 bool update_by_sums(const Metric& metric, Patches<Scalar>& patches, SiteState& sites,
                     SiteNumber site, Index points) {
   using Sums = typename Patches<Scalar>::Sums;
+  if (!patches.any()) return false;
   Sums& sums = patches.sums(site);
   if (sums.exchanged == Sums::kUnknown || sums.exchanged > points / kExchanged ||
       sums.updates == kUpdates) {

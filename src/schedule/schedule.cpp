@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cstdint>
 #include <limits>
 #include <utility>
 
 #include "parallel/loops.h"
+#include "parallel/together.h"
 
 namespace ccvt {
 namespace {
@@ -102,6 +104,41 @@ class TasksOfTile {
   std::vector<Pair> sorted_;
 };
 
+/// The tasks of tiles that are more than single sites, by their tiles; their pairs go into the
+/// schedule.
+Buffer<Task> tasks_of_tiles(std::span<const Pair> pairs, const Tiling& tiling, const Arena& arena,
+                            Schedule& schedule) {
+  auto by_tile = group_by_key<Pair>(
+      arena, pairs.size(), tiling.count(), [&](std::size_t k) { return pairs[k]; },
+      [&](const Pair& p) { return tiling.tile_of(std::min(p.first, p.second)); });
+  PerWorker<TasksOfTile> of_tile(arena, TasksOfTile(tiling));
+  Buffer<Task> tasks =
+      collect<Task>(arena, tiling.count(), 4,
+                    [&](std::size_t begin, std::size_t end, std::vector<Task>& out, int worker) {
+                      for (std::size_t t = begin; t < end; ++t) {
+                        of_tile[worker].add(Tile(t), by_tile[t], by_tile.first[t], out);
+                      }
+                    });
+  schedule.pairs = std::move(by_tile.items);
+  return tasks;
+}
+
+/// Of all ranks, of which each tells those whose lower tile is its own. By their tiles, as those
+/// are that have their pairs `here`.
+std::vector<Task> tasks_of_all(std::span<const Task> here, const Tiling& tiling) {
+  std::vector<Task> all;
+  for (const Task& task : here) {
+    if (tiling.is_own(task.a)) all.push_back({task.a, task.b, 0, task.size()});
+  }
+  all = joined(tiling.ranks(), std::move(all));
+  auto next = here.begin();
+  for (Task& task : all) {
+    if (next != here.end() && next->a == task.a && next->b == task.b) task = *next++;
+  }
+  assert(next == here.end());
+  return all;
+}
+
 /// Orders the tasks by batch.
 void put_in_batches(std::vector<Task> tasks, std::size_t tiles, const Arena& arena,
                     Schedule& schedule) {
@@ -146,19 +183,16 @@ Schedule schedule_pairs(std::span<const Pair> pairs, const Tiling& tiling, const
     put_in_batches(tasks_of_one(schedule.pairs.span()), tiling.count(), arena, schedule);
     return schedule;
   }
-  auto by_tile = group_by_key<Pair>(
-      arena, pairs.size(), tiling.count(), [&](std::size_t k) { return pairs[k]; },
-      [&](const Pair& p) { return tiling.tile_of(std::min(p.first, p.second)); });
-  PerWorker<TasksOfTile> of_tile(arena, TasksOfTile(tiling));
-  const Buffer<Task> tasks =
-      collect<Task>(arena, tiling.count(), 4,
-                    [&](std::size_t begin, std::size_t end, std::vector<Task>& out, int worker) {
-                      for (std::size_t t = begin; t < end; ++t) {
-                        of_tile[worker].add(Tile(t), by_tile[t], by_tile.first[t], out);
-                      }
-                    });
-  schedule.pairs = std::move(by_tile.items);
+  const Buffer<Task> tasks = tasks_of_tiles(pairs, tiling, arena, schedule);
   put_in_batches({tasks.begin(), tasks.end()}, tiling.count(), arena, schedule);
+  return schedule;
+}
+
+Schedule schedule_own_pairs(std::span<const Pair> own, const Tiling& tiling, const Arena& arena) {
+  if (tiling.ranks() == nullptr) return schedule_pairs(own, tiling, arena);
+  Schedule schedule;
+  const Buffer<Task> here = tasks_of_tiles(own, tiling, arena, schedule);
+  put_in_batches(tasks_of_all(here.span(), tiling), tiling.count(), arena, schedule);
   return schedule;
 }
 

@@ -35,12 +35,13 @@ void round_robin(std::size_t nodes, std::size_t round, Visit visit) {
 
 /// A pass over pairs of sites: batches of tasks, each a run of pairs between the same two tiles, or
 /// inside one. Tasks of one batch share no site; the pairs of one task run in order. Depends on the
-/// pairs and tiles alone, not on threads.
+/// pairs and tiles alone, not on threads. Where several ranks have the tiles, each may have the
+/// pairs of its own tiles' tasks only: see schedule_own_pairs().
 struct Schedule {
   struct Task {
     Tile a;
     Tile b;
-    std::size_t begin;  ///< of its pairs
+    std::size_t begin;  ///< of its pairs; where these are not here, end - begin says how many
     std::size_t end;
     [[nodiscard]] std::size_t size() const { return end - begin; }
   };
@@ -79,6 +80,11 @@ struct Schedule {
 /// paper's schedule; else the order of `pairs`, which are different, does not matter.
 Schedule schedule_pairs(std::span<const Pair> pairs, const Tiling& tiling,
                         const Arena& arena = Arena(1));
+
+/// schedule_pairs() of the lists of all ranks (see own_pairs.h), of which each gives its own, in
+/// order. It has the pairs of tasks with a tile of its own; of others only how many these are. All
+/// ranks.
+Schedule schedule_own_pairs(std::span<const Pair> own, const Tiling& tiling, const Arena& arena);
 
 /// One batch for each round of round_robin() in which there are pairs, every pair a task: at most
 /// `sites` batches. O(pairs + sites).

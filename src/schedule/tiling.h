@@ -159,4 +159,17 @@ Buffer<T> collect_by_site(const Arena& arena, std::size_t sites, std::size_t gra
                     });
 }
 
+/// What body(sites, out, worker) appends to the vector `out` for runs of `grain` of a rank's own
+/// sites, one after the other.
+template <class T, class Body>
+Buffer<T> collect_of_own_sites(const Arena& arena, const Tiling& tiling, std::size_t grain,
+                               const Body& body) {
+  const NumberRange<SiteNumber> own = tiling.own_sites();
+  const std::size_t first = *own.begin();
+  return collect<T>(arena, own.size(), grain,
+                    [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
+                      body(sites_between(first + begin, first + end), out, worker);
+                    });
+}
+
 }  // namespace ccvt

@@ -140,7 +140,8 @@ Groups<SiteNumber> find_near(const Metric& metric, const Homes<Scalar>& homes, c
   for (const SiteNumber h : grown.all()) grown.radius[h] += homes.reach[h] / 2;
   MeetingPairs meeting;
   const std::size_t limit = kMostPairs * homes.count();
-  if (meeting.refresh(metric, grown, arena, limit) != MeetingPairs::Refreshed::too_many) {
+  const Tiling alone(homes.count(), 1);
+  if (meeting.refresh(metric, grown, alone, arena, limit) != MeetingPairs::Refreshed::too_many) {
     return near_of_pairs(meeting.pairs(), homes.count(), arena);
   }
   const auto each = std::min<std::size_t>(kNearest, homes.count());

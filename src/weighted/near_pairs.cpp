@@ -38,7 +38,8 @@ std::vector<Pair> NearPairs::list(const Metric& metric, const SiteState& sites,
                                   const Arena& arena) {
   if (!nearest_.empty()) return nearest_;
   const std::size_t limit = std::max(kMostPairs, kPairsPerSite * sites.count());
-  if (meeting_.refresh(metric, sites, arena, limit) == MeetingPairs::Refreshed::too_many) {
+  const Tiling alone(sites.count(), 1);
+  if (meeting_.refresh(metric, sites, alone, arena, limit) == MeetingPairs::Refreshed::too_many) {
     nearest_ = nearest_pairs(metric, sites, kNearest, arena);
     return nearest_;
   }
@@ -53,7 +54,7 @@ std::vector<Pair> NearPairs::side_by_side(const Metric& metric, const SiteState&
   if (!nearest_.empty() || near.size() > kPairsForGabriel * sites.count()) {
     return nearest_pairs(metric, sites, kSideBySide, arena);
   }
-  const Buffer<Pair> pairs = gabriel_pairs(metric, sites, near, arena);
+  const Buffer<Pair> pairs = gabriel_pairs(metric, sites, near, {sites.count(), 1}, arena);
   return {pairs.begin(), pairs.end()};
 }
 

@@ -1,0 +1,48 @@
+#include "schedule/own_pairs.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "parallel/loops.h"
+#include "parallel/together.h"
+
+namespace ccvt {
+
+Buffer<Pair> with_pairs_of_others(const Tiling& tiling, Buffer<Pair> found) {
+  Ranks* const ranks = tiling.ranks();
+  if (ranks == nullptr) return found;
+  std::vector<ByteWriter> to(static_cast<std::size_t>(ranks->count()));
+  for (const Pair& pair : found) {
+    for (const SiteNumber site : {pair.first, pair.second}) {
+      const Tile tile = tiling.tile_of(site);
+      if (!tiling.is_own(tile)) to[static_cast<std::size_t>(tiling.rank_of(tile))].put(pair);
+    }
+  }
+  const std::vector<Ranks::Bytes> come = exchanged(*ranks, std::move(to));
+  std::size_t count = found.size();
+  for (const Ranks::Bytes& bytes : come) count += bytes.size() / sizeof(Pair);
+  Buffer<Pair> both(count);
+  std::size_t next = found.size();
+  std::copy(found.begin(), found.end(), both.begin());
+  for (const Ranks::Bytes& bytes : come) {
+    for (ByteReader message(bytes); !message.done();) both[next++] = message.get<Pair>();
+  }
+  return both;
+}
+
+/// Each rank gives those whose first site is its own: its sites follow those of the rank before.
+Buffer<Pair> pairs_of_all(const Tiling& tiling, std::span<const Pair> own) {
+  const NumberRange<SiteNumber> sites = tiling.own_sites();
+  const auto from = [&](SiteNumber site) {
+    return std::partition_point(own.begin(), own.end(),
+                                [site](const Pair& pair) { return pair.first < site; });
+  };
+  const auto begin = from(*sites.begin());
+  Buffer<Pair> given(static_cast<std::size_t>(std::max(begin, from(*sites.end())) - begin));
+  std::copy_n(begin, given.size(), given.begin());
+  return found_together(tiling.ranks(), std::move(given));
+}
+
+}  // namespace ccvt
