@@ -11,6 +11,7 @@
 
 #include "random.h"
 #include "relax/update.h"
+#include "support/thread_ranks.h"
 
 using ccvt::Arena;
 using ccvt::Buffer;
@@ -157,6 +158,58 @@ TEST_CASE_TEMPLATE("screen: what is kept finds the pairs that a new screen finds
       }
     }
     CHECK(least < most);  // they are not all the same
+  }
+}
+
+TEST_CASE_TEMPLATE("screen: ranks, each with its own cells only, find what one process finds",
+                   Scalar, float, double) {
+  struct Shape {
+    int dimension;
+    std::size_t sites;
+    Index size;
+    double scale;
+  };
+  for (const Shape& shape : {Shape{7, 5, 3, 1}, Shape{8, 60, 2, 1}, Shape{16, 141, 9, 1},
+                             Shape{9, 70, 5, 1e6}, Shape{9, 40, 3, 1e-25}}) {
+    for (const int count : {1, 2, 3}) {
+      CAPTURE(shape.dimension);
+      CAPTURE(count);
+      std::vector<std::size_t> found(static_cast<std::size_t>(count), 0);
+      std::vector<std::size_t> wrong(found.size(), 0);
+      ThreadRanks(count).run([&](ccvt::Ranks& ranks) {
+        const auto rank = static_cast<std::size_t>(ranks.rank());
+        Changing<Scalar> state(shape.dimension, shape.sites, shape.size, shape.scale, 11);
+        Tiling tiling(shape.sites, 3);
+        tiling.deal(ranks, state.cells.sizes());
+        const Arena arena(1 + ranks.rank());
+        Screen<Scalar> kept(state.metric);
+        for (int pass = 0; pass < 10; ++pass) {
+          Cells<Scalar> own = state.cells;
+          const std::vector<Scalar> nowhere(own.dimension(),
+                                            std::numeric_limits<Scalar>::quiet_NaN());
+          for (const SiteNumber s : own.sites()) {
+            if (tiling.is_own(tiling.tile_of(s))) continue;
+            for (Index k = 0; k < own.size(s); ++k) own.put(s, k, own.point(s, k), nowhere.data());
+          }
+          const auto pairs = listed(kept.gaining(own, state.sites, state.touched, tiling, arena));
+          const auto alone =
+              listed(Screen<Scalar>(state.metric)
+                         .gaining(state.cells, state.sites, state.touched, state.tiling, arena));
+          wrong[rank] += pairs == alone ? 0 : 1;
+          found[rank] += pairs.size();
+          if (pass == 6) kept.forget();
+          std::fill(state.touched.begin(), state.touched.end(), std::uint8_t{0});
+          const auto n = static_cast<Index>(shape.sites);
+          for (Index k = 0; k < 1 + n / 8; ++k) {
+            const SiteNumber i(state.random.index_below(n));
+            const SiteNumber j(state.random.index_below(n));
+            if (i != j) state.exchange(i, j);
+          }
+        }
+      });
+      CHECK(std::count(wrong.begin(), wrong.end(), 0) == count);
+      for (const std::size_t pairs : found) CHECK(pairs > 10);
+    }
   }
 }
 

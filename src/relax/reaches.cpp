@@ -7,6 +7,10 @@
 #include <span>
 #include <utility>
 
+#include "parallel/bytes.h"
+#include "parallel/together.h"
+#include "relax/reach_steps.h"
+
 namespace ccvt {
 namespace {
 
@@ -17,8 +21,7 @@ constexpr std::size_t kTile = 64;
 /// Sites that a cell is multiplied with at once: they stay in cache beside it.
 constexpr std::size_t kSitesAtOnce = 126;
 static_assert(kSitesAtOnce % kernels::kDotSites == 0);
-/// Rows of a product.
-constexpr std::size_t kRows = kernels::kCostSites;
+constexpr std::size_t kRows = ReachSteps<float>::kRows;
 /// Cells whose points that came are multiplied together.
 constexpr std::size_t kCellsAtOnce = 2 * kRows;
 
@@ -71,94 +74,62 @@ Scalar at_most(Scalar reach) {
 
 }  // namespace
 
-/// Of all sites: where they are, relative to their mean, and by which step they came there.
 template <class Scalar>
-struct Reaches<Scalar>::Steps {
-  Steps(const SiteState& sites, const CentredSites<Scalar>& centred,
-        const std::vector<double>& before, const Arena& arena)
-      : count(sites.count()), dimension(sites.dimension) {
-    const auto points = static_cast<std::size_t>(kernels::product_points());
-    stride = (count + points - 1) / points * points;
-    step.resize(count * dimension);
-    row.resize((count + kRows) * dimension);
-    step_streams.resize(stride * dimension);
-    site_streams.resize(stride * dimension);
-    for (auto* values : {&norm, &squared_norm, &radius, &length, &constant}) values->resize(count);
-    arena.for_ranges(count, 16, [&](std::size_t begin, std::size_t end, int) {
-      for (const SiteNumber s : sites_between(begin, end)) {
-        double squared = 0;
-        double along = 0;
-        for (std::size_t d = 0; d < dimension; ++d) {
-          const double to = centred.at(s, d);
-          const double by = sites.at(s)[d] - before[s * dimension + d];
-          step[s * dimension + d] = by;
-          row[s * dimension + d] = static_cast<float>(to);
-          step_streams[d * stride + s] = static_cast<float>(by);
-          site_streams[d * stride + s] = static_cast<float>(to);
-          squared += by * by;
-          along += to * by;
-        }
-        norm[s] = static_cast<Scalar>(centred.norms()[s]);
-        squared_norm[s] = norm[s] * norm[s];
-        radius[s] = static_cast<Scalar>(sites.radius[s]);
-        length[s] = static_cast<Scalar>(std::sqrt(squared));
-        constant[s] = static_cast<Scalar>(squared - 2 * along);
-      }
-    });
-    const double terms = 4 * (static_cast<double>(dimension) + 4);
-    share = static_cast<Scalar>(terms * std::numeric_limits<float>::epsilon());
-    // The reach found anew is rounded up by less, and must not be more than what is kept.
-    pair_share = static_cast<Scalar>(4 * centred.rounding_share());
-    underflow = 4 * centred.underflow() + terms * std::numeric_limits<float>::denorm_min();
-  }
-
-  std::size_t count;
-  std::size_t dimension;
-  std::size_t stride;        ///< of the streams, one for each dimension
-  std::vector<double> step;  ///< of one site after the other
-  std::vector<float> row;    ///< positions, likewise
-  std::vector<float> step_streams;
-  std::vector<float> site_streams;
-  std::vector<Scalar> norm;
-  std::vector<Scalar> squared_norm;
-  std::vector<Scalar> radius;
-  std::vector<Scalar> length;    ///< of the step
-  std::vector<Scalar> constant;  ///< |step|^2 - 2 site . step
-  // What rounding can add, at most: of |a| |b| to a product of floats and to sums of its size; of
-  // what CentredSites::rounding() has; and apart.
-  Scalar share;
-  Scalar pair_share;
-  double underflow;
-};
-
-template <class Scalar>
-bool Reaches<Scalar>::fit(std::size_t sites) {
-  return sites * sites <= kMostPairs;
+bool Reaches<Scalar>::fit(std::size_t sites, std::int64_t points) {
+  return sites * sites <= kMostPairs && points <= std::numeric_limits<Index>::max();
 }
 
 template <class Scalar>
-Reaches<Scalar>::Reaches(const Cells<Scalar>& cells)
+Reaches<Scalar>::Reaches(const Cells<Scalar>& cells, const Tiling& tiling)
     : count_(cells.site_count()),
-      reach_(count_ * count_),
-      marked_(count_ * count_),
-      counted_(static_cast<std::size_t>(cells.point_count())) {
-  first_.reserve(count_);
+      own_(tiling.own_sites()),
+      ranks_(tiling.ranks()),
+      reach_(own_.size() * count_),
+      back_(ranks_ == nullptr ? 0 : reach_.size()),
+      marked_(reach_.size()) {
   std::size_t first = 0;
-  for (const SiteNumber s : cells.sites()) {
+  for (const SiteNumber s : own_) {
     first_.push_back(first);
     first += cells.points(s).size();
   }
+  counted_.resize(first);
+  if (ranks_ == nullptr) return;
+  for (const SiteNumber s : cells.sites()) rank_of_.push_back(tiling.rank_of(tiling.tile_of(s)));
 }
 
 template <class Scalar>
 void Reaches<Scalar>::set_known(const Cells<Scalar>& cells, const SiteState& sites,
                                 const Arena& arena) {
   position_ = sites.position;
-  arena.for_each(count_, 16, [&](std::size_t s) {
-    auto counted = counted_.begin() + static_cast<std::ptrdiff_t>(first_[s]);
-    for (const PointOfAll p : cells.points(SiteNumber(s))) *counted++ = PointNumber(p.index());
+  arena.for_each(own_.size(), 16, [&](std::size_t k) {
+    auto counted = counted_.begin() + static_cast<std::ptrdiff_t>(first_[k]);
+    for (const PointOfAll p : cells.points(SiteNumber(*own_.begin() + k))) {
+      *counted++ = PointNumber(p.index());
+    }
   });
   known_ = true;
+}
+
+/// Brings the reaches of all cells for own sites, of the pairs for which wanted(i, j), which is
+/// wanted(j, i).
+template <class Scalar>
+template <class Wanted>
+void Reaches<Scalar>::exchange(const Wanted& wanted) {
+  if (ranks_ == nullptr) return;
+  std::vector<ByteWriter> to(static_cast<std::size_t>(ranks_->count()));
+  for (const SiteNumber i : own_) {
+    for (const SiteNumber j : sites_below(count_)) {
+      if (wanted(i, j)) to[static_cast<std::size_t>(rank_of_[j])].put(of(i)[j]);
+    }
+  }
+  const std::vector<Ranks::Bytes> come = exchanged(*ranks_, std::move(to));
+  std::vector<ByteReader> readers(come.begin(), come.end());
+  for (const SiteNumber j : sites_below(count_)) {
+    ByteReader& reader = readers[static_cast<std::size_t>(rank_of_[j])];
+    for (const SiteNumber i : own_) {
+      if (wanted(i, j)) back_[row_of(i) * count_ + j] = reader.get<Scalar>();
+    }
+  }
 }
 
 /// After the sites' steps, by which |p - s_i|^2 grows by so much. `products`: -s_i . step of each.
@@ -166,7 +137,7 @@ void Reaches<Scalar>::set_known(const Cells<Scalar>& cells, const SiteState& sit
 /// With q = p - s_i, -|p - s_j|^2 grows by 2 q . step + |s_i - s_j + step|^2 - |s_i - s_j|^2, which
 /// is 2 q . step + |step|^2 - 2 s_j . step + 2 s_i . step.
 template <class Scalar>
-void Reaches<Scalar>::follow_steps(const Steps& steps, SiteNumber i, double grows,
+void Reaches<Scalar>::follow_steps(const ReachSteps<Scalar>& steps, SiteNumber i, double grows,
                                    const float* products, const std::vector<SiteNumber>* touched) {
   constexpr Scalar kEpsilon = 8 * std::numeric_limits<Scalar>::epsilon();
   const auto own = static_cast<Scalar>(grows + kEpsilon * std::abs(grows) + steps.underflow);
@@ -225,7 +196,8 @@ struct Reaches<Scalar>::Arrival {
 
 /// Counts a point in. `products`: -p . site of each.
 template <class Scalar>
-void Reaches<Scalar>::include(const Steps& steps, const Arrival& point, const float* products) {
+void Reaches<Scalar>::include(const ReachSteps<Scalar>& steps, const Arrival& point,
+                              const float* products) {
   const Scalar norm_i = steps.norm[point.site];
   const Scalar radius = steps.radius[point.site];
   const Scalar* const norm = steps.norm.data();
@@ -253,7 +225,7 @@ template <class Scalar>
 void Reaches<Scalar>::follow(const Cells<Scalar>& cells, const SiteState& sites,
                              const CentredSites<Scalar>& centred,
                              const std::vector<std::uint8_t>& touched, const Arena& arena) {
-  const Steps steps(sites, centred, position_, arena);
+  const ReachSteps<Scalar> steps(sites, centred, position_, arena);
   std::vector<SiteNumber> all_touched;
   for (const SiteNumber s : sites.all()) {
     if (touched[s] != 0) all_touched.push_back(s);
@@ -267,7 +239,10 @@ void Reaches<Scalar>::follow(const Cells<Scalar>& cells, const SiteState& sites,
   };
   PerWorker<Scratch> scratch(arena);
   const std::array<float, kRows> none{};
-  arena.for_ranges(count_, kCellsAtOnce, [&](std::size_t begin, std::size_t end, int worker) {
+  const std::size_t first_own = *own_.begin();
+  arena.for_ranges(own_.size(), kCellsAtOnce, [&](std::size_t from, std::size_t to, int worker) {
+    const std::size_t begin = first_own + from;
+    const std::size_t end = first_own + to;
     Scratch& own = scratch[worker];
     std::vector<float>& product = own.product;
     std::vector<float>& lowest = own.lowest;
@@ -297,7 +272,7 @@ void Reaches<Scalar>::follow(const Cells<Scalar>& cells, const SiteState& sites,
       const auto points = cells.points(i);
       for (std::size_t k = 0; k < points.size(); ++k) {
         const PointNumber point(points[k].index());
-        if (std::exchange(counted_[first_[i] + k], point) != point) came.push_back({i, k});
+        if (std::exchange(counted_[first_[row_of(i)] + k], point) != point) came.push_back({i, k});
       }
     }
     for (std::size_t first = 0; first < came.size(); first += kRows) {
@@ -319,11 +294,47 @@ void Reaches<Scalar>::follow(const Cells<Scalar>& cells, const SiteState& sites,
 /// Marks the pairs that may gain by what is known.
 template <class Scalar>
 void Reaches<Scalar>::mark(const std::vector<std::uint8_t>& touched, const Arena& arena) {
+  const auto wanted = [&](SiteNumber i, SiteNumber j) { return (touched[i] | touched[j]) != 0; };
   std::fill(marked_.begin(), marked_.end(), std::uint8_t{0});
-  for_pairs_of_sites(arena, count_, [&](SiteNumber i, SiteNumber j, std::vector<Pair>&) {
-    if ((touched[i] | touched[j]) == 0 || !may_gain(i, j)) return;
-    marked_[i * count_ + j] = marked_[j * count_ + i] = 1;
+  if (ranks_ == nullptr) {
+    for_pairs_of_sites(arena, count_, [&](SiteNumber i, SiteNumber j, std::vector<Pair>&) {
+      if (wanted(i, j) && may_gain(i, j)) marks_of(i)[j] = marks_of(j)[i] = 1;
+    });
+    return;
+  }
+  exchange(wanted);
+  arena.for_each(own_.size(), 4, [&](std::size_t k) {
+    const SiteNumber i(*own_.begin() + k);
+    for (const SiteNumber j : sites_below(count_)) {
+      if (i != j && wanted(i, j) && may_gain(i, j)) marks_of(i)[j] = 1;
+    }
   });
+}
+
+/// Of the pairs that are marked.
+template <class Scalar>
+Buffer<Pair> Reaches<Scalar>::marked_gaining(const Arena& arena) {
+  const auto add = [&](SiteNumber i, SiteNumber j, std::vector<Pair>& out) {
+    if (marks_of(i)[j] != 0 && may_gain(i, j)) out.emplace_back(i, j);
+  };
+  if (ranks_ == nullptr) return for_pairs_of_sites(arena, count_, add);
+  return found_together(
+      ranks_, collect<Pair>(arena, own_.size(), 4,
+                            [&](std::size_t begin, std::size_t end, std::vector<Pair>& out, int) {
+                              const std::size_t first = *own_.begin();
+                              for (const SiteNumber i : sites_between(first + begin, first + end)) {
+                                for (const SiteNumber j : sites_below(count_).after(i)) {
+                                  add(i, j, out);
+                                }
+                              }
+                            }));
+}
+
+template <class Scalar>
+Buffer<Pair> Reaches<Scalar>::known_gaining(const std::vector<std::uint8_t>& touched,
+                                            const Arena& arena) {
+  mark(touched, arena);
+  return marked_gaining(arena);
 }
 
 template <class Scalar>
@@ -341,14 +352,15 @@ Buffer<Pair> Reaches<Scalar>::gaining(const Metric& metric, const Cells<Scalar>&
   };
   PerWorker<Scratch> scratch(arena);
   const std::size_t dimension = sites.dimension;
-  arena.for_ranges(count_, 4, [&](std::size_t begin, std::size_t end, int worker) {
+  const std::size_t first_own = *own_.begin();
+  arena.for_ranges(own_.size(), 4, [&](std::size_t begin, std::size_t end, int worker) {
     auto& [cell, others, position, largest] = scratch[worker];
     position.resize(kSitesAtOnce * dimension);
     largest.resize(kSitesAtOnce);
-    for (const SiteNumber i : sites_between(begin, end)) {
+    for (const SiteNumber i : sites_between(first_own + begin, first_own + end)) {
       others.clear();
       for (const SiteNumber j : sites.all()) {
-        if (marked_[i * count_ + j] != 0) others.push_back(j);
+        if (marks_of(i)[j] != 0) others.push_back(j);
       }
       if (others.empty()) continue;
       arena.check();
@@ -373,9 +385,8 @@ Buffer<Pair> Reaches<Scalar>::gaining(const Metric& metric, const Cells<Scalar>&
       }
     }
   });
-  return for_pairs_of_sites(arena, count_, [&](SiteNumber i, SiteNumber j, std::vector<Pair>& out) {
-    if (marked_[i * count_ + j] != 0 && may_gain(i, j)) out.push_back(Pair::ascending(i, j));
-  });
+  exchange([&](SiteNumber i, SiteNumber j) { return marks_of(i)[j] != 0; });
+  return marked_gaining(arena);
 }
 
 template class Reaches<float>;

@@ -109,6 +109,30 @@ class BlockScreen {
   /// Of the same pairs, appends the reaches of cells of `a` that are here for sites of `b`, where
   /// they may be enough for an exchange, whatever the other cell's is.
   void append_own(const Block& a, const Block& b, const Tiling& tiling, std::vector<Reach>& out) {
+    for_own(a, b, tiling, [&](SiteNumber own, SiteNumber other, double to_other) {
+      const double distance = metric_.squared_distance(sites_.at(own), sites_.at(other));
+      const double rounding = centred_.rounding(own, other);
+      const auto reach = reach_of<Scalar>(to_other, distance, rounding);
+      const double largest = sites_.radius[other] * std::sqrt(distance) + rounding;
+      if (!(reach + reach_of<Scalar>(largest, distance, rounding) <= 0)) {
+        out.push_back({Pair::ascending(own, other), own < other, reach});
+      }
+    });
+  }
+  /// Keeps all of these.
+  void keep_own(const Block& a, const Block& b, const Tiling& tiling, Reaches<Scalar>& reaches) {
+    for_own(a, b, tiling, [&](SiteNumber own, SiteNumber other, double to_other) {
+      reaches.of(own)[other] =
+          reach_of<Scalar>(to_other, metric_.squared_distance(sites_.at(own), sites_.at(other)),
+                           centred_.rounding(own, other));
+    });
+  }
+
+ private:
+  /// Calls visit(own, other, largest) for the cells of `a` that are here and the sites of `b`, of
+  /// which one is touched: see find_largest().
+  template <class Visit>
+  void for_own(const Block& a, const Block& b, const Tiling& tiling, const Visit& visit) {
     find_largest(a, b, forth_, &tiling);
     for (std::size_t k = 0; k < a.site.size(); ++k) {
       const SiteNumber own = a.site[k];
@@ -116,18 +140,11 @@ class BlockScreen {
       for (std::size_t l = 0; l < b.site.size(); ++l) {
         const SiteNumber other = b.site[l];
         if ((k >= a.touched && l >= b.touched) || own == other) continue;
-        const double distance = metric_.squared_distance(sites_.at(own), sites_.at(other));
-        const double rounding = centred_.rounding(own, other);
-        const auto reach = reach_of<Scalar>(forth_[k * kBlockSites + l], distance, rounding);
-        const double largest = sites_.radius[other] * std::sqrt(distance) + rounding;
-        if (!(reach + reach_of<Scalar>(largest, distance, rounding) <= 0)) {
-          out.push_back({Pair::ascending(own, other), own < other, reach});
-        }
+        visit(own, other, forth_[k * kBlockSites + l]);
       }
     }
   }
 
- private:
   /// largest[k][l]: over the points of cell k of `from`, the largest point . (site l of `to`), less
   /// the same with the point's own site. Only of a rank's own cells, where `tiling` is given.
   void find_largest(const Block& from, const Block& to, std::vector<Scalar>& largest,
@@ -176,6 +193,17 @@ std::vector<PairOfBlocks<Scalar>> touched_pairs(const SiteBlocks<Scalar>& blocks
   return pairs;
 }
 
+/// Keeps the reaches of a rank's own cells, for all sites.
+template <class Scalar>
+void keep_own(const SiteBlocks<Scalar>& blocks, const Tiling& tiling,
+              PerWorker<BlockScreen<Scalar>>& screens, const Arena& arena,
+              Reaches<Scalar>& reaches) {
+  const std::size_t count = blocks.count();
+  arena.for_ranges(count * count, 1, [&](std::size_t w, std::size_t, int worker) {
+    screens[worker].keep_own(blocks[w / count], blocks[w % count], tiling, reaches);
+  });
+}
+
 /// Of all ranks. Each has the reaches of its own cells; together they see both sides of a pair.
 template <class Scalar>
 Buffer<Pair> gaining_of_ranks(const SiteBlocks<Scalar>& blocks, const Tiling& tiling,
@@ -211,9 +239,9 @@ bool screening_pays(const Metric& metric) {
 
 /// Where the reaches of all cells for all sites are to be kept from now on, if anywhere.
 template <class Scalar>
-Reaches<Scalar>* Screen<Scalar>::start_keeping(const Cells<Scalar>& cells) {
-  if (!Reaches<Scalar>::fit(cells.site_count())) return nullptr;
-  if (!reaches_) reaches_.emplace(cells);
+Reaches<Scalar>* Screen<Scalar>::start_keeping(const Cells<Scalar>& cells, const Tiling& tiling) {
+  if (!Reaches<Scalar>::fit(cells.site_count(), cells.point_count())) return nullptr;
+  if (!reaches_) reaches_.emplace(cells, tiling);
   return &*reaches_;
 }
 
@@ -230,13 +258,15 @@ Buffer<Pair> Screen<Scalar>::gaining(const Cells<Scalar>& cells, const SiteState
     return sorted(reaches_->gaining(metric_, cells, sites, centred, touched, arena));
   }
   PerWorker<BlockScreen<Scalar>> screens(arena, {metric_, cells, sites, centred, arena});
-  if (tiling.ranks() != nullptr) {
-    const SiteBlocks<Scalar> blocks(sites, centred, touched);
-    return gaining_of_ranks(blocks, tiling, screens, arena);
-  }
-  Reaches<Scalar>* const kept = start_keeping(cells);
+  Reaches<Scalar>* const kept = start_keeping(cells, tiling);
   const std::vector<std::uint8_t> all(touched.size(), 1);
   const SiteBlocks<Scalar> blocks(sites, centred, kept != nullptr ? all : touched);
+  if (tiling.ranks() != nullptr) {
+    if (kept == nullptr) return gaining_of_ranks(blocks, tiling, screens, arena);
+    keep_own(blocks, tiling, screens, arena, *kept);
+    kept->set_known(cells, sites, arena);
+    return sorted(kept->known_gaining(touched, arena));
+  }
   const auto work = touched_pairs(blocks);
   Buffer<Pair> gaining =
       collect<Pair>(arena, work.size(), 1,

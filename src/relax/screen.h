@@ -26,8 +26,8 @@ class Screen {
 
   /// Sorted. Pairs with neither site `touched` are left out: none of their cells has changed and
   /// none of their sites moved since the last call, but for the first. O(m n D), divided among the
-  /// ranks that have the tiles; of one process, later calls multiply only what may gain by what the
-  /// calls before have found, and find the same.
+  /// ranks that have the tiles; where Reaches fit, later calls multiply only what may gain by what
+  /// the calls before have found, and find the same.
   Buffer<Pair> gaining(const Cells<Scalar>& cells, const SiteState& sites,
                        const std::vector<std::uint8_t>& touched, const Tiling& tiling,
                        const Arena& arena);
@@ -37,7 +37,7 @@ class Screen {
   }
 
  private:
-  Reaches<Scalar>* start_keeping(const Cells<Scalar>& cells);
+  Reaches<Scalar>* start_keeping(const Cells<Scalar>& cells, const Tiling& tiling);
 
   const Metric& metric_;
   std::optional<Reaches<Scalar>> reaches_;

@@ -4,6 +4,10 @@
 #include <bit>
 #include <cstddef>
 #include <numeric>
+#include <span>
+#include <utility>
+
+#include "ccvt/ranks.h"
 
 namespace ccvt {
 namespace {
@@ -15,6 +19,39 @@ struct Part {
 
 /// Sites that a task should have at least.
 constexpr std::size_t kSitesPerGrain = 1024;
+/// Parts that a rank should have at least, so that all have about as many sites.
+constexpr std::size_t kPartsPerRank = 8;
+
+/// Parts that are split by one rank each, the first ones by the first.
+class PartsOfRanks {
+ public:
+  explicit PartsOfRanks(Ranks* ranks) : ranks_(ranks) {}
+
+  /// Leaves this rank's own, as soon as there are enough parts of `sites` for all.
+  void divide(std::vector<Part>& parts, std::size_t sites) {
+    if (ranks_ == nullptr || !sizes_.empty()) return;
+    const auto ranks = static_cast<std::size_t>(ranks_->count());
+    if (parts.size() < kPartsPerRank * ranks) return;
+    const auto first_of = [&](std::size_t rank) { return parts.size() * rank / ranks; };
+    const auto site_of = [&](std::size_t rank) {
+      return rank == 0 ? 0 : rank == ranks ? sites : parts[first_of(rank)].begin;
+    };
+    for (std::size_t r = 0; r < ranks; ++r) sizes_.push_back(site_of(r + 1) - site_of(r));
+    const auto own = static_cast<std::size_t>(ranks_->rank());
+    parts = {parts.begin() + static_cast<std::ptrdiff_t>(first_of(own)),
+             parts.begin() + static_cast<std::ptrdiff_t>(first_of(own + 1))};
+  }
+  /// All ranks have the order of all parts.
+  void share(std::vector<SiteNumber>& order) {
+    if (sizes_.empty()) return;
+    for (std::size_t& bytes : sizes_) bytes *= sizeof(SiteNumber);
+    ranks_->share(std::as_writable_bytes(std::span(order)), sizes_);
+  }
+
+ private:
+  Ranks* ranks_;
+  std::vector<std::size_t> sizes_;  ///< in sites, of each rank; none where they are not divided
+};
 
 }  // namespace
 
@@ -57,7 +94,9 @@ std::vector<SiteNumber> spatial_order(const SiteState& sites, Index tile_sites,
                      });
   };
   std::vector<Part> parts{{0, order.size()}};
+  PartsOfRanks of_ranks(arena.ranks());
   while (!parts.empty()) {
+    of_ranks.divide(parts, order.size());
     const std::size_t grain = 1 + kSitesPerGrain * parts.size() / order.size();
     arena.for_each(parts.size(), grain, [&](std::size_t p) {
       if (parts[p].end - parts[p].begin > 1) split(parts[p]);
@@ -70,6 +109,7 @@ std::vector<SiteNumber> spatial_order(const SiteState& sites, Index tile_sites,
     }
     parts = std::move(halves);
   }
+  of_ranks.share(order);
   return order;
 }
 
