@@ -127,7 +127,6 @@ template <class Scalar>
 void Run<Scalar>::enter_level(std::size_t next) {
   const auto timed = record.initializing();
   const Buffer<Pair> near = relaxer ? relaxer->listed() : Buffer<Pair>{};
-  relaxer.reset();
   Cells<Scalar> larger = empty_cells(levels[next].capacities);
   Filling<Scalar> filling(larger, own_points(), state.tiling);
   if (level < next) {
@@ -136,6 +135,7 @@ void Run<Scalar>::enter_level(std::size_t next) {
     for_each_site(arena, state.tiling, [&](SiteNumber s) { filling.add_cell(state.cells, s); });
   }
   state.cells = {};
+  relaxer.reset();
   level = next;
   try {
     const auto pause = pause_for(static_cast<std::int64_t>(levels[level].joining.size()));

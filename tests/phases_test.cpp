@@ -19,6 +19,7 @@
 #include "relax/site_graph.h"
 #include "relax/site_order.h"
 #include "support/generate.h"
+#include "support/thread_ranks.h"
 
 using ccvt::Arena;
 using ccvt::Box;
@@ -100,6 +101,15 @@ TEST_CASE("the spatial order is a permutation whose runs lie apart") {
         const SiteState sites = make_sites(layout, box, count);
         const auto order = ccvt::spatial_order(sites, 16);
         CHECK(order == ccvt::spatial_order(sites, 16, Arena(3)));
+        for (const int ranks : {1, 2, 5}) {
+          std::vector<std::vector<SiteNumber>> of_ranks(static_cast<std::size_t>(ranks));
+          ThreadRanks(ranks).run([&](ccvt::Ranks& own) {
+            Arena arena(2);
+            arena.divide_among(&own);
+            of_ranks[static_cast<std::size_t>(own.rank())] = ccvt::spatial_order(sites, 16, arena);
+          });
+          for (const auto& same : of_ranks) CHECK(same == order);
+        }
         std::vector<SiteNumber> sorted(order);
         std::sort(sorted.begin(), sorted.end());
         for (const SiteNumber k : sites.all()) REQUIRE(sorted[k] == k);

@@ -145,17 +145,24 @@ class Multigrid {
  private:
   struct Level {
     Laplacian matrix;
+    Vector before;  ///< the last sweep
+    // Of a level that is solved for another one, which the finest is not.
     Vector right;
     Vector solution;
     Vector first;  ///< of two solutions, which are added
     Vector rest;
-    Vector before;  ///< the last sweep
   };
 
   void add_level(Laplacian matrix) {
-    const std::size_t size = matrix.size();
-    levels_.push_back(
-        {std::move(matrix), Vector(size), Vector(size), Vector(size), Vector(size), Vector(size)});
+    Level level;
+    level.before.resize(matrix.size());
+    if (!levels_.empty()) {
+      for (Vector* own : {&level.right, &level.solution, &level.first, &level.rest}) {
+        own->resize(matrix.size());
+      }
+    }
+    level.matrix = std::move(matrix);
+    levels_.push_back(std::move(level));
   }
 
   template <class Body>
