@@ -92,6 +92,7 @@ void Run<Scalar>::take_owners() {
     for_own([&](SiteNumber site, PointNumber p) { moved.send(points.of_all(p), points[p], site); });
     moved.arrive(arena);
   }
+  relaxer = make_relaxer(levels[0].capacities);
   begin_level();
 }
 
@@ -134,8 +135,8 @@ void Run<Scalar>::enter_level(std::size_t next) {
     const Stop::Pause pause(stop);
     for_each_site(arena, state.tiling, [&](SiteNumber s) { filling.add_cell(state.cells, s); });
   }
+  relaxer = make_relaxer(levels[next].capacities);  // lists of pairs take much memory
   state.cells = {};
-  relaxer.reset();
   level = next;
   try {
     const auto pause = pause_for(static_cast<std::int64_t>(levels[level].joining.size()));
@@ -224,10 +225,10 @@ void Run<Scalar>::descend_again(double energy) {
   begin_descent(Depth::full, energy);
 }
 
-/// All points of the level are in cells: the sites move to their centroids.
+/// All points of the level are in cells, and `relaxer` knows nothing yet: the sites move to their
+/// centroids.
 template <class Scalar>
 void Run<Scalar>::begin_level() {
-  relaxer = make_relaxer(levels[level].capacities);
   {
     const Stop::Pause pause(stop);
     update_all(metric, state, arena);

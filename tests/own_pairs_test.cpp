@@ -185,6 +185,7 @@ TEST_CASE(
       const Metric metric(dimension, Domain::periodic(box));
       constexpr Index kSites = 240;
       constexpr int kPasses = 8;
+      constexpr std::size_t kMost = 850;
       /// As a run does it, on ranks or not: what one process has, of which a rank's part is due.
       const auto passes = [&](const Tiling& tiling, const Arena& arena) {
         SiteState sites = scattered_sites(box, kSites);
@@ -201,10 +202,9 @@ TEST_CASE(
                          {gabriel.begin(), gabriel.end()}});
           disturb(sites, metric, random, pass % 4 == 3 ? kSites : 6);
         }
-        // A limit between what any one rank finds and what all do.
+        // More than any rank finds, fewer than all do.
         meeting.forget();
-        const auto most = all.back().first.size() > 0 ? std::size_t{900} : std::size_t{0};
-        all.push_back({meeting.refresh(metric, sites, tiling, arena, most), {}, {}, {}});
+        all.push_back({meeting.refresh(metric, sites, tiling, arena, kMost), {}, {}, {}});
         return all;
       };
       const std::vector<Pass> alone = passes(Tiling(kSites, 8), Arena(2));
@@ -231,6 +231,7 @@ TEST_CASE(
       CHECK(found == expected);
       // No rank has the list of all.
       for (const auto& pass : found) CHECK(pass[0].first.size() < alone[0].first.size());
+      REQUIRE(alone[kPasses - 1].first.size() > kMost);
     }
   }
 }

@@ -108,15 +108,15 @@ bool Descent<Scalar>::find_neighbours(const LevelState<Scalar>& state) {
   }
   const std::size_t most = kMostNeighbours * sites / 2;
   const Tiling& tiling = state.tiling;
-  if (meeting_.refresh(metric_, state.sites, tiling, arena_, most) ==
-      MeetingPairs::Refreshed::too_many) {
-    return false;
+  const auto refreshed = meeting_.refresh(metric_, state.sites, tiling, arena_, most);
+  if (refreshed == MeetingPairs::Refreshed::too_many) return false;
+  if (refreshed != MeetingPairs::Refreshed::unchanged || near_.empty()) {
+    // All ranks need all of them: of large cells, which are few.
+    const Buffer<Pair> first = pairs_of_all(tiling, meeting_.pairs());
+    const Buffer<Pair> added = pairs_of_all(tiling, meeting_.added());
+    near_.reset(first.size() + added.size());
+    std::copy(added.begin(), added.end(), std::copy(first.begin(), first.end(), near_.begin()));
   }
-  // All ranks need all of them: of large cells, which are few.
-  const Buffer<Pair> first = pairs_of_all(tiling, meeting_.pairs());
-  const Buffer<Pair> added = pairs_of_all(tiling, meeting_.added());
-  near_.reset(first.size() + added.size());
-  std::copy(added.begin(), added.end(), std::copy(first.begin(), first.end(), near_.begin()));
   std::vector<std::size_t> neighbours(sites, 0);
   for (const Pair& pair : near_) {
     ++neighbours[pair.first];

@@ -48,16 +48,19 @@ double usual(const std::vector<double>& reach) {
 }  // namespace
 
 Buffer<SiteNumber> MeetingPairs::outgrown(const Metric& metric, const SiteState& sites,
-                                          const Arena& arena) const {
+                                          const Tiling& tiling, const Arena& arena) const {
   const auto is_inside = [&](SiteNumber s) {
     const double room = reach_[s] - sites.radius[s];
     return room >= 0 && metric.squared_distance(sites.at(s), at(s)) * kRounding <= room * room;
   };
-  return collect_by_site_together<SiteNumber>(
-      arena, reach_.size(), kSitesPerGrain,
-      [&](SiteNumber site, std::vector<SiteNumber>& left, int) {
-        if (!is_inside(site)) left.push_back(site);
-      });
+  return found_together(tiling.ranks(),
+                        collect_of_own_sites<SiteNumber>(
+                            arena, tiling, kSitesPerGrain,
+                            [&](NumberRange<SiteNumber> own, std::vector<SiteNumber>& left, int) {
+                              for (const SiteNumber site : own) {
+                                if (!is_inside(site)) left.push_back(site);
+                              }
+                            }));
 }
 
 void MeetingPairs::enter(const SiteState& sites, SiteNumber site) {
@@ -95,7 +98,7 @@ MeetingPairs::Refreshed MeetingPairs::refresh(const Metric& metric, const SiteSt
                                               const Tiling& tiling, const Arena& arena,
                                               std::size_t limit) {
   if (search_) {
-    const Buffer<SiteNumber> left = outgrown(metric, sites, arena);
+    const Buffer<SiteNumber> left = outgrown(metric, sites, tiling, arena);
     if (left.empty()) return Refreshed::unchanged;
     const std::size_t moved = moved_.size() + left.size();
     if (moved <= sites.count() / kMovedShare && extend(metric, sites, tiling, left, arena)) {
@@ -245,7 +248,8 @@ void MeetingPairs::save(ByteWriter& out, std::span<const Pair> added) const {
   out.put(before_.position);
   out.put(before_.reach);
   out.put(moved_);
-  out.put(std::vector<Pair>(added.begin(), added.end()));
+  out.put(std::uint64_t{added.size()});
+  out.put(added);
 }
 
 void MeetingPairs::load(ByteReader& in, const Metric& metric, const Tiling& tiling,

@@ -57,7 +57,7 @@ class MeetingPairs {
   [[nodiscard]] Group group(const Metric& metric, std::span<const SiteNumber> sites,
                             const Arena& arena) const;
   [[nodiscard]] Buffer<SiteNumber> outgrown(const Metric& metric, const SiteState& sites,
-                                            const Arena& arena) const;
+                                            const Tiling& tiling, const Arena& arena) const;
   void enter(const SiteState& sites, SiteNumber site);
   [[nodiscard]] bool may_meet(SiteNumber a, SiteNumber b, double squared) const;
   bool build(const Metric& metric, const SiteState& sites, const Tiling& tiling, const Arena& arena,

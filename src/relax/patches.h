@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "parallel/bytes.h"
@@ -24,9 +25,11 @@ class Patches {
   /// `sizes`: how many points each cell has.
   Patches(int dimension, std::span<const Index> sizes)
       : dimension_(static_cast<std::size_t>(dimension)), exchanged_(sizes.size()) {
-    const bool any =
-        std::any_of(sizes.begin(), sizes.end(), [this](Index n) { return divides(n); });
-    cells_.resize(any ? sizes.size() : 0);
+    Index last = 0;  // most are alike
+    const auto is_divided = [&](Index size) {
+      return size != std::exchange(last, size) && divides(size);
+    };
+    if (std::any_of(sizes.begin(), sizes.end(), is_divided)) cells_.resize(sizes.size());
   }
 
   /// What dividing a cell needs. One per worker.
@@ -55,7 +58,8 @@ class Patches {
   [[nodiscard]] std::span<const Scalar> low(SiteNumber site) const { return cells_[site].low; }
   [[nodiscard]] std::span<const Scalar> high(SiteNumber site) const { return cells_[site].high; }
 
-  /// Whether any is ever divided: where not, nothing is known but exchanged().
+  /// Whether any is ever divided: where not, nothing is known but exchanged(), and nothing else may
+  /// be asked but has().
   [[nodiscard]] bool any() const { return !cells_.empty(); }
   /// Whether a cell of so many points is ever divided. What is known of others does not matter.
   [[nodiscard]] bool divides(Index points) const { return ends(points) > 0; }

@@ -14,8 +14,6 @@
 namespace ccvt {
 namespace {
 
-/// n^2 at most: 64 MB of floats.
-constexpr std::size_t kMostPairs = std::size_t{1} << 24;
 /// Rows and columns that are gone through together, since reaches both ways of a pair are wanted.
 constexpr std::size_t kTile = 64;
 /// Sites that a cell is multiplied with at once: they stay in cache beside it.
@@ -75,11 +73,6 @@ Scalar at_most(Scalar reach) {
 }  // namespace
 
 template <class Scalar>
-bool Reaches<Scalar>::fit(std::size_t sites, std::int64_t points) {
-  return sites * sites <= kMostPairs && points <= std::numeric_limits<Index>::max();
-}
-
-template <class Scalar>
 Reaches<Scalar>::Reaches(const Cells<Scalar>& cells, const Tiling& tiling)
     : count_(cells.site_count()),
       own_(tiling.own_sites()),
@@ -103,9 +96,7 @@ void Reaches<Scalar>::set_known(const Cells<Scalar>& cells, const SiteState& sit
   position_ = sites.position;
   arena.for_each(own_.size(), 16, [&](std::size_t k) {
     auto counted = counted_.begin() + static_cast<std::ptrdiff_t>(first_[k]);
-    for (const PointOfAll p : cells.points(SiteNumber(*own_.begin() + k))) {
-      *counted++ = PointNumber(p.index());
-    }
+    for (const PointOfAll p : cells.points(SiteNumber(*own_.begin() + k))) *counted++ = p;
   });
   known_ = true;
 }
@@ -116,18 +107,34 @@ template <class Scalar>
 template <class Wanted>
 void Reaches<Scalar>::exchange(const Wanted& wanted) {
   if (ranks_ == nullptr) return;
+  const auto of_rank = [this](int rank) {
+    const auto [begin, end] = std::equal_range(rank_of_.begin(), rank_of_.end(), rank);
+    return NumberRange(SiteNumber(begin - rank_of_.begin()), SiteNumber(end - rank_of_.begin()));
+  };
+  std::vector<Scalar> row;
   std::vector<ByteWriter> to(static_cast<std::size_t>(ranks_->count()));
-  for (const SiteNumber i : own_) {
-    for (const SiteNumber j : sites_below(count_)) {
-      if (wanted(i, j)) to[static_cast<std::size_t>(rank_of_[j])].put(of(i)[j]);
+  for (int rank = 0; rank < ranks_->count(); ++rank) {
+    for (const SiteNumber i : own_) {
+      row.clear();
+      for (const SiteNumber j : of_rank(rank)) {
+        if (wanted(i, j)) row.push_back(of(i)[j]);
+      }
+      to[static_cast<std::size_t>(rank)].put(std::span<const Scalar>(row));
     }
   }
   const std::vector<Ranks::Bytes> come = exchanged(*ranks_, std::move(to));
-  std::vector<ByteReader> readers(come.begin(), come.end());
-  for (const SiteNumber j : sites_below(count_)) {
-    ByteReader& reader = readers[static_cast<std::size_t>(rank_of_[j])];
-    for (const SiteNumber i : own_) {
-      if (wanted(i, j)) back_[row_of(i) * count_ + j] = reader.get<Scalar>();
+  for (int rank = 0; rank < ranks_->count(); ++rank) {
+    ByteReader message(come[static_cast<std::size_t>(rank)]);
+    for (const SiteNumber j : of_rank(rank)) {
+      row.clear();
+      for (const SiteNumber i : own_) {
+        if (wanted(i, j)) row.push_back(0);
+      }
+      message.get(std::span(row));
+      const Scalar* next = row.data();
+      for (const SiteNumber i : own_) {
+        if (wanted(i, j)) back_[row_of(i) * count_ + j] = *next++;
+      }
     }
   }
 }
@@ -271,7 +278,7 @@ void Reaches<Scalar>::follow(const Cells<Scalar>& cells, const SiteState& sites,
       if (touched[i] == 0) continue;
       const auto points = cells.points(i);
       for (std::size_t k = 0; k < points.size(); ++k) {
-        const PointNumber point(points[k].index());
+        const PointOfAll point = points[k];
         if (std::exchange(counted_[first_[row_of(i)] + k], point) != point) came.push_back({i, k});
       }
     }

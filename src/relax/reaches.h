@@ -32,8 +32,8 @@ struct ReachSteps;
 template <class Scalar>
 class Reaches {
  public:
-  /// Whether there is memory for them.
-  [[nodiscard]] static bool fit(std::size_t sites, std::int64_t points);
+  /// Of so many pairs of sites at most, for there is to be memory: 64 MB of floats.
+  static constexpr std::size_t kMostPairs = std::size_t{1} << 24;
 
   Reaches(const Cells<Scalar>& cells, const Tiling& tiling);
 
@@ -93,7 +93,7 @@ class Reaches {
   std::vector<Scalar> back_;          ///< likewise of cell j for own site i, where there are ranks
   std::vector<std::uint8_t> marked_;  ///< likewise, what is to be computed
   std::vector<double> position_;      ///< of the sites that reaches are for
-  std::vector<PointNumber> counted_;  ///< the points that reaches count, own cell by cell
+  std::vector<PointOfAll> counted_;   ///< the points that reaches count, own cell by cell
   std::vector<std::size_t> first_;    ///< of each own cell, where its points begin
 };
 

@@ -240,7 +240,7 @@ bool screening_pays(const Metric& metric) {
 /// Where the reaches of all cells for all sites are to be kept from now on, if anywhere.
 template <class Scalar>
 Reaches<Scalar>* Screen<Scalar>::start_keeping(const Cells<Scalar>& cells, const Tiling& tiling) {
-  if (!Reaches<Scalar>::fit(cells.site_count(), cells.point_count())) return nullptr;
+  if (cells.site_count() * cells.site_count() > most_kept_) return nullptr;
   if (!reaches_) reaches_.emplace(cells, tiling);
   return &*reaches_;
 }

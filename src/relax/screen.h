@@ -22,12 +22,14 @@ bool screening_pays(const Metric& metric);
 template <class Scalar>
 class Screen {
  public:
-  explicit Screen(const Metric& metric) : metric_(metric) {}
+  /// Reaches are kept of so many pairs of sites at most.
+  explicit Screen(const Metric& metric, std::size_t most_kept = Reaches<Scalar>::kMostPairs)
+      : metric_(metric), most_kept_(most_kept) {}
 
   /// Sorted. Pairs with neither site `touched` are left out: none of their cells has changed and
   /// none of their sites moved since the last call, but for the first. O(m n D), divided among the
-  /// ranks that have the tiles; where Reaches fit, later calls multiply only what may gain by what
-  /// the calls before have found, and find the same.
+  /// ranks that have the tiles; where Reaches are kept, later calls multiply only what may gain by
+  /// what the calls before have found, and find the same.
   Buffer<Pair> gaining(const Cells<Scalar>& cells, const SiteState& sites,
                        const std::vector<std::uint8_t>& touched, const Tiling& tiling,
                        const Arena& arena);
@@ -40,6 +42,7 @@ class Screen {
   Reaches<Scalar>* start_keeping(const Cells<Scalar>& cells, const Tiling& tiling);
 
   const Metric& metric_;
+  std::size_t most_kept_;
   std::optional<Reaches<Scalar>> reaches_;
 };
 

@@ -15,8 +15,8 @@ namespace ccvt {
 
 /// Those of `pairs` whose diametral ball holds no third site that is paired with the first: the
 /// Gabriel graph, a connected part of the Delaunay graph, when `pairs` holds all of that. By their
-/// first site. Of several ranks each gives the pairs of its own sites (see own_pairs.h), and all
-/// get all. O(pairs * degree).
+/// first site. Of several ranks each gives at least the pairs of its own sites (see own_pairs.h),
+/// and all get all. O(pairs * degree).
 Buffer<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
                            std::span<const Pair> pairs, const Tiling& tiling,
                            const Arena& arena = Arena(1));

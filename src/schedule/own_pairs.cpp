@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 #include <vector>
 
-#include "parallel/loops.h"
 #include "parallel/together.h"
 
 namespace ccvt {
@@ -40,9 +40,17 @@ Buffer<Pair> pairs_of_all(const Tiling& tiling, std::span<const Pair> own) {
                                 [site](const Pair& pair) { return pair.first < site; });
   };
   const auto begin = from(*sites.begin());
-  Buffer<Pair> given(static_cast<std::size_t>(std::max(begin, from(*sites.end())) - begin));
-  std::copy_n(begin, given.size(), given.begin());
-  return found_together(tiling.ranks(), std::move(given));
+  const std::span<const Pair> given(begin, std::max(begin, from(*sites.end())));
+  std::vector<std::size_t> counts = of_all(tiling.ranks(), given.size());
+  Buffer<Pair> all;
+  agree(tiling.ranks(),
+        [&] { all.reset(std::accumulate(counts.begin(), counts.end(), std::size_t{0})); });
+  if (tiling.ranks() == nullptr) {
+    std::copy(given.begin(), given.end(), all.begin());
+  } else {
+    put_together<Pair>(*tiling.ranks(), given, std::move(counts), all.span());
+  }
+  return all;
 }
 
 }  // namespace ccvt

@@ -20,7 +20,8 @@ namespace ccvt {
 /// may not have found: now both have them, in no order, twice where both had found them. All ranks.
 Buffer<Pair> with_pairs_of_others(const Tiling& tiling, Buffer<Pair> found);
 
-/// The lists of all ranks, each in order, put together: in order, each pair once. All ranks.
+/// The lists of all ranks, each in order, put together: in order, each pair once. All ranks; where
+/// one has no memory for them, all throw std::bad_alloc.
 Buffer<Pair> pairs_of_all(const Tiling& tiling, std::span<const Pair> own);
 
 }  // namespace ccvt

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <cassert>
 #include <cstdint>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include "parallel/loops.h"
@@ -133,9 +133,11 @@ std::vector<Task> tasks_of_all(std::span<const Task> here, const Tiling& tiling)
   all = joined(tiling.ranks(), std::move(all));
   auto next = here.begin();
   for (Task& task : all) {
-    if (next != here.end() && next->a == task.a && next->b == task.b) task = *next++;
+    if (next == here.end() || next->a != task.a || next->b != task.b) continue;
+    if (next->size() != task.size()) break;
+    task = *next++;
   }
-  assert(next == here.end());
+  if (next != here.end()) throw std::logic_error("schedule: ranks have other pairs of two tiles");
   return all;
 }
 
