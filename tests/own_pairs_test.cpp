@@ -9,6 +9,7 @@
 #include <iterator>
 #include <numeric>
 #include <span>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -173,6 +174,21 @@ TEST_CASE("own pairs: the schedule of all ranks is that of one process") {
       CHECK(std::accumulate(with_pairs.begin(), with_pairs.end(), std::size_t{0}) >= all.size());
     }
   }
+}
+
+TEST_CASE("own pairs: lists of ranks that contradict each other make no schedule") {
+  const Pairs all{Pair(0, 1), Pair(1, 2), Pair(1, 3), Pair(2, 3)};  // of sites 0 and 1, and 2 and 3
+  std::vector<int> thrown(2, 0);
+  on_ranks(2, 4, 2, [&](const Tiling& tiling, std::size_t rank) {
+    Pairs own = own_of(tiling, all);
+    if (rank == 1) own.erase(std::find(own.begin(), own.end(), Pair(1, 3)));
+    try {
+      static_cast<void>(ccvt::schedule_own_pairs(own, tiling, Arena(1)));
+    } catch (const std::logic_error&) {
+      thrown[rank] = 1;
+    }
+  });
+  CHECK(thrown == std::vector<int>{0, 1});
 }
 
 TEST_CASE(

@@ -129,6 +129,7 @@ ADVICE = {
     "src/relax/filling.h": "Take more sites, or a smaller `tile_sites`: each tile then has fewer points.",
     "src/relax/balance.cpp": "A mistake of the library: please report it.",
     "src/relax/mover.cpp": "A mistake of the library: please report it.",
+    "src/schedule/schedule.cpp": "A mistake of the library: please report it.",
     "src/solver.cpp": "Return true from `Options::cancelled`, or call this from `Options::on_iteration`.",
     "src/run_checkpoint.cpp": "A checkpoint is saved from and loaded into a solver that has not ended. "
                               "What is damaged cannot be continued: remove it, and the run begins anew.",
