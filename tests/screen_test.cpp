@@ -98,6 +98,13 @@ struct Changing {
   Random random;
 };
 
+struct Shape {
+  int dimension;
+  std::size_t sites;
+  Index size;
+  double scale;
+};
+
 std::vector<Pair> listed(const Buffer<Pair>& pairs) { return {pairs.begin(), pairs.end()}; }
 
 }  // namespace
@@ -106,12 +113,6 @@ TEST_SUITE_BEGIN("screen");
 
 TEST_CASE_TEMPLATE("screen: what is kept finds the pairs that a new screen finds, all that gain",
                    Scalar, float, double) {
-  struct Shape {
-    int dimension;
-    std::size_t sites;
-    Index size;
-    double scale;
-  };
   for (const Shape& shape :
        {Shape{7, 2, 3, 1}, Shape{8, 60, 2, 1}, Shape{16, 141, 9, 1}, Shape{20, 65, 40, 1e-3},
         Shape{9, 70, 5, 1e6}, Shape{9, 70, 5, 1e13}, Shape{9, 70, 5, 1e18}, Shape{16, 50, 4, 1e20},
@@ -163,12 +164,6 @@ TEST_CASE_TEMPLATE("screen: what is kept finds the pairs that a new screen finds
 
 TEST_CASE_TEMPLATE("screen: ranks, each with its own cells only, find what one process finds",
                    Scalar, float, double) {
-  struct Shape {
-    int dimension;
-    std::size_t sites;
-    Index size;
-    double scale;
-  };
   for (const Shape& shape : {Shape{7, 5, 3, 1}, Shape{8, 60, 2, 1}, Shape{16, 141, 9, 1},
                              Shape{9, 70, 5, 1e6}, Shape{9, 40, 3, 1e-25}}) {
     for (const int count : {1, 2, 3}) {

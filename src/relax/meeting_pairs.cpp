@@ -53,14 +53,10 @@ Buffer<SiteNumber> MeetingPairs::outgrown(const Metric& metric, const SiteState&
     const double room = reach_[s] - sites.radius[s];
     return room >= 0 && metric.squared_distance(sites.at(s), at(s)) * kRounding <= room * room;
   };
-  return found_together(tiling.ranks(),
-                        collect_of_own_sites<SiteNumber>(
-                            arena, tiling, kSitesPerGrain,
-                            [&](NumberRange<SiteNumber> own, std::vector<SiteNumber>& left, int) {
-                              for (const SiteNumber site : own) {
-                                if (!is_inside(site)) left.push_back(site);
-                              }
-                            }));
+  return collect_by_site_together<SiteNumber>(
+      arena, tiling, kSitesPerGrain, [&](SiteNumber site, std::vector<SiteNumber>& left, int) {
+        if (!is_inside(site)) left.push_back(site);
+      });
 }
 
 void MeetingPairs::enter(const SiteState& sites, SiteNumber site) {

@@ -73,12 +73,7 @@ Buffer<Pair> gabriel_pairs(const Metric& metric, const SiteState& sites,
       if (std::none_of(own.nearest_first.begin(), next, between)) kept.emplace_back(a, next->site);
     }
   };
-  return found_together(tiling.ranks(),
-                        collect_of_own_sites<Pair>(
-                            arena, tiling, kSitesPerGrain,
-                            [&](NumberRange<SiteNumber> own, std::vector<Pair>& kept, int worker) {
-                              for (const SiteNumber site : own) keep(site, kept, worker);
-                            }));
+  return collect_by_site_together<Pair>(arena, tiling, kSitesPerGrain, keep);
 }
 
 SiteGraph::SiteGraph(std::size_t sites, std::span<const Pair> edges, const Arena& arena)

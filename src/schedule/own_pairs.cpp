@@ -39,8 +39,7 @@ Buffer<Pair> pairs_of_all(const Tiling& tiling, std::span<const Pair> own) {
     return std::partition_point(own.begin(), own.end(),
                                 [site](const Pair& pair) { return pair.first < site; });
   };
-  const auto begin = from(*sites.begin());
-  const std::span<const Pair> given(begin, std::max(begin, from(*sites.end())));
+  const std::span<const Pair> given(from(*sites.begin()), from(*sites.end()));
   std::vector<std::size_t> counts = of_all(tiling.ranks(), given.size());
   Buffer<Pair> all;
   agree(tiling.ranks(),

@@ -135,19 +135,7 @@ void for_each_site(const Arena& arena, std::size_t sites, std::size_t grain, con
   arena.for_each(sites, grain, [&body](std::size_t s) { body(SiteNumber(s)); });
 }
 
-/// What body(site, out, worker) appends to the vector `out`, one site after the other; ranks divide
-/// the sites.
-template <class T, class Body>
-Buffer<T> collect_by_site_together(const Arena& arena, std::size_t sites, std::size_t grain,
-                                   const Body& body) {
-  return collect_together<T>(
-      arena, sites, grain,
-      [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
-        for (const SiteNumber site : sites_between(begin, end)) body(site, out, worker);
-      });
-}
-
-/// The same, each rank all.
+/// What body(site, out, worker) appends to the vector `out`, one site after the other.
 template <class T, class Body>
 Buffer<T> collect_by_site(const Arena& arena, std::size_t sites, std::size_t grain,
                           const Body& body) {
@@ -170,6 +158,19 @@ Buffer<T> collect_of_own_sites(const Arena& arena, const Tiling& tiling, std::si
                     [&](std::size_t begin, std::size_t end, std::vector<T>& out, int worker) {
                       body(sites_between(first + begin, first + end), out, worker);
                     });
+}
+
+/// What body(site, out, worker) appends for each rank's own sites, on all ranks: for all sites, one
+/// after the other.
+template <class T, class Body>
+Buffer<T> collect_by_site_together(const Arena& arena, const Tiling& tiling, std::size_t grain,
+                                   const Body& body) {
+  return found_together(
+      tiling.ranks(),
+      collect_of_own_sites<T>(arena, tiling, grain,
+                              [&](NumberRange<SiteNumber> own, std::vector<T>& out, int worker) {
+                                for (const SiteNumber site : own) body(site, out, worker);
+                              }));
 }
 
 }  // namespace ccvt
